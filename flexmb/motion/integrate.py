@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.derivative import with_derivative
+from ..mechanics.extent import sizes_of
 from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
@@ -28,9 +29,12 @@ from .loop import controlled_form, measuring, under_inputs
 from .march import Marched, march
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
+from .start import Start, begins_driven, driven_start, is_determined
 from .step_size import SMALLEST_STEP
 from .tree_form import TreeForm, tree_form
 
+# Where a mechanism is not where it is driven by more than this share of its extent, it cannot be assembled there.
+MET = 1e-6
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
@@ -55,20 +59,6 @@ class Problem(Record):
     measured_from: Float[Array, "n_x"] | None
     order: Levels | SparseOrder | None = None
     tree: Tree | None = None
-
-
-class Start(NamedTuple):
-    """Where a motion starts from.
-
-    Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        xd: Their velocities, (n_x,).
-        near: Deformations, (n_e,), from which turns are counted on; None: from the undeformed mechanism.
-    """
-
-    x: Float[Array, "n_x"]
-    xd: Float[Array, "n_x"]
-    near: Any = None
 
 
 class Reached(NamedTuple):
@@ -255,14 +245,26 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
     return mechanism
 
 
-def _started(equations: Equations, problem: Problem, t: Float[Array, ""], given: Start | MotionState) -> MotionState:
+def _started(
+    equations: Equations, problem: Problem, t: Float[Array, ""], given: Start | MotionState
+) -> tuple[MotionState, Any]:
+    """State that a motion starts from, and a code of RESULTS."""
+    fine = jnp.asarray(RESULTS.successful, jnp.int32)
     if isinstance(given, MotionState):
-        return given
+        return given, fine
     start = equations.state_of(*given)
-    if any(one.quantity in ("x", "e") for one in problem.driven):
-        # What is driven may have speed from the start, and take the rest along.
-        start = equations.settle(t, start)
-    return start
+    form = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
+    if not begins_driven(form):
+        return start, fine
+    # What is driven takes the rest along; where degrees of freedom do not say how, by the least change.
+    state = equations.settle(t, start)
+    extent = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)
+    there = jnp.max(jnp.abs(equations.gap(t, state)), initial=0.0) <= MET * extent
+    if problem.order is None and is_determined(form):
+        found, met = driven_start(form, t, given)
+        state = jax.tree.map(lambda a, b: jnp.where(met, a, b), equations.state_of(*found), state)
+        there = there | met
+    return state, jnp.where(there, fine, RESULTS.out_of_reach).astype(jnp.int32)
 
 
 @jit_beside_options
@@ -272,7 +274,7 @@ def begin(problem: Problem, form: str, t: Float[Array, ""], given: Start) -> Mot
     Args:
         given: Where it starts from.
     """
-    return _started(_equations(problem, form), problem, t, given)
+    return _started(_equations(problem, form), problem, t, given)[0]
 
 
 @jit_beside_options
@@ -288,10 +290,11 @@ def integrate(
         given: Where it goes on from.
     """
     equations = _equations(problem, integrator.form)
-    start = _started(equations, problem, span[0], given.state)
+    start, begun = _started(equations, problem, span[0], given.state)
     states, moved, steps, result = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved)
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
+    result = jnp.where(begun == RESULTS.successful, result, begun)
     return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved))
 
 
@@ -344,8 +347,10 @@ def integrate_sampled(
         states, moved, steps, result = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
         return Reached(_last(states), (memory, u), moved), (states, u, steps, result)
 
-    start = given._replace(state=_started(undriven, problem, grid.begin[0], given.state))
+    first, begun = _started(undriven, problem, grid.begin[0], given.state)
+    start = given._replace(state=first)
     last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), jnp.max(result), last)
+    result = jnp.where(begun == RESULTS.successful, jnp.max(result), begun)
+    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last)

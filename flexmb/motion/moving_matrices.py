@@ -12,7 +12,7 @@ from ..mechanics.inertia import Felt, weight_stiffness
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.transfer import Transfer, correction, multipliers, transfer
 from ..results import RESULTS
-from .coordinates_form import CoordinatesForm
+from .coordinates_form import AllCoordinates, CoordinatesForm
 from .element_forces import Moving, acting_forces, deformed, force_derivatives
 
 
@@ -140,6 +140,34 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     return found, at.residual
 
 
+def rates_at(
+    form: CoordinatesForm,
+    given: AllCoordinates,
+    tangent: Transfer,
+    jacobian: Float[Array, "n_e n_x"],
+    qd: Float[Array, "n_q"],
+    speed: float | Float[Array, ""] = 1.0,
+) -> Float[Array, "n_x"]:
+    """Velocities of all coordinates at given rates of the degrees of freedom and of what is prescribed, (n_x,).
+
+    Args:
+        form: Equations of motion in all coordinates.
+        given: What is prescribed, and its rates.
+        tangent: Transfer functions there.
+        jacobian: Derivatives of the deformations there.
+        qd: Rates of the degrees of freedom, (n_q,) [1/s].
+        speed: Factor of the rates of what is prescribed, () [-].
+    """
+    still = jnp.zeros(form.topology.n_e)
+    return tangent.DFx @ qd + speed * _following(form, tangent, jacobian, given.v, given.ed, still)
+
+
+def _following(form: CoordinatesForm, tangent: Transfer, jacobian: Array, moved: Array, wanted: Array, rest: Array):
+    """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
+    excess = put(jnp.zeros(form.topology.n_e), form.held, -wanted) + jacobian @ moved + rest
+    return correction(form.topology, tangent, excess, moved)
+
+
 def carried(
     form: CoordinatesForm,
     t: Float[Array, ""],
@@ -164,14 +192,9 @@ def carried(
     given = form.whole(t, none, none, none)
     _, jacobian = deformed(form.elements, x, near)
     tangent = transfer(top, jacobian)
-
-    def answer(prescribed: Float[Array, "n_x"], wanted: Float[Array, "m"], rest: Float[Array, "n_e"]):
-        """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
-        excess = jnp.zeros(top.n_e).at[form.held].set(-wanted) + jacobian @ prescribed + rest
-        return correction(top, tangent, excess, prescribed)
-
-    v = tangent.DFx @ qd + speed * answer(given.v, given.ed, jnp.zeros(top.n_e))
+    v = rates_at(form, given, tangent, jacobian, qd, speed)
     still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
     kin = acting_forces(form.elements, Moving(x, v, still, near), None, form.stress_of(t, nothing)).kinematics
-    a = tangent.DFx @ qdd + answer(speed**2 * given.a, speed**2 * given.edd, kin.edd)
+    driven = _following(form, tangent, jacobian, speed**2 * given.a, speed**2 * given.edd, kin.edd)
+    a = tangent.DFx @ qdd + driven
     return Moving(x, v, a, near)

@@ -32,12 +32,13 @@ from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
-from .integrate import Problem, Reached, Start, begin, integrate, integrate_sampled
+from .integrate import Problem, Reached, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
+from .start import Start
 
 if TYPE_CHECKING:
     import diffrax

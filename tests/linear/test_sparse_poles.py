@@ -186,7 +186,10 @@ def test_what_is_refused():
     with pytest.raises(fm.ModelError, match="give few of the"):
         fm.poles(beck(1.0, beams=MANY // 3 + 1), count=4 * MANY, sparse=True)
     # A motion with neither mass nor stiffness, and one of negative mass.
-    for mass, inertia, why in ((1.0, 0.0, r"no stiffness.*that is b\.y \(1\), a\.rotation"), (1.0, -1e-3, "a negative one")):
+    for mass, inertia, why in (
+        (1.0, 0.0, r"no stiffness.*that is b\.y \(1\), a\.rotation"),
+        (1.0, -1e-3, "a negative one"),
+    ):
         b = fm.Builder()
         b.node("a", (0.0, 0.0))
         b.node("b", (1.0, 0.0))

@@ -1,0 +1,103 @@
+"""Where a motion starts from: what is driven is where its law puts it, and degrees of freedom are where they were."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..math.indices import put
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.extent import sizes_of
+from ..mechanics.transfer import correction, transfer
+from ..statics.configuration import CORRECTIONS, STEP
+from .coordinates_form import CoordinatesForm
+from .moving_matrices import rates_at
+from .reduced_form import ReducedForm, reduced_form
+
+# What is driven is brought to where it begins in so many steps at most.
+MOST_STEPS = 1000
+# Held deformations are where they should be within this share of the mechanism's extent, or radians.
+SETTLED = 1e-9
+
+
+class Start(NamedTuple):
+    """Where a motion starts from.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        xd: Their velocities, (n_x,).
+        near: Deformations, (n_e,), from which turns are counted on; None: from the undeformed mechanism.
+    """
+
+    x: Float[Array, "n_x"]
+    xd: Float[Array, "n_x"]
+    near: Any = None
+
+
+def begins_driven(form: CoordinatesForm) -> bool:
+    """Whether what is held may be elsewhere when a motion begins, and move."""
+    return any(one.quantity in ("x", "e", "increment", "temperature") for one in form.driven)
+
+
+def is_determined(form: CoordinatesForm) -> bool:
+    """Whether there are as many degrees of freedom as determine a mechanism."""
+    top = form.topology
+    given = (top.e.fixed, top.e.prescribed, top.e.dof)
+    return top.x.dependent.shape[0] == sum(own.shape[0] for own in given)
+
+
+def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tuple[Start, Bool[Array, ""]]:
+    """Where a motion starts whose mechanism is driven, and whether there is such a place.
+
+    Degrees of freedom and their rates stay as given; the other coordinates follow.
+
+    Args:
+        form: Equations of motion in all coordinates.
+        t: Time at which it starts [s].
+        given: Where it would start if nothing were driven.
+
+    Source:
+        THEORY.md 4, eq. (4.2), in steps of what is driven; derivatives are those of the implicit function.
+    """
+    reduced = reduced_form(form)
+    own = reduced.state_of(*given)
+    x, near = form.placed(_aim(form, t), own.u * reduced.sizes, *_walked(*jax.lax.stop_gradient((form, t, own))))
+    at = _aim(form, t)
+    e, jacobian = deformation_jacobian(form.topology, form.parameters, x, near)
+    off = jnp.max(jnp.abs(e[form.held] - at.e), initial=0.0)
+    largest = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)
+    v = rates_at(form, at, transfer(form.topology, jacobian), jacobian, own.w * reduced.sizes)
+    there = (off <= SETTLED * largest) & jnp.all(jnp.isfinite(x)) & jnp.all(jnp.isfinite(v))
+    return Start(x, v, near), there
+
+
+def _aim(form: CoordinatesForm, t: Float[Array, ""]):
+    none = jnp.zeros(form.size)
+    return form.whole(t, none, none, none)
+
+
+def _walked(form: CoordinatesForm, t: Float[Array, ""], own: Any) -> tuple[Array, Array]:
+    """Coordinates and deformations near to where the mechanism is driven, in steps from where it was."""
+    reduced: ReducedForm = reduced_form(form)
+    top, q = form.topology, own.u * reduced.sizes
+    x, e = own.memory[: top.n_x], own.memory[top.n_x :]
+    aim = _aim(form, t)
+    shift = put(jnp.zeros(top.n_x), top.x.prescribed, (aim.x - x)[top.x.prescribed])
+    # To first order, how far everything goes.
+    _, jacobian = deformation_jacobian(top, form.parameters, x, e)
+    change = put(jnp.zeros(top.n_e), form.held, e[form.held] - aim.e) + jacobian @ shift
+    way = correction(top, transfer(top, jacobian), change, shift) / sizes_of(top, form.parameters)
+    longest = jnp.max(jnp.abs(way), initial=0.0)
+    steps = jnp.clip(jnp.ceil(jnp.where(jnp.isfinite(longest), longest, 1.0) / STEP), 0, MOST_STEPS).astype(jnp.int32)
+
+    def further(at: tuple[Array, Array, Array]):
+        step, x, near = at
+        left = 1 - (step + 1).astype(float) / steps.astype(float)
+        partly = aim._replace(x=aim.x - left * shift, e=aim.e - left * (aim.e - e[form.held]))
+        for _ in range(CORRECTIONS // 4):
+            x, near = form.placed(partly, q, x, near)
+        return step + 1, x, near
+
+    _, x, near = jax.lax.while_loop(lambda at: at[0] < steps, further, (jnp.zeros((), jnp.int32), x, e))
+    return x, near

@@ -1,0 +1,150 @@
+"""Where a driven motion starts: what is driven is where its law says, and degrees of freedom are where they were."""
+
+import diffrax
+import jax
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import flexmb as fm
+from flexmb import planar, spatial
+
+LEVER = np.array([0.3, 0.2, 0.1])
+INERTIA = np.diag([0.1, 0.2, 0.25])
+
+
+def hub(element) -> fm.Model:
+    """A blade of 0.3 m on a hub that is driven."""
+    material = fm.Material(E=2e9, G=8e8, rho=2000.0, damping=1e-3)
+    b = fm.Builder()
+    b.node("o", (0, 0))
+    b.node("k", (0.3, 0))
+    b.add(element, "o", "k", name="blade", section=fm.Rectangle(0.02, 0.004, material))
+    b.fix("o", "position")
+    b.mass("k", 0.05)
+    b.prescribe("o", "rotation")
+    return b.build()
+
+
+@pytest.mark.parametrize("element", [planar.beam, planar.spectral_beam(order=3)])
+def test_a_blade_begins_at_the_speed_of_its_hub(element):
+    """Its degrees of freedom, which are deformations, begin at rest: it turns as a whole, at 10 rad/s."""
+    ends = []
+    for form in ("coordinates", "reduced"):
+        found = fm.simulate(
+            hub(element), [0.0, 0.01, 0.05], motion={"o.rotation": lambda t: 10 * t}, rtol=1e-8, form=form
+        )
+        np.testing.assert_allclose(found.velocity("k")[0], (0, 3.0, *found.velocity("k")[0, 2:]), atol=1e-12)
+        ends.append(found.at("k")[-1])
+    # As forms agree at this tolerance.
+    np.testing.assert_allclose(*ends, atol=1e-8)
+
+
+def gyroscope(turned: np.ndarray, tilt: str) -> fm.Model:
+    """A body whose rotation about an axis is driven, in another frame."""
+    b = fm.Builder()
+    b.node("o", (0, 0, 0))
+    b.node("m", turned @ LEVER)
+    b.add(spatial.rigid_body, "o", "m")
+    b.fix("o", "position")
+    b.mass("m", 2.0)
+    b.inertia("o", turned @ INERTIA @ turned.T)
+    b.gravity(turned @ [0, 0, -9.81])
+    b.prescribe("o", "rotation", axis=turned @ [0, 0, 1.0], tilt=tilt)
+    return b.build()
+
+
+def test_how_it_begins_is_the_same_in_every_frame():
+    found = []
+    for turned in (np.eye(3), Rotation.from_rotvec([1, 2, -0.5]).as_matrix()):
+        motion = fm.simulate(gyroscope(turned, "free"), [0.0, 0.3], motion={"o.rotation": lambda t: 2 * t}, rtol=1e-9)
+        np.testing.assert_allclose(motion.angular_velocity("o")[0] @ turned, (0, 0, 2), atol=1e-12)
+        found.append(np.array(motion.at("m")[-1]) @ turned)
+    np.testing.assert_allclose(*found, atol=1e-8)
+
+
+@pytest.mark.parametrize("form", ["coordinates", "reduced"])
+def test_a_law_may_begin_turned_far(form):
+    """A turn and more: where the body is and its energy, I w^2/2, in closed form."""
+    model = gyroscope(np.eye(3), "fixed")
+    about = INERTIA[2, 2] + 2.0 * (LEVER[0] ** 2 + LEVER[1] ** 2)
+    for angle in (3.0, 7.5):
+        motion = {"o.rotation": lambda t, angle=angle: angle + 2 * t}
+        found = fm.simulate(model, [0.0, 0.1], motion=motion, form=form)
+        np.testing.assert_allclose(
+            found.at("m")[0], Rotation.from_rotvec([0, 0, angle]).as_matrix() @ LEVER, atol=1e-12
+        )
+        np.testing.assert_allclose(found.observe().kinetic[0], about * 2.0**2 / 2, rtol=1e-12)
+
+
+def pendulum() -> fm.Builder:
+    """A rigid pendulum of a degree of freedom below a point that is driven sideways."""
+    b = fm.Builder()
+    b.node("o", (0, 0.0))
+    b.node("m", (0.3, -0.4))
+    b.rotation("r")
+    b.add(planar.rigid_beam, "o", "r", "m")
+    b.mass("m", 2.0)
+    b.inertia("r", 0.05)
+    b.fix("o", "y")
+    b.prescribe("o", "x")
+    b.gravity((0, -9.81))
+    b.start("r", "phi", 0.1, velocity=-0.2)
+    return b
+
+
+def test_start_values_are_kept_whatever_is_driven():
+    model = pendulum().build()
+    for law in (lambda t: 0.3 * t, lambda t: 0.3 + 0 * t):
+        found = fm.simulate(model, [0.0, 0.1], motion={"o.x": law})
+        np.testing.assert_allclose(found.rotation("r")[0], 0.1, atol=1e-14)
+        np.testing.assert_allclose(found.velocity("r", "phi")[0], -0.2, atol=1e-14)
+
+
+def test_derivatives_by_where_a_law_begins():
+    model = pendulum().build()
+
+    def end(amount, **adjoint):
+        motion = {"o.x": lambda t: amount * (1 + 2 * t + t**2)}
+        return fm.simulate(model, [0.0, 0.3], motion=motion, rtol=1e-9, atol=1e-9, **adjoint).at("m")[-1, 0]
+
+    # Of a second order in 1e-3, and as near as the integrations.
+    wanted = (end(0.2 + 1e-3) - end(0.2 - 1e-3)) / 2e-3
+    np.testing.assert_allclose(jax.grad(end)(0.2), wanted, rtol=1e-5)
+    forward = jax.jvp(lambda a: end(a, adjoint=diffrax.ForwardMode()), (0.2,), (1.0,))[1]
+    np.testing.assert_allclose(forward, wanted, rtol=1e-5)
+
+
+def test_heat_at_the_start_moves_what_it_pushes():
+    """A rigid body that is 50 K warm pushes a spring, the degree of freedom, which begins as it was."""
+    b = fm.Builder()
+    for name, x in {"a": 0.0, "b": 1.0, "c": 2.0}.items():
+        b.node(name, (x, 0))
+    b.add(planar.truss, "b", "c", name="spring", section=fm.Rigidity(EA=10.0))
+    b.add(planar.truss, "a", "b", name="hot", section=fm.Rigidity(EA=1e3, alpha=1e-3), released=())
+    b.fix("a", "y")
+    b.fix("b", "y")
+    b.fix("c")
+    b.mass("b", 1.0)
+    b.mass("a", 1.0)
+    b.temperature("hot", 0.0)
+    b.dof("spring", 1)
+    found = fm.simulate(b.build(), [0.0, 0.1], loads={"hot.temperature": lambda t: 50 + 300 * t})
+    np.testing.assert_allclose((found.at("a")[0, 0], found.at("b")[0, 0]), (-0.05, 1.0), atol=1e-12)
+    np.testing.assert_allclose((found.velocity("a")[0, 0], found.velocity("b")[0, 0]), (-0.3, 0.0), atol=1e-12)
+
+
+def test_where_it_cannot_be_assembled():
+    """A slider that pulls a crank further than both are long."""
+    b = fm.Builder()
+    b.node("o", (0, 0))
+    b.node("p", (0.3, 0.4))
+    b.node("q", (0.6, 0))
+    b.add(planar.truss, "o", "p", released=())
+    b.add(planar.truss, "p", "q", released=())
+    b.fix("o")
+    b.fix("q", "y")
+    b.prescribe("q", "x")
+    b.mass("p", 1.0)
+    with pytest.raises(fm.AnalysisError, match="cannot be assembled there"):
+        fm.simulate(b.build(), [0.0, 0.1], motion={"q.x": lambda t: 0.5 + t})
