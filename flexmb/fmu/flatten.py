@@ -181,6 +181,11 @@ class _Opener:
         if name in CALLS:
             inner = params[CALLS[name]]
             return self.opened(getattr(inner, "jaxpr", inner), getattr(inner, "consts", ()), inputs)
+        if name == "call_hi_primitive":
+            # JAX from 0.12 on writes out some of its functions, such as jnp.searchsorted, at the very last.
+            like = [jax.ShapeDtypeStruct(one.shape, one.dtype) for one in inputs]
+            inner = jax.make_jaxpr(lambda *given: jax.tree.leaves(params["_prim"].expand(*given)))(*like)
+            return self.opened(inner.jaxpr, inner.consts, inputs)
         if name == "platform_index":
             names = [("cpu" in one) if one else True for one in params["platforms"]]
             return [self.constant(np.int32(names.index(True)))]
@@ -224,9 +229,13 @@ class _Opener:
             blocks = tuple(self.block(one, inputs[1:], branch=True) for one in params["branches"])
             return self.placed(name, {}, inputs[:1], origin, blocks)
         if name == "scan":
-            fixed = params["num_consts"]
+            if "ft_in" in params:
+                # JAX from 0.12 on.
+                fixed, carried, _ = (len(group) for group in params["ft_in"].unpack())
+            else:
+                fixed, carried = params["num_consts"], params["num_carry"]
             body = self.block(params["jaxpr"], inputs[:fixed])
-            kept = {key: params[key] for key in ("length", "reverse", "num_carry")}
+            kept = {"length": params["length"], "reverse": params["reverse"], "num_carry": carried}
             return self.placed(name, kept, inputs[fixed:], origin, (body,))
         first, second = params["cond_nconsts"], params["cond_nconsts"] + params["body_nconsts"]
         carry = inputs[second:]

@@ -7,21 +7,22 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_number, check_whole, is_concrete
+from ..arguments import check_number, check_whole
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import sizes_of
 from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS
 from ..statics.choice import by_sparse
-from ..statics.equilibrium import STIFFNESS_MISSING, without_stiffness
+from ..statics.equilibrium import check_stiffness
 from ..statics.solve import change_of_equations
 from .critical import begin_path, null_vectors
 from .sparse_limit import NumbersTraced, sparse_limit_load
 from .stepper import (
     LARGEST_MOTION,
+    NO_LOAD,
     SHORTER,
     SMALLEST_STEP,
     Direction,
@@ -129,6 +130,7 @@ def _find_limit(
     bracket = (jnp.array(0.0), walk.tangent.load, walk.step, rate, rate, jnp.zeros((), jnp.int32), end.point)
     found = jax.lax.while_loop(unfinished, narrower, bracket)[-1]
     why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, result, RESULTS.max_steps))
+    why = jnp.where(jnp.abs(found.load) < NO_LOAD, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
     return _Limit(found.load, found.x, found.near, result.astype(jnp.int32))
 
@@ -214,18 +216,10 @@ def limit_load(
                     " jax.jit and jax.vmap: leave these or `sparse` out."
                 ) from None
         else:
-            _check(model, result, throw)
+            check_stiffness(model, result, throw)
             return load
     as_determined(model, "limit_load")
     first, turns = jnp.asarray(step, float), jnp.asarray(most, jnp.int32)
     load, result = _compiled_limit_load(model.topology, model.parameters, first, turns)
-    _check(model, result, throw)
+    check_stiffness(model, result, throw)
     return jnp.where(result == RESULTS.successful, load, jnp.nan)
-
-
-def _check(model: Model, result: Any, throw: bool) -> None:
-    """As :func:`flexmb.results.check`, with the names of what meets no stiffness."""
-    failed = throw and is_concrete((model, result)) and int(result) in STIFFNESS_MISSING
-    if failed and (about := without_stiffness(model)):
-        check(RESULTS.singular_stiffness, throw, about)
-    check(result, throw)

@@ -29,15 +29,15 @@ from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
-from ..results import RESULTS, check
+from ..results import RESULTS
 from ..statics.choice import by_sparse
-from ..statics.equilibrium import without_stiffness
+from ..statics.equilibrium import check_stiffness
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of
 from .sparse_path import SparsePath, path_of
 from .sparse_walk import SparseEquations
-from .stepper import Ramp
+from .stepper import NO_LOAD, Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
@@ -393,9 +393,11 @@ P = TypeVar("P", Path, SparsePath)
 def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int], throw: bool) -> P:
     """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
     code = RESULTS(int(found.result))
+    if code == RESULTS.max_steps and np.max(np.abs(np.asarray(found.load_factor))) < NO_LOAD:
+        # What meets no stiffness but that of round-off moves and moves.
+        code = RESULTS.singular_stiffness
     try:
-        about = without_stiffness(found.model) if throw and code == RESULTS.singular_stiffness else ""
-        check(int(code), throw and code != RESULTS.stopped, about)
+        check_stiffness(found.model, int(code), throw and code != RESULTS.stopped)
     except AnalysisError as error:
         error.path = found
         raise

@@ -18,7 +18,7 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.sparse import Balanced, lacking_at
 from .sparse_walk import SparseEquations, as_arrays
-from .stepper import LARGEST_MOTION, SHORTER, SMALLEST_STEP, Point, can_be_taken, next_length, normal_to
+from .stepper import LARGEST_MOTION, NO_LOAD, SHORTER, SMALLEST_STEP, Point, can_be_taken, next_length, normal_to
 from .stops import Stops
 from .walk import Walker
 
@@ -110,6 +110,8 @@ def _limit_of(model: Model, first: float, most: int) -> _LimitPoint:
         if good:
             turn = walker.zero(at, length, new, lambda step: float(step.tangent.load))
         if turn is not None and turn.uncertainty <= NEAR * max(first, load):
+            if abs(float(turn.step.point.load)) < NO_LOAD:
+                return failed(RESULTS.singular_stiffness)
             point, plane = turn.step.point, normal_to(walker.scale, at.tangent)
             return _LimitPoint(point, equations.left(ramp, point, plane), ramp.at(point.load), RESULTS.successful)
         length /= SHORTER

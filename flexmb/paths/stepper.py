@@ -19,6 +19,8 @@ from ..statics.solve import held_values
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
 SMALLEST_COSINE = 0.9
+# A path that gets no further than this share of its load has met no stiffness but that of round-off.
+NO_LOAD = 1e-12
 # Motion in a step, at most (extents of the mechanism, radians).
 LARGEST_MOTION = 0.2
 # Steps shorter than this share of the first are not tried.

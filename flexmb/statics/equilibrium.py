@@ -162,11 +162,22 @@ def equilibrium(
     solve: Any = sparse_equilibrium if sparse else _equilibrium
     found: Any = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
-    about = ""
-    if throw and is_concrete(solved.result) and int(solved.result) in STIFFNESS_MISSING and is_concrete(model):
-        about = without_stiffness(model)
-    check(solved.result, throw, about)
+    check_stiffness(model, solved.result, throw)
     return solved
+
+
+def check_stiffness(model: Model, result: Any, throw: bool) -> None:
+    """As :func:`flexmb.results.check`; where nothing elastic resists some motion, by round-off or not, that is named.
+
+    Args:
+        model: Mechanism.
+        result: Code of RESULTS.
+        throw: Whether a failure is an error.
+    """
+    if throw and is_concrete((model, result)) and int(result) in STIFFNESS_MISSING:
+        if about := without_stiffness(model):
+            check(RESULTS.singular_stiffness, throw, about)
+    check(result, throw)
 
 
 def without_stiffness(model: Model) -> str:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.sparse
 
 from flexmb.math.subspace import independent_rows, null_spaces
@@ -42,7 +43,7 @@ def in_parts():
         draw.normal(size=(4, 4)),
     ]
     # And rows and columns without an entry.
-    whole = np.pad(scipy.sparse.block_diag(parts).toarray(), ((0, 2), (0, 1)))
+    whole = np.pad(scipy.linalg.block_diag(*parts), ((0, 2), (0, 1)))
     return whole[draw.permutation(len(whole))][:, draw.permutation(whole.shape[1])]
 
 
