@@ -29,6 +29,8 @@ from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .linearize import Linearization, ManyStates, Where
 from .sparse_linearize import SparseLinearization
 
+# What is looked at beside a break, of an element's length.
+BESIDE = 1e-9
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
 
@@ -440,6 +442,32 @@ def _along(
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
+def _places(model: Model, points: int) -> Any:
+    """Places along each element, ascending: so many, and both sides of every break of a section and amid its pieces."""
+    top, parameters = model.topology, model.parameters
+    breaks = []
+    for block, properties in zip(top.blocks, parameters.properties, strict=True):
+        if "resultants" not in block.companions:
+            continue
+        start = 0
+        for stack in _sections(properties):
+            part = slice(start, start + _count(stack))
+            start = part.stop
+            first = jax.tree.map(lambda leaf: leaf[0], stack)
+            if first.varies and first.breaks_at(1.0):
+                lengths = _lengths(block, properties, parameters.reference)[part]
+                own = jax.vmap(lambda section, length: jnp.stack(section.breaks_at(length)))(stack, lengths)
+                breaks.append(jnp.ravel(own))
+    even = np.linspace(0.0, 1.0, points)
+    if not breaks:
+        return even
+    library: Any = np if is_concrete(breaks) else jnp
+    edges = library.sort(library.concatenate([np.array([0.0, 1.0]), *breaks]))
+    sides = [edges[1:-1] - BESIDE, edges[1:-1] + BESIDE, (edges[1:] + edges[:-1]) / 2]
+    whole = library.sort(library.clip(library.concatenate([even, *sides]), 0.0, 1.0))
+    return np.unique(whole) if library is np else whole
+
+
 def _state(
     model: Model, points: int, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
 ):
@@ -474,7 +502,7 @@ def _state(
             f"Argument `at` must be a state of this model with {model.topology.n_x} coordinates, but x has shape"
             f" {at.x.shape}. Of what is linearised along a motion give lin.at_time(number), or the motion itself."
         )
-    places = np.linspace(0.0, 1.0, points)
+    places = _places(model, points)
     stressed = at.stressed() if several else (at.x, at.sigma, at.felt, at.e)
     inputs: Any = (model.topology, model.parameters, *stressed, places, rows)
     return names, places, inputs, at.result, several
@@ -501,7 +529,8 @@ def section_resultants(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them.
+        points: Places along each element, both ends among them; where sections have breaks, both sides of these and
+            the middles between them are looked at too.
         at: Equilibrium or linearisation of this model, or its path or motion: of that all states, which then stand in
             front of the shapes, or one. By default the equilibrium under the loads is solved.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
@@ -546,7 +575,8 @@ def stress(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them.
+        points: Places along each element, both ends among them; where sections have breaks, both sides of these and
+            the middles between them are looked at too.
         at: As for :func:`section_resultants`: ``at=path`` and ``at=motion`` answer for all their states.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].

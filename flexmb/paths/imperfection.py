@@ -23,6 +23,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from ..statics.configuration import configure
 from ..statics.tangent import assemble, unknowns
+from .stepper import scales_increment
 
 # Displacements of points are measured by a motion of this share of the extent, forth and back.
 SMALL = 1e-4
@@ -147,13 +148,23 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
 def _growing_from_zero(model: Model) -> Model:
     """The same where all loads grow, as incremental ones: its modes are those of the unloaded mechanism.
 
-    What a path is asked about often bears no load factor of 1, and so has no modes there. Load elements stay as they
-    are, which are scaled by their own option.
+    What a path is asked about often bears no load factor of 1, and so has no modes there. Where some loads are
+    incremental, the others are there from the begin.
     """
-    own = model.parameters
-    if own.increment is not None or any(block.element.force is not None for block in model.topology.blocks):
+    own, top = model.parameters, model.topology
+    if scales_increment(top, own):
         return model
-    return dataclasses.replace(model, parameters=dataclasses.replace(own, loads=Loads(), increment=own.loads))
+    blocks = tuple(
+        block
+        if block.element.force is None
+        else dataclasses.replace(block, options=(*block.options, ("incremental", True)))
+        for block in top.blocks
+    )
+    return dataclasses.replace(
+        model,
+        topology=dataclasses.replace(top, blocks=blocks),
+        parameters=dataclasses.replace(own, loads=Loads(), increment=own.loads),
+    )
 
 
 def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:

@@ -498,7 +498,11 @@ class Walker:
             low, high = (low, high) if new is None else _replaced(low, high, new)
         if high.length - low.length > widest or not self.continuous(low.step, high.step):
             return None
-        return Zero(best.length, best.step, 0.0) if abs(best.value) <= small else self.between(low, high)
+        if abs(best.value) <= small:
+            return Zero(best.length, best.step, 0.0)
+        found = self.between(low, high)
+        # Of values that round-off alone tells apart none is where they change their sign.
+        return found if np.isfinite(found.step.load) else None
 
     def cross(self, begin: Step, length: float, end: Step, widest: float) -> list[Crossing] | None:
         """Critical points on a step; None if the path jumps."""

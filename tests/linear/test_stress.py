@@ -654,3 +654,29 @@ def test_answers_have_the_stress_of_sections_with_a_shape():
     numbers = chain(planar.truss, straight(1, False), fm.Rigidity(EA=1.0, mass=1.0))
     numbers.fix("1", "y")
     assert "stress" not in answer(numbers, "numbers", 7, dofs="auto").data
+
+
+def test_both_sides_of_a_break_are_looked_at():
+    """A stepped cantilever under a small force F: beside the step F L (1 - s)/W in the thin part, eight times the other."""
+
+    def stressed(place, points=5):
+        thick, thin = (fm.Rectangle(0.01, t, fm.Material(E=2e11, G=8e10, strength=3e8)) for t in (0.004, 0.001))
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (0.1, 0))
+        b.fix("A")
+        b.force("B", (0, 0.1))
+        section = fm.sections.stepped([thick, thin], [place])
+        b.add(planar.spectral_beam(order=3), "A", "B", name="leaf", section=section)
+        return fm.stress(b.build(dofs="named"), points=points)
+
+    found = stressed(0.37)
+    # The force bends it so little that its lever is 1e-5 shorter.
+    np.testing.assert_allclose(found.maximum, 0.1 * 0.063 / (0.01 * 0.001**2 / 6), rtol=1e-4)
+    assert (found.where.place, len(found.places)) == (pytest.approx(0.37), 5 + 2 + 2)
+    np.testing.assert_allclose(found.utilisation, float(found.maximum) / 3e8)
+    # With two points the middle of either part is looked at as well.
+    np.testing.assert_allclose(stressed(0.37, points=2).places, [0, 0.185, 0.37, 0.37, 0.685, 1], atol=1e-8)
+    # The step moves, and what is looked at beside it.
+    slope = fm.jit(jax.grad(lambda place: stressed(place).maximum))(0.37)
+    np.testing.assert_allclose(slope, -0.1 * 0.1 / (0.01 * 0.001**2 / 6), rtol=1e-4)

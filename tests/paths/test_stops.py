@@ -7,6 +7,7 @@ from scipy.optimize import fsolve
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.paths.imperfection import bent_by_modes
 
 FLAT = truss()
 
@@ -170,6 +171,29 @@ def test_imperfect_column():
     places = np.linspace(0, np.pi, 9)
     np.testing.assert_allclose([path.at(str(i))[0, 1] for i in range(9)], bow * np.sin(places), atol=1e-4 * bow)
     assert np.max(np.abs(path.sigma[0])) < 1e-6
+
+
+def test_modes_of_an_imperfection_are_those_before_any_load():
+    """Whatever load the path ends at, and whether some of it follows, as a billionth of it does here."""
+
+    def bent(load, follower):
+        b = fm.Builder()
+        for name, place in {"l": (-1.0, 0.0), "m": (-0.5, 0.15), "top": (0.0, 0.3), "r": (1.0, 0.0)}.items():
+            b.node(name, place)
+        for p, q in (("l", "m"), ("m", "top"), ("top", "r")):
+            b.add(planar.beam, p, q, section=fm.Rigidity(EA=1e3, EIy=1.0))
+        b.fix("l")
+        b.fix("r")
+        b.force("top", (0.0, -load))
+        if follower:
+            b.force("top", (0.0, -1e-9 * load), follower=True)
+        return bent_by_modes(b.build(), {1: 1e-3}).parameters.strain
+
+    expected = bent(1.0, False)
+    assert np.max(np.abs(expected)) > 1e-4
+    # Ten newtons bend it by degrees. Round-off of modes of an unsymmetric stiffness, and the follower.
+    for load, follower in ((1.0, True), (10.0, True), (10.0, False)):
+        np.testing.assert_allclose(bent(load, follower), expected, atol=1e-9)
 
 
 def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
