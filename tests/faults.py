@@ -674,14 +674,12 @@ FAULTS = [
         "motion/test_simulate.py -k begins_with",
     ),
     Fault("motion/integrate.py", "if not begins_driven(form):", "if True:", "motion/test_start.py"),
-    Fault("motion/start.py", "left * shift", "0.0 * left * shift", "motion/test_start.py -k turned_far"),
-    Fault("motion/start.py", '"increment", "temperature")', '"increment")', "motion/test_start.py -k heat"),
+    Fault("linear/stress.py", "edges[1:-1] + BESIDE", "edges[1:-1] - BESIDE", "linear/test_stress.py -k both_sides"),
     Fault(
-        "motion/start.py",
-        "put(jnp.zeros(top.n_x), top.x.prescribed",
-        "0 * put(jnp.zeros(top.n_x), top.x.prescribed",
-        "motion/test_start.py",
+        "paths/imperfection.py", '("incremental", True)', '("incremental", False)', "paths/test_stops.py -k modes_of_an"
     ),
+    Fault("motion/start.py", "longest, 1.0) / STEP)", "longest, 1.0) / 1e9)", "motion/test_start.py -k turned_far"),
+    Fault("motion/start.py", '"increment", "temperature")', '"increment")', "motion/test_start.py -k heat"),
     Fault(
         "motion/integrate.py",
         "there = there | met",
