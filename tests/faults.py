@@ -950,6 +950,13 @@ FAULTS = [
         "jnp.asarray(place < b, int)",
         "elements/test_profile.py -k shape_of",
     ),
+    Fault("elements/profile.py", "uneven or heavy:", "uneven:", "elements/test_profile.py -k refused_by_name"),
+    Fault(
+        "elements/profile.py",
+        "name) for name in STIFF])",
+        '"EIy")] * 4)',
+        "elements/test_profile.py -k refused_by_name",
+    ),
     Fault("elements/profile.py", "> SMOOTH * means", "> 1e9 * means", "elements/test_profile.py -k refused_by_name"),
     Fault("elements/sections.py", "neck + 2 * across * _rise", "neck + across * _rise", PROFILES),
     Fault("linear/stress.py", "s.at(place, length)", "s.at(0.0, length)", "elements/test_profile.py -k stress_and"),

@@ -13,13 +13,15 @@ from ..arguments import is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
-from ..math.quadrature import gauss
+from ..math.quadrature import gauss, lobatto
 from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.
 PLACES = np.linspace(0.02, 0.98, 13)
-# The mean compliance by so many Gauss nodes in each piece and by fewer differs by less where the section is smooth.
+# The mean compliances by so many Gauss nodes in each piece and by fewer differ by less where the section is smooth.
 RULES, SMOOTH = (24, 17), 1e-3
+# The mass by as few Lobatto nodes as a beam in space of low order takes is off by less where mass is smooth.
+FEWEST, SMOOTH_MASS = 9, 1e-2
 # Breaks that round-off puts before 0 or beyond 1 are at the ends.
 SMALL = 1e-9
 # Two values that agree to round-off.
@@ -129,15 +131,15 @@ class Profile(Section):
         """None that does not depend on the beam: see :meth:`faults_along`."""
         return []
 
-    def along(self, length: Any) -> tuple[np.ndarray, np.ndarray, Rigidity, np.ndarray]:
+    def along(self, length: Any) -> tuple[np.ndarray, np.ndarray, Rigidity, np.ndarray, np.ndarray]:
         """Breaks, and rigidities at places between them, of a beam; of many at once where numbers are stacked.
 
         Args:
             length: Of the beam, or of each, () or (*n) [m].
 
         Returns:
-            Breaks (n, breaks), places (n, places), rigidities, each (n, places), and the mean compliances in bending
-            about y by two quadratures, (n, 2).
+            Breaks (n, breaks), places (n, places), rigidities, each (n, places), the mean compliances of STIFF by two
+            quadratures, (n, 2, 4), and the mean mass by two, (n, 2).
         """
         length = np.asarray(length, float)
         count = max(length.size, 1)
@@ -155,7 +157,7 @@ class Profile(Section):
         for place in (0.0, 0.5, 1.0):
             if faults := first.at(place, lengths.ravel()[0]).faults():
                 return [f"has a section with {faults[0]}, at place {place:g}"]
-        breaks, places, rigidity, means = self.along(length)
+        breaks, places, rigidity, means, masses = self.along(length)
         if not (np.all((breaks > -SMALL) & (breaks < 1 + SMALL)) and np.all(np.diff(breaks, axis=1) > -SMALL)):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
@@ -168,9 +170,13 @@ class Profile(Section):
                 at = tuple(np.argwhere(faulty)[0])
                 place, value = float(places[at]), float(values[at])
                 return [f"has a section with {name} = {value:.6g} at place {place:.4g}, but it must be positive"]
-        if np.any(np.abs(means[:, 1] - means[:, 0]) > SMOOTH * means[:, 0]):
+        uneven = np.any(np.abs(means[:, 1] - means[:, 0]) > SMOOTH * means[:, 0])
+        heavy = np.any(np.abs(masses[:, 1] - masses[:, 0]) > SMOOTH_MASS * masses[:, 0])
+        if uneven or heavy:
+            what = "section" if uneven else "mass along its section"
             return [
-                "has a section that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`"
+                f"has a {what} that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`,"
+                " or divide the beam"
             ]
         return []
 
@@ -221,11 +227,16 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"]):
             places = (starts[:, None] + sizes[:, None] * nodes).ravel()
             return places, jax.vmap(lambda place: _numbers(profile.at(place, length)))(places)
 
-        def mean(nodes: np.ndarray, weights: np.ndarray):
-            stiff = at(nodes)[1].EIy
-            return jnp.sum((sizes[:, None] * weights).ravel() / jnp.where(stiff > 0, stiff, jnp.inf))
+        def means(nodes: np.ndarray, weights: np.ndarray):
+            shares, own = (sizes[:, None] * weights).ravel(), at(nodes)[1]
+            stiff = jnp.stack([getattr(own, name) for name in STIFF])
+            return jnp.where(stiff > 0, 1 / jnp.where(stiff > 0, stiff, 1.0), 0.0) @ shares, own.mass @ shares
 
-        return breaks[:-1], *at(PLACES), jnp.stack([mean(*gauss(count)) for count in RULES])
+        compliances, masses = zip(*(means(*gauss(count)) for count in RULES), strict=True)
+        # Lobatto nodes are taken just within the pieces, which share their ends.
+        ends, weights = lobatto(FEWEST)
+        fewest = means(np.clip(ends, SMALL, 1 - SMALL), weights)[1]
+        return breaks[:-1], *at(PLACES), jnp.stack(compliances), jnp.stack([masses[0], fewest])
 
     return jax.vmap(one)(stacked, lengths)
 

@@ -272,6 +272,18 @@ FAULTS = {
     "no number": (lambda s: leaf(jnp.sqrt(s - 0.5)), (), "thickness = nan, .*at place 0"),
     "break": (lambda s: leaf(5e-4), (0.5, 1.5), "breaks at 0.5, 1.5.*between 0 and 1"),
     "jump": (lambda s: leaf(jnp.where(s > 0.4, 5e-4, 3e-4)), (), "not smooth between its breaks"),
+    # As wide as before in the mean, and as heavy: nine nodes miss a wave of its density.
+    "heavy": (
+        lambda s: fm.Rectangle(0.02, 5e-4, fm.Material(E=2e11, G=8e10, rho=8000 * (1 + 0.9 * jnp.sin(40 * s)))),
+        (),
+        "a mass along its section that is not smooth between its breaks",
+    ),
+    # It bends about its other axis alone.
+    "wide": (
+        lambda s: fm.Rigidity(EA=1e6, EIy=1.0, EIz=jnp.where(s > 0.4, 10.0, 1.0), GIt=1.0, mass=1.0),
+        (),
+        "a section that is not smooth between its breaks",
+    ),
     "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
 }
 
