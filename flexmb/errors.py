@@ -40,7 +40,7 @@ class MechanismError(ModelError):
     """A mechanism is not valid: the counts or the rank of its constraints.
 
     Attributes:
-        code: Short name of the fault: "overconstrained", "underconstrained", "both" or "dof".
+        code: Short name of the fault: "overconstrained", "underconstrained", "both", "dof" or "too_large".
     """
 
     def __init__(self, code: str, message: str):

@@ -244,6 +244,8 @@ class Builder(Description):
     ) -> None:
         """Set where a degree of freedom starts from in a simulation; it is named as one if none are.
 
+        Whatever is driven there, it starts from this, and the coordinates that are no degrees of freedom follow both.
+
         Args:
             of: Name of a node or an element.
             component: Coordinate, or number of a deformation, from 1.
@@ -715,7 +717,7 @@ class Builder(Description):
                 a reaction of what is not; deformations that are not zero in
                 the undeformed mechanism.
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
-                move or do not determine the rest.
+                move or do not determine the rest; too_large, where too much hangs together to be checked.
 
         Warns:
             FlexmbWarning: A prestress, strain or damping of deformations that are held.

@@ -103,7 +103,8 @@ def simulate(
         model: Mechanism; differentiable in ``model.parameters``.
         times: Times at which to give the motion, ascending, the first is the start, (n_t,) [s].
         initial: Where it starts from: an equilibrium (at rest), a configuration, or the end of another motion. None:
-            the start values of the builder, otherwise the undeformed mechanism at rest.
+            the start values of the builder, otherwise the undeformed mechanism at rest. Where what is driven begins
+            elsewhere or with speed, degrees of freedom and their rates are as said here, and the rest follows.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs,
             increment, jumps.
         loop: Controller around the mechanism: control, reference.
@@ -124,7 +125,8 @@ def simulate(
             ``dt0``, or ``progress`` under a trace.
         ModelError: Unknown name, what cannot be driven, a function that gives another number of numbers than it drives,
             an input that can move nothing, a mechanism that is held everywhere.
-        AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away.
+        AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away; out_of_reach where
+            the mechanism cannot be assembled at what is driven in the beginning.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
