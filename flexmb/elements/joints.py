@@ -78,7 +78,7 @@ def _hinge(
 hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,))
 """Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
 
-Properties: axis (global, undeformed state), stiffness and damping (of e1, or one for each).
+Properties: axis (global, undeformed state), stiffness and damping (of all that is released, or one each).
 """
 
 
@@ -97,7 +97,7 @@ slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
 [m].
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
 """
 
 
@@ -113,7 +113,7 @@ prismatic = Element(_prismatic, **uncoupled(6), shape=beams.straight_shape, chec
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
 e4 to e6 rotation [rad], FIXED.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of e1, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
 """
 
 
