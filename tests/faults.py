@@ -673,13 +673,20 @@ FAULTS = [
         "rest",
         "motion/test_simulate.py -k begins_with",
     ),
-    Fault("motion/integrate.py", "if not begins_driven(form):", "if True:", "motion/test_start.py"),
+    Fault("motion/integrate.py", "if problem.still or not", "if True or not", "motion/test_start.py"),
     Fault("linear/stress.py", "edges[1:-1] + BESIDE", "edges[1:-1] - BESIDE", "linear/test_stress.py -k both_sides"),
     Fault(
         "paths/imperfection.py", '("incremental", True)', '("incremental", False)', "paths/test_stops.py -k modes_of_an"
     ),
     Fault("motion/start.py", "longest, 1.0) / STEP)", "longest, 1.0) / 1e9)", "motion/test_start.py -k turned_far"),
-    Fault("motion/start.py", '"increment", "temperature")', '"increment")', "motion/test_start.py -k heat"),
+    Fault("motion/start.py", 'else ("x", "e", "temperature")', 'else ("x", "e")', "motion/test_start.py -k heat"),
+    Fault(
+        "motion/start.py",
+        "return jnp.concatenate(values), jnp.concatenate(rates)",
+        "return (jnp.concatenate(values),)",
+        "motion/test_start.py -k left_alone",
+    ),
+    Fault("motion/start.py", "own.w * reduced.sizes)", "0.0 * own.w)", "motion/test_start.py -k values_are_kept"),
     Fault(
         "motion/integrate.py",
         "there = there | met",

@@ -97,7 +97,8 @@ slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
 [m].
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
+released, or one for each).
 """
 
 
@@ -113,7 +114,8 @@ prismatic = Element(_prismatic, **uncoupled(6), shape=beams.straight_shape, chec
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
 e4 to e6 rotation [rad], FIXED.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
+released, or one for each).
 """
 
 

@@ -265,7 +265,8 @@ def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
 slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 off it (FIXED) [m].
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
+released, or one for each).
 """
 
 
@@ -281,7 +282,8 @@ prismatic = Element(_prismatic, **uncoupled(3), shape=beams.straight_shape, chec
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
 [rad], FIXED.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is released, or one each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
+released, or one for each).
 """
 
 

@@ -224,7 +224,12 @@ def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], 
     if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
         call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
         raise ModelError(f"{what} is not PRESCRIBED: say {call} of it in the builder.")
-    raise ModelError(f"{what} names no coordinate or deformation. There are: {_some(x_names, e_names)}.")
+    own = [
+        [n for n, i in names.items() if i in np.asarray(roles.prescribed)]
+        for names, roles in ((x_names, topology.x), (e_names, topology.e))
+    ]
+    there = f"PRESCRIBED are: {_some(*own)}." if any(own) else "Nothing is PRESCRIBED: say prescribe() in the builder."
+    raise ModelError(f"{what} names no coordinate or deformation. {there}")
 
 
 def _rotation_prescribed(labels: Labels, name: str) -> str:

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
-from ..compilation.record import Record
+from ..compilation.record import Record, static
 from ..math.derivative import with_derivative
 from ..mechanics.extent import sizes_of
 from ..mechanics.levels import Levels
@@ -29,7 +29,7 @@ from .loop import controlled_form, measuring, under_inputs
 from .march import Marched, march
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
-from .start import Start, begins_driven, driven_start, is_determined
+from .start import Start, driven_start, driving, is_determined
 from .step_size import SMALLEST_STEP
 from .tree_form import TreeForm, tree_form
 
@@ -50,6 +50,7 @@ class Problem(Record):
         measured_from: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -], or None.
         order: Of the unknowns of a chain or a net, or None.
         tree: Beams whose last ends are computed, for the form "tree".
+        still: Whether what is driven begins where it was, at rest.
     """
 
     model: Model
@@ -59,6 +60,7 @@ class Problem(Record):
     measured_from: Float[Array, "n_x"] | None
     order: Levels | SparseOrder | None = None
     tree: Tree | None = None
+    still: bool = static(default=False)
 
 
 class Reached(NamedTuple):
@@ -254,7 +256,7 @@ def _started(
         return given, fine
     start = equations.state_of(*given)
     form = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
-    if not begins_driven(form):
+    if problem.still or not driving(problem.model.parameters, problem.driven):
         return start, fine
     # What is driven takes the rest along; where degrees of freedom do not say how, by the least change.
     state = equations.settle(t, start)

@@ -38,7 +38,7 @@ from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
-from .start import Start
+from .start import Start, begins_still
 
 if TYPE_CHECKING:
     import diffrax
@@ -169,7 +169,10 @@ def simulate(
     # Where none of these serves.
     integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
     whence = start.x if rotations else None
-    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order)
+    # Nothing is to be done for a law that begins at rest where the mechanism is.
+    still = initial is None and start.x is model.parameters.reference and is_concrete(times)
+    still = still and begins_still(model.parameters, driven, np.asarray(times)[0])
+    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order, still=still)
     if integrator.form == "tree":
         problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:

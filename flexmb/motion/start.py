@@ -4,14 +4,19 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from ..arguments import as_floats, is_concrete
+from ..compilation.compile import jit_beside_options
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.transfer import correction, transfer
+from ..model.parameters import Parameters
 from ..statics.configuration import CORRECTIONS, STEP
 from .coordinates_form import CoordinatesForm
+from .drive import Driven
 from .moving_matrices import rates_at
 from .reduced_form import ReducedForm, reduced_form
 
@@ -35,9 +40,38 @@ class Start(NamedTuple):
     near: Any = None
 
 
-def begins_driven(form: CoordinatesForm) -> bool:
-    """Whether what is held may be elsewhere when a motion begins, and move."""
-    return any(one.quantity in ("x", "e", "increment", "temperature") for one in form.driven)
+def driving(parameters: Parameters, driven: tuple[Driven, ...]) -> tuple[Driven, ...]:
+    """What of functions of time drives something that is held: coordinates, deformations, or these by heat.
+
+    Args:
+        parameters: Of the mechanism.
+        driven: What depends on time.
+    """
+    grows = parameters.increment
+    own = grows is not None and any(part is not None for part in (grows.x, grows.e, grows.temperature))
+    held = ("x", "e", "temperature", "increment") if own else ("x", "e", "temperature")
+    return tuple(one for one in driven if one.quantity in held)
+
+
+def begins_still(parameters: Parameters, driven: tuple[Driven, ...], t: Any) -> bool:
+    """Whether what is held is where it was when a motion begins, and does not move then, by known numbers.
+
+    Args:
+        parameters: Of the mechanism.
+        driven: What depends on time.
+        t: Time at which it starts [s].
+    """
+    held = driving(parameters, driven)
+    if not held:
+        return True
+    return is_concrete((held, t)) and not any(np.any(np.asarray(own)) for own in _begins(held, as_floats(t)))
+
+
+@jit_beside_options
+def _begins(held: tuple[Driven, ...], t: Float[Array, ""]) -> tuple[Array, ...]:
+    """Values and rates of what is held."""
+    values, rates = jax.jvp(lambda t: [jnp.ravel(one.value(t)) for one in held], (t,), (jnp.ones_like(t),))
+    return jnp.concatenate(values), jnp.concatenate(rates)
 
 
 def is_determined(form: CoordinatesForm) -> bool:

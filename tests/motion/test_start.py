@@ -1,13 +1,16 @@
 """Where a driven motion starts: what is driven is where its law says, and degrees of freedom are where they were."""
 
-import diffrax
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.motion.coordinates_form import coordinates_form
+from flexmb.motion.drives_by_name import Drives, driven_by
+from flexmb.motion.start import Start, begins_still, driven_start
 
 LEVER = np.array([0.3, 0.2, 0.1])
 INERTIA = np.diag([0.1, 0.2, 0.25])
@@ -26,18 +29,11 @@ def hub(element) -> fm.Model:
     return b.build()
 
 
-@pytest.mark.parametrize("element", [planar.beam, planar.spectral_beam(order=3)])
-def test_a_blade_begins_at_the_speed_of_its_hub(element):
+def test_a_blade_begins_at_the_speed_of_its_hub():
     """Its degrees of freedom, which are deformations, begin at rest: it turns as a whole, at 10 rad/s."""
-    ends = []
-    for form in ("coordinates", "reduced"):
-        found = fm.simulate(
-            hub(element), [0.0, 0.01, 0.05], motion={"o.rotation": lambda t: 10 * t}, rtol=1e-8, form=form
-        )
-        np.testing.assert_allclose(found.velocity("k")[0], (0, 3.0, *found.velocity("k")[0, 2:]), atol=1e-12)
-        ends.append(found.at("k")[-1])
-    # As forms agree at this tolerance.
-    np.testing.assert_allclose(*ends, atol=1e-8)
+    found = fm.simulate(hub(planar.beam), [0.0, 0.01], motion={"o.rotation": lambda t: 10 * t})
+    np.testing.assert_allclose(found.velocity("k")[0], (0, 3.0), atol=1e-12)
+    np.testing.assert_allclose(found.velocity("k.rotation")[0], 10.0, rtol=1e-12)
 
 
 def gyroscope(turned: np.ndarray, tilt: str) -> fm.Model:
@@ -63,18 +59,13 @@ def test_how_it_begins_is_the_same_in_every_frame():
     np.testing.assert_allclose(*found, atol=1e-8)
 
 
-@pytest.mark.parametrize("form", ["coordinates", "reduced"])
-def test_a_law_may_begin_turned_far(form):
+def test_a_law_may_begin_turned_far():
     """A turn and more: where the body is and its energy, I w^2/2, in closed form."""
     model = gyroscope(np.eye(3), "fixed")
     about = INERTIA[2, 2] + 2.0 * (LEVER[0] ** 2 + LEVER[1] ** 2)
-    for angle in (3.0, 7.5):
-        motion = {"o.rotation": lambda t, angle=angle: angle + 2 * t}
-        found = fm.simulate(model, [0.0, 0.1], motion=motion, form=form)
-        np.testing.assert_allclose(
-            found.at("m")[0], Rotation.from_rotvec([0, 0, angle]).as_matrix() @ LEVER, atol=1e-12
-        )
-        np.testing.assert_allclose(found.observe().kinetic[0], about * 2.0**2 / 2, rtol=1e-12)
+    found = fm.simulate(model, [0.0, 0.1], motion={"o.rotation": lambda t: 7.5 + 2 * t})
+    np.testing.assert_allclose(found.at("m")[0], Rotation.from_rotvec([0, 0, 7.5]).as_matrix() @ LEVER, atol=1e-12)
+    np.testing.assert_allclose(found.observe().kinetic[0], about * 2.0**2 / 2, rtol=1e-12)
 
 
 def pendulum() -> fm.Builder:
@@ -101,18 +92,32 @@ def test_start_values_are_kept_whatever_is_driven():
         np.testing.assert_allclose(found.velocity("r", "phi")[0], -0.2, atol=1e-14)
 
 
-def test_derivatives_by_where_a_law_begins():
+@pytest.mark.parametrize("derivative", [jax.jacfwd, jax.jacrev])
+def test_derivatives_by_where_a_law_begins(derivative):
+    """All of a rigid pendulum that does not turn goes along with its point: by as much, and twice as fast."""
     model = pendulum().build()
+    top, at = model.topology, jnp.array(0.0)
+    given = fm.configuration(model)
+    m = np.asarray(model.labels.coordinates("m"))
 
-    def end(amount, **adjoint):
-        motion = {"o.x": lambda t: amount * (1 + 2 * t + t**2)}
-        return fm.simulate(model, [0.0, 0.3], motion=motion, rtol=1e-9, atol=1e-9, **adjoint).at("m")[-1, 0]
+    def begin(amount):
+        driven = driven_by(model, Drives(motion={"o.x": lambda t: amount * (1 + 2 * t + t**2)}))
+        start, _ = driven_start(coordinates_form(top, model.parameters, driven), at, Start(given.x, given.xd))
+        return start.x[m], start.xd[m]
 
-    # Of a second order in 1e-3, and as near as the integrations.
-    wanted = (end(0.2 + 1e-3) - end(0.2 - 1e-3)) / 2e-3
-    np.testing.assert_allclose(jax.grad(end)(0.2), wanted, rtol=1e-5)
-    forward = jax.jvp(lambda a: end(a, adjoint=diffrax.ForwardMode()), (0.2,), (1.0,))[1]
-    np.testing.assert_allclose(forward, wanted, rtol=1e-5)
+    position, velocity = derivative(begin)(0.2)
+    np.testing.assert_allclose(position, (1, 0), atol=1e-12)
+    np.testing.assert_allclose(velocity, (2, 0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "still"), [(lambda t: t**2, True), (lambda t: 0.1 * t, False), (lambda t: 0.1 + t**2, False)]
+)
+def test_what_begins_at_rest_is_left_alone(law, still):
+    """Nothing is compiled for a law that begins where the mechanism is."""
+    model = pendulum().build()
+    assert begins_still(model.parameters, driven_by(model, Drives(motion={"o.x": law})), 0.0) is still
+    assert begins_still(model.parameters, driven_by(model, Drives(loads={"m.x": law})), 0.0)
 
 
 def test_heat_at_the_start_moves_what_it_pushes():
