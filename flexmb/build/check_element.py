@@ -229,9 +229,10 @@ class _Tried:
         found = np.abs(central - second) * self.sizes / scale
         value = float(found.max())
         where = self._where(int(np.argmax(found.max(axis=1))))
-        return value, f"its second derivatives are not those of differences {where}: it may have a kink" * (
-            value > DIFFERENCE
+        fault = (
+            f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
         )
+        return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > DIFFERENCE)
 
     def _named(self, found: np.ndarray, most: float, text: str) -> str:
         """What to say of the answer that deviates most, empty where none does too much."""
