@@ -8,7 +8,7 @@ import numpy as np
 
 from ..checks.mobility import Constraints, constraints, mobility, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
-from ..math.subspace import above, independent_rows, row_sizes
+from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, with_roles
@@ -163,7 +163,8 @@ def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> 
 def choose(model: Model, motions: Any, wanted: int, found: Constraints | None = None) -> tuple[list[int], list[int]]:
     """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
 
-    Where there are so many that motions are sparse, coordinates alone: deformations hang together from end to end.
+    Where there are so many that motions are sparse, all deformations that may change if they determine the mechanism,
+    as those of a chain or a tree do; otherwise coordinates alone, since deformations hang together from end to end.
 
     Args:
         model: Mechanism; what is DEPENDENT may be chosen.
@@ -174,9 +175,11 @@ def choose(model: Model, motions: Any, wanted: int, found: Constraints | None = 
     topology = model.topology
     released = np.asarray(topology.e.dependent)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
-    if not isinstance(motions, np.ndarray):
-        released = released[:0]
     effects = (found or constraints(model)).jacobian[released] @ motions
+    if not isinstance(motions, np.ndarray):
+        if effects.shape[0] == wanted == effects.shape[1] and determines(effects):
+            return [], released.tolist()
+        released, effects = released[:0], effects[:0]
     first, rest = independent_rows(effects, wanted, INDEPENDENT)
     free = np.asarray(topology.x.dependent)
     second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
@@ -206,6 +209,10 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
             "underconstrained",
             f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and all of them are found.",
         )
+    given, dependent = np.asarray(model.topology.e.given), np.asarray(model.topology.x.dependent)
+    if not missing and not isinstance(motions, np.ndarray) and len(given) == len(dependent):
+        if determines(constrained.jacobian[given][:, dependent]):
+            return
     found = mobility_of(model, constrained)
     if missing > 0:
         raise MechanismError(

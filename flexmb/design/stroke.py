@@ -18,7 +18,7 @@ from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
 from ..math.linear import factorise
-from ..math.subspace import row_sizes
+from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
 from ..mechanics.loads import load_factors
 from ..mechanics.residual import state
@@ -260,9 +260,10 @@ def unit_of_driven(model: Model, what: StrokeDrive) -> str:
     twice = reference.copy()
     positions = np.asarray(top.axes).ravel()
     twice[positions] *= 2
-    rows = [
-        undeformed(top, dataclasses.replace(model.parameters, reference=x))[1][what.index] for x in (reference, twice)
-    ]
+    rows = []
+    for x in (reference, twice):
+        jacobian = undeformed(top, dataclasses.replace(model.parameters, reference=x))[1]
+        rows.append(dense(jacobian[[what.index]])[0])
     turns = np.setdiff1d(np.arange(top.n_x), positions)
     if np.any(rows[0][turns]):
         return "m" if np.linalg.norm(rows[1][turns]) > 1.5 * np.linalg.norm(rows[0][turns]) else "rad"

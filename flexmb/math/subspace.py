@@ -9,6 +9,7 @@ import numpy as np
 
 from ..compilation.threads import one_thread
 from ..errors import MechanismError
+from .sparse import SparseFactors
 
 # Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
 RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
@@ -129,6 +130,21 @@ def _pivoted(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[lis
         squares = np.maximum(squares - (rest @ direction) ** 2, 0.0)
         squares[chosen] = 0.0
     return chosen, directions[: len(chosen)], sizes
+
+
+def determines(matrix: Any) -> bool:
+    """Whether a square sparse matrix, its rows and columns of about unit size, is regular; by sparse factors."""
+    import scipy.sparse
+
+    if not matrix.shape[0]:
+        return True
+    factored = SparseFactors(scipy.sparse.csc_array(matrix))
+    if not factored.regular:
+        return False
+    # What it makes of a vector, and back again: round-off says how near to singular it is.
+    v = np.cos(np.arange(matrix.shape[0]) ** 2)
+    found = factored.solve(matrix @ v)
+    return bool(np.max(np.abs(found - v)) < RANK_TOLERANCE)
 
 
 def row_sizes(matrix: Any) -> np.ndarray:

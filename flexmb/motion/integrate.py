@@ -35,6 +35,8 @@ from .tree_form import TreeForm, tree_form
 
 # Where a mechanism is not where it is driven by more than this share of its extent, it cannot be assembled there.
 MET = 1e-6
+# Of more coordinates of a chain or a net, which dense matrices would bring there, it is the least change.
+MANY = 3000
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
@@ -262,7 +264,7 @@ def _started(
     state = equations.settle(t, start)
     extent = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)
     there = jnp.max(jnp.abs(equations.gap(t, state)), initial=0.0) <= MET * extent
-    if problem.order is None and is_determined(form):
+    if is_determined(form) and (problem.order is None or form.topology.n_x <= MANY):
         found, met = driven_start(form, t, given)
         state = jax.tree.map(lambda a, b: jnp.where(met, a, b), equations.state_of(*found), state)
         there = there | met

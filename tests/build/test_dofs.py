@@ -6,6 +6,7 @@ from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.design.stroke import driven, unit_of_driven
 from flexmb.math import subspace
 
 STOREYS = 60
@@ -86,3 +87,28 @@ def test_too_many_that_hang_together(monkeypatch):
     monkeypatch.setattr(subspace, "MOST_TOGETHER", 100)
     with pytest.raises(fm.MechanismError, match=r"360 deformations and 360 coordinates hang together.*check=False"):
         rack(released=(2, 3)).build()
+
+
+def test_deformations_of_a_chain_determine_it():
+    """As those of a short one, the angle of its hinge among them, with which it may turn as far as it likes."""
+    section = fm.Rectangle(0.02, 2e-3, mechanisms.steel())
+
+    def chain(count):
+        b = fm.Builder()
+        b.node("n0", (0, 0))
+        b.rotation("ground")
+        b.fix("ground")
+        b.fix("n0", "position")
+        b.add(planar.hinge, "ground", "n0.rotation", name="hinge", stiffness=1.0)
+        for i in range(count):
+            b.node(f"n{i + 1}", (0.3 * (i + 1) / count, 0))
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
+        return b.build()
+
+    for count in (2, 210):
+        labels = chain(count).q_labels
+        assert sorted(labels) == sorted(["hinge.e1", *(f"beam {i + 2}.e{e}" for i in range(count) for e in (1, 2, 3))])
+    many = chain(210)
+    assert many.topology.n_x > 600
+    assert unit_of_driven(many, driven(many, "hinge.e1")) == "rad"
+    assert unit_of_driven(many, driven(many, "beam 2.e1")) == "m"
