@@ -14,7 +14,7 @@ from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.transfer import correction, transfer
 from ..model.parameters import Parameters
-from ..statics.configuration import CORRECTIONS, STEP
+from ..statics.configuration import STEP
 from .coordinates_form import CoordinatesForm
 from .drive import Driven
 from .moving_matrices import rates_at
@@ -22,6 +22,8 @@ from .reduced_form import ReducedForm, reduced_form
 
 # What is driven is brought to where it begins in so many steps at most.
 MOST_STEPS = 1000
+# In each the corrections of a form are made so often: near as a step is, they then end in round-off.
+ROUNDS = 2
 # Held deformations are where they should be within this share of the mechanism's extent, or radians.
 SETTLED = 1e-9
 
@@ -129,7 +131,7 @@ def _walked(form: CoordinatesForm, t: Float[Array, ""], own: Any) -> tuple[Array
         step, x, near = at
         left = 1 - (step + 1).astype(float) / steps.astype(float)
         partly = aim._replace(x=aim.x - left * shift, e=aim.e - left * (aim.e - e[form.held]))
-        for _ in range(CORRECTIONS // 4):
+        for _ in range(ROUNDS):
             x, near = form.placed(partly, q, x, near)
         return step + 1, x, near
 

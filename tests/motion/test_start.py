@@ -56,6 +56,7 @@ def test_how_it_begins_is_the_same_in_every_frame():
         motion = fm.simulate(gyroscope(turned, "free"), [0.0, 0.3], motion={"o.rotation": lambda t: 2 * t}, rtol=1e-9)
         np.testing.assert_allclose(motion.angular_velocity("o")[0] @ turned, (0, 0, 2), atol=1e-12)
         found.append(np.array(motion.at("m")[-1]) @ turned)
+    # Ten times the tolerance of either integration.
     np.testing.assert_allclose(*found, atol=1e-8)
 
 
