@@ -21,7 +21,7 @@ from jaxtyping import Array, Float
 from ..errors import ModelError
 from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
-from .profile import Profile
+from .profile import NODES, Profile
 from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
 from .spectral import check_section, pieces_of, relative, rigidities, series_matrix, strains
@@ -445,17 +445,18 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     return 2 / u * above / below
 
 
-def faults_of_leaf(section: Section, ref: Any) -> list[str]:
+def faults_of_leaf(section: Section, ref: Any, count: int = NODES) -> list[str]:
     """What is wrong with the section of a leaf spring.
 
     Args:
         section: Its section.
         ref: Reference coordinates, of one leaf spring or of many.
+        count: Gauss nodes by which it integrates at least.
     """
     if isinstance(section, Profile):
         if section.breaks:
             return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]
-        if faults := check_section(section, ref, None):
+        if faults := check_section(section, ref, None, count):
             return faults
         section = section._kind()
     if not isinstance(section, Rectangle):

@@ -12,7 +12,7 @@ from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
 from .spectral import fields_after
-from .spectral_planar import FIELDS
+from .spectral_planar import FIELDS, nodes_of
 
 
 def _leaf_spring(
@@ -139,9 +139,9 @@ def _shape(
     return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
 
 
-def _check(*, ref: Reference, section: Rectangle | Profile) -> list[str]:
+def _check(*, ref: Reference, order: int, section: Rectangle | Profile) -> list[str]:
     faults = beams.check_length(ref=ref)
-    return faults or faults_of_leaf(section, ref)
+    return faults or faults_of_leaf(section, ref, nodes_of(order))
 
 
 leaf_spring = Element(

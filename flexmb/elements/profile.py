@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,10 +18,16 @@ from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.
 PLACES = np.linspace(0.02, 0.98, 13)
-# The mean compliances by so many Gauss nodes in each piece and by fewer differ by less where the section is smooth.
-RULES, SMOOTH = (24, 17), 1e-3
+# Gauss nodes of each smooth piece, by which a beam integrates over its section.
+NODES = 24
+# By how much compliances may be off that come from these.
+SMOOTH = 1e-3
 # The mass by as few Lobatto nodes as a beam in space of low order takes is off by less where mass is smooth.
 FEWEST, SMOOTH_MASS = 9, 1e-2
+# What both are compared with: so many parts of each piece, with so many Gauss nodes each.
+PARTS, EACH = 64, 8
+# Beams that are looked at in one go.
+TOGETHER = 64
 # Breaks that round-off puts before 0 or beyond 1 are at the ends.
 SMALL = 1e-9
 # Two values that agree to round-off.
@@ -131,54 +137,78 @@ class Profile(Section):
         """None that does not depend on the beam: see :meth:`faults_along`."""
         return []
 
-    def along(self, length: Any) -> tuple[np.ndarray, np.ndarray, Rigidity, np.ndarray, np.ndarray]:
-        """Breaks, and rigidities at places between them, of a beam; of many at once where numbers are stacked.
+    def along(self, length: Any, count: int = NODES) -> "Sampled":
+        """What there is along a beam; of many at once where numbers are stacked.
 
         Args:
             length: Of the beam, or of each, () or (*n) [m].
-
-        Returns:
-            Breaks (n, breaks), places (n, places), rigidities, each (n, places), the mean compliances of STIFF by two
-            quadratures, (n, 2, 4), and the mean mass by two, (n, 2).
+            count: Gauss nodes of each smooth piece, by which the beam integrates at least.
         """
         length = np.asarray(length, float)
-        count = max(length.size, 1)
-        stacked = jax.tree.map(lambda leaf: np.reshape(leaf, (count, *np.shape(leaf)[length.ndim :])), self)
-        return jax.tree.map(np.asarray, _sampled(stacked, length.reshape(count)))
+        many = max(length.size, 1)
+        stacked = jax.tree.map(lambda leaf: np.reshape(leaf, (many, *np.shape(leaf)[length.ndim :])), self)
+        return jax.tree.map(np.asarray, _sampled(stacked, length.reshape(many), gauss(count)))
 
-    def faults_along(self, length: Any) -> list[str]:
+    def faults_along(self, length: Any, count: int = NODES) -> list[str]:
         """What is wrong along a beam, on concrete numbers; of many beams at once where numbers are stacked.
 
         Args:
             length: Of the beam, or of each, () or (*n) [m].
+            count: Gauss nodes of each smooth piece, by which the beam integrates at least.
         """
         lengths = np.asarray(length, float)
         first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
         for place in (0.0, 0.5, 1.0):
             if faults := first.at(place, lengths.ravel()[0]).faults():
                 return [f"has a section with {faults[0]}, at place {place:g}"]
-        breaks, places, rigidity, means, masses = self.along(length)
+        found = self.along(length, count)
+        breaks = found.breaks
         if not (np.all((breaks > -SMALL) & (breaks < 1 + SMALL)) and np.all(np.diff(breaks, axis=1) > -SMALL)):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
-        for name in (*STIFF, "mass"):
-            values: Any = getattr(rigidity, name)
+        for i, name in enumerate((*STIFF, "mass")):
+            least, most = found.least[:, i], found.most[:, i]
             # One that is zero everywhere is not asked for, but for EA, which every beam has.
-            gaps = (values == 0) & (np.any(values != 0) | (name == "EA")) & (name in STIFF)
-            faulty = ~np.isfinite(values) | (values < 0) | gaps
+            gaps = (least == 0) & ((most > 0) | (name == "EA")) & (name in STIFF)
+            faulty = ~np.isfinite(least) | ~np.isfinite(most) | (least < 0) | gaps
             if np.any(faulty):
-                at = tuple(np.argwhere(faulty)[0])
-                place, value = float(places[at]), float(values[at])
-                return [f"has a section with {name} = {value:.6g} at place {place:.4g}, but it must be positive"]
-        uneven = np.any(np.abs(means[:, 1] - means[:, 0]) > SMOOTH * means[:, 0])
+                at = int(np.argmax(faulty))
+                where = f"{name} = {least[at]:.6g} at place {found.where[at, i]:.4g}"
+                return [f"has a section with {where}, but it must be positive"]
+        means, masses = found.means, found.masses
+        # Moments of what no beam has are zero.
+        uneven = np.any(np.abs(means[:, 1:] - means[:, :1]) > SMOOTH * means[:, :1])
         heavy = np.any(np.abs(masses[:, 1] - masses[:, 0]) > SMOOTH_MASS * masses[:, 0])
         if uneven or heavy:
             what = "section" if uneven else "mass along its section"
+            more = ", take a higher order," if count < NODES else ""
             return [
-                f"has a {what} that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`,"
-                " or divide the beam"
+                f"has a {what} that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`"
+                f"{more} or divide the beam"
             ]
         return []
+
+
+class Sampled(NamedTuple):
+    """What n beams have along them.
+
+    Attributes:
+        breaks: Of each, (n, breaks).
+        rigidity: At places between the breaks, each (n, places).
+        least, most, where: Least and largest of STIFF and of the mass, and the place of the least, (n, 5); one that
+            is not finite is the least.
+        means: Moments 0 to 2 of the compliances of STIFF, and the second about the last end, each by a fine
+            quadrature, by NODES and by the given count, (n, 3, 4, 4).
+        masses: The mean mass by the fine quadrature and by FEWEST, (n, 2).
+    """
+
+    breaks: Any
+    rigidity: Any
+    least: Any
+    most: Any
+    where: Any
+    means: Any
+    masses: Any
 
 
 _SCALAR = jax.ShapeDtypeStruct((), np.float64)
@@ -215,30 +245,48 @@ def _breaks(function: Callable[..., Any]) -> Captured:
 
 
 @jit
-def _sampled(stacked: Profile, lengths: Float[Array, "n"]):
+def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, Array]) -> Sampled:
     """Of stacked beams what :meth:`Profile.along` gives."""
+    fine, shares = gauss(EACH)
+    fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
+    shares = np.tile(shares, PARTS) / PARTS
 
-    def one(profile: Profile, length: Float[Array, ""]):
+    def one(of: tuple[Profile, Float[Array, ""]]):
+        profile, length = of
         breaks = jnp.stack([*profile.breaks_at(length), jnp.ones(())])
         starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
         sizes = breaks - starts
 
-        def at(nodes: np.ndarray) -> tuple[Float[Array, "n"], Rigidity]:
+        def at(nodes: Any) -> tuple[Float[Array, "n"], Rigidity]:
             places = (starts[:, None] + sizes[:, None] * nodes).ravel()
             return places, jax.vmap(lambda place: _numbers(profile.at(place, length)))(places)
 
-        def means(nodes: np.ndarray, weights: np.ndarray):
-            shares, own = (sizes[:, None] * weights).ravel(), at(nodes)[1]
+        def means(nodes: Any, weights: Any):
+            places, own = at(nodes)
+            weighted = (sizes[:, None] * weights).ravel()
             stiff = jnp.stack([getattr(own, name) for name in STIFF])
-            return jnp.where(stiff > 0, 1 / jnp.where(stiff > 0, stiff, 1.0), 0.0) @ shares, own.mass @ shares
+            compliances = jnp.where(stiff > 0, 1 / jnp.where(stiff > 0, stiff, 1.0), 0.0)
+            moments = jnp.stack([jnp.ones_like(places), places, places**2, (1 - places) ** 2])
+            return (compliances * weighted) @ moments.T, own.mass @ weighted
 
-        compliances, masses = zip(*(means(*gauss(count)) for count in RULES), strict=True)
+        places, dense = at(fine)
+        values = jnp.stack([getattr(dense, name) for name in (*STIFF, "mass")])
+        low = jnp.argmin(jnp.where(jnp.isfinite(values), values, -jnp.inf), axis=1)
+        (exact, mass), *others = (means(*rule) for rule in ((fine, shares), gauss(NODES), fewer))
         # Lobatto nodes are taken just within the pieces, which share their ends.
         ends, weights = lobatto(FEWEST)
         fewest = means(np.clip(ends, SMALL, 1 - SMALL), weights)[1]
-        return breaks[:-1], *at(PLACES), jnp.stack(compliances), jnp.stack([masses[0], fewest])
+        return Sampled(
+            breaks[:-1],
+            at(PLACES)[1],
+            jnp.take_along_axis(values, low[:, None], axis=1)[:, 0],
+            jnp.max(values, axis=1),
+            places[low],
+            jnp.stack([exact, *(found for found, _ in others)]),
+            jnp.stack([mass, fewest]),
+        )
 
-    return jax.vmap(one)(stacked, lengths)
+    return jax.lax.map(one, (stacked, lengths), batch_size=TOGETHER)
 
 
 def _numbers(section: Section) -> Rigidity:

@@ -22,13 +22,11 @@ from jaxtyping import Array, Float
 from ..compilation.compile import traced_once
 from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
 from .nodes import Reference
-from .profile import Profile
+from .profile import NODES, Profile
 from .section import Damping, Rigidity, Section
 
 # Coefficients of a strain field, at most: beyond it compiling takes minutes, and round-off is reached long before.
 LARGEST_ORDER = 40
-# Gauss nodes of each smooth piece of a section that varies.
-NODES = 24
 
 
 def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...], ...]:
@@ -335,18 +333,19 @@ def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
         ref: Reference coordinates, of one beam or of many.
         curvature: Initial, or None.
     """
-    return section.along(_length(ref, curvature))[2] if isinstance(section, Profile) else section.rigidity()
+    return section.along(_length(ref, curvature)).rigidity if isinstance(section, Profile) else section.rigidity()
 
 
-def check_section(section: Section | None, ref: Reference, curvature: Any) -> list[str]:
+def check_section(section: Section | None, ref: Reference, curvature: Any, count: int = NODES) -> list[str]:
     """Faults of a section that varies, along the beam.
 
     Args:
         section: Of the beam.
         ref: Reference coordinates, of one beam or of many.
         curvature: Initial, or None.
+        count: Gauss nodes of each smooth piece, by which the beam integrates at least.
     """
-    return section.faults_along(_length(ref, curvature)) if isinstance(section, Profile) else []
+    return section.faults_along(_length(ref, curvature), count) if isinstance(section, Profile) else []
 
 
 def _length(ref: Reference, curvature: Any) -> np.ndarray:

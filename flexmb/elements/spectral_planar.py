@@ -51,8 +51,17 @@ def _constant_rule(order: int) -> SimpleNamespace:
     return rule
 
 
+def nodes_of(order: int) -> int:
+    """Gauss nodes of each smooth piece of a beam.
+
+    Args:
+        order: Coefficients of each field.
+    """
+    return 2 * order + 8
+
+
 def _rule_on(order: int, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
-    nodes, weights = gauss(2 * order + 8)
+    nodes, weights = gauss(nodes_of(order))
     places = pieces.spread(nodes).ravel()
     shapes = strains(order, section, places, length, FIELDS)
     along = pieces.integrals(nodes, weights)
@@ -281,9 +290,11 @@ def _passage(
     return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ c.reshape(2, -1)[CURVATURE]
 
 
-def _check(*, ref: Reference, section: Section | None = None, curvature: float | None = None) -> list[str]:
+def _check(
+    *, ref: Reference, order: int, section: Section | None = None, curvature: float | None = None
+) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
-    return faults or check_section(section, ref, curvature)
+    return faults or check_section(section, ref, curvature, nodes_of(order))
 
 
 spectral_beam = Element(

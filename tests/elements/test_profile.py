@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.integrate
 from references import notches
 from references.varying_rods import CASES, CUT, TIPS, WIDTH
 
@@ -284,6 +285,12 @@ FAULTS = {
         (),
         "a section that is not smooth between its breaks",
     ),
+    # Between the nodes of the quadrature.
+    "groove": (
+        lambda s: leaf(5e-4 * (1 - 0.8 * jnp.exp(-(((s - 0.3) / 0.005) ** 2)))),
+        (),
+        "a section that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`",
+    ),
     "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
 }
 
@@ -295,6 +302,26 @@ def test_a_faulty_profile_is_refused_by_name(fault, space):
     element, end = (spatial.spectral_beam, (0.1, 0, 0)) if space else (planar.spectral_beam, (0.1, 0))
     with pytest.raises(fm.ModelError, match=f"'leaf'.*{message}"):
         cantilever(element, sections.Profile(function, breaks), end).build()
+
+
+def test_a_smooth_groove_bends_as_its_compliances_say():
+    """Tip of a cantilever by SciPy's quadrature; refused until the order, or breaks, see the groove."""
+
+    def thickness(s, xp):
+        return 5e-4 * (1 - 0.3 * xp.exp(-(((s - 0.37) / 0.1) ** 2)))
+
+    def tip(order, breaks=()):
+        groove = sections.Profile(lambda s: leaf(thickness(s, jnp)), breaks)
+        b = cantilever(planar.spectral_beam, groove, (0.1, 0), (0, 1e-4), order=order)
+        return float(fm.equilibrium(b.build()).at("tip")[1])
+
+    share = scipy.integrate.quad(lambda s: (1 - s) ** 2 * (5e-4 / thickness(s, np)) ** 3, 0, 1, points=(0.37,))[0]
+    # What a section may be off by before it is refused.
+    exact = pytest.approx(1e-4 * 0.1**3 * share / (210e9 * WIDTH * 5e-4**3 / 12), rel=1e-3)
+    with pytest.raises(fm.ModelError, match="take a higher order, or divide"):
+        tip(5)
+    assert tip(5, (0.3, 0.37, 0.45)) == exact
+    assert tip(10) == exact
 
 
 def test_what_is_no_profile_is_refused():
