@@ -675,6 +675,9 @@ FAULTS = [
     ),
     Fault("motion/integrate.py", "if problem.still or not", "if True or not", "motion/test_start.py"),
     Fault("linear/stress.py", "edges[1:-1] + BESIDE", "edges[1:-1] - BESIDE", "linear/test_stress.py -k both_sides"),
+    Fault("linear/stress.py", "PLACES_OF_SERIES if", "PLACES if", "linear/test_stress.py -k between_the_ends"),
+    Fault("linear/stress.py", "PARTS / np.sqrt", "2 / np.sqrt", "linear/test_stress.py -k groove"),
+    Fault("linear/stress.py", "2 if points else", "2 if points is None else", "linear/test_stress.py -k groove"),
     Fault(
         "paths/imperfection.py", '("incremental", True)', '("incremental", False)', "paths/test_stops.py -k modes_of_an"
     ),

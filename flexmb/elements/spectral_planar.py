@@ -290,9 +290,7 @@ def _passage(
     return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ c.reshape(2, -1)[CURVATURE]
 
 
-def _check(
-    *, ref: Reference, order: int, section: Section | None = None, curvature: float | None = None
-) -> list[str]:
+def _check(*, ref: Reference, order: int, section: Section | None = None, curvature: float | None = None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
     return faults or check_section(section, ref, curvature, nodes_of(order))
 

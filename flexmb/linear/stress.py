@@ -31,6 +31,10 @@ from .sparse_linearize import SparseLinearization
 
 # What is looked at beside a break, of an element's length.
 BESIDE = 1e-9
+# Places along each element: moments of cubic beams are linear, those of one with strain series wave.
+PLACES, PLACES_OF_SERIES = 5, 33
+# Parts of a section that varies, which may be weak anywhere; of many smooth pieces each has fewer, together more.
+PARTS = 64
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
 
@@ -442,34 +446,38 @@ def _along(
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
-def _places(model: Model, points: int) -> Any:
+def _places(model: Model, points: int | None) -> Any:
     """Places along each element, ascending: so many, and both sides of every break of a section and amid its pieces."""
     top, parameters = model.topology, model.parameters
-    breaks = []
+    breaks, enough, varies = [], PLACES, False
     for block, properties in zip(top.blocks, parameters.properties, strict=True):
         if "resultants" not in block.companions:
             continue
+        enough = max(enough, PLACES_OF_SERIES if block.element.series else 0)
         start = 0
         for stack in _sections(properties):
             part = slice(start, start + _count(stack))
             start = part.stop
             first = jax.tree.map(lambda leaf: leaf[0], stack)
+            varies = varies or first.varies
             if first.varies and first.breaks_at(1.0):
                 lengths = _lengths(block, properties, parameters.reference)[part]
                 own = jax.vmap(lambda section, length: jnp.stack(section.breaks_at(length)))(stack, lengths)
                 breaks.append(jnp.ravel(own))
-    even = np.linspace(0.0, 1.0, points)
-    if not breaks:
+    even = np.linspace(0.0, 1.0, points or enough)
+    if not varies or (points and not breaks):
         return even
     library: Any = np if is_concrete(breaks) else jnp
     edges = library.sort(library.concatenate([np.array([0.0, 1.0]), *breaks]))
-    sides = [edges[1:-1] - BESIDE, edges[1:-1] + BESIDE, (edges[1:] + edges[:-1]) / 2]
+    parts = 2 if points else max(2, int(PARTS / np.sqrt(len(edges) - 1)))
+    within = edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * (np.arange(1, parts) / parts)
+    sides = [edges[1:-1] - BESIDE, edges[1:-1] + BESIDE, library.ravel(within)]
     whole = library.sort(library.clip(library.concatenate([even, *sides]), 0.0, 1.0))
     return np.unique(whole) if library is np else whole
 
 
 def _state(
-    model: Model, points: int, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
+    model: Model, points: int | None, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
 ):
     """Names, places, what both kernels take, code of the state, and whether there are several."""
     as_model(model, function)
@@ -478,7 +486,7 @@ def _state(
     sparse = where.at is None and by_sparse(model, sparse)
     if where.at is None and not sparse:
         as_determined(model, function)
-    points = check_whole("points", points, 2)
+    points = None if points is None else check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
         raise ModelError("No flexible element has a section. Give one to the beams or trusses to be asked about.")
@@ -511,7 +519,7 @@ def _state(
 def section_resultants(
     model: Model,
     *,
-    points: int = 5,
+    points: int | None = None,
     at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
@@ -529,8 +537,9 @@ def section_resultants(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them; where sections have breaks, both sides of these and
-            the middles between them are looked at too.
+        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series.
+            Where sections vary, both sides of their breaks are looked at too, and the middle of each piece between
+            them; unless ``points`` are given, 64/sqrt(n) parts of each of n pieces.
         at: Equilibrium or linearisation of this model, or its path or motion: of that all states, which then stand in
             front of the shapes, or one. By default the equilibrium under the loads is solved.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
@@ -562,7 +571,7 @@ def section_resultants(
 def stress(
     model: Model,
     *,
-    points: int = 5,
+    points: int | None = None,
     at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
@@ -575,8 +584,9 @@ def stress(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them; where sections have breaks, both sides of these and
-            the middles between them are looked at too.
+        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series.
+            Where sections vary, both sides of their breaks are looked at too, and the middle of each piece between
+            them; unless ``points`` are given, 64/sqrt(n) parts of each of n pieces.
         at: As for :func:`section_resultants`: ``at=path`` and ``at=motion`` answer for all their states.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].

@@ -680,3 +680,39 @@ def test_both_sides_of_a_break_are_looked_at():
     # The step moves, and what is looked at beside it.
     slope = fm.jit(jax.grad(lambda place: stressed(place).maximum))(0.37)
     np.testing.assert_allclose(slope, -0.1 * 0.1 / (0.01 * 0.001**2 / 6), rtol=1e-4)
+
+
+def test_stress_between_the_ends_of_a_spectral_beam():
+    """A strut kL = 2.5 between two hinges with a small moment M at its end: M/sin(kL) at kx = pi/2 [4]."""
+    section, moment = fm.Rectangle(0.01, 0.001, fm.Material(E=2e11, G=8e10)), 1e-4
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0.1, 0))
+    for node, axis in ("Ax", "Ay", "By"):
+        b.fix(node, axis)
+    b.add(planar.spectral_beam, "A", "B", name="strut", section=section)
+    thrust = 2.5**2 * float(section.rigidity().EIy) / 0.1**2
+    b.force("B", (-thrust, 0))
+    b.moment("B", moment)
+    found = fm.stress(b.build(dofs="named"))
+    # Half of one of 32 parts aside cos(kL/64) is 8e-4 less, of four parts 5 %.
+    bending = 6 * moment / np.sin(2.5) / (0.01 * 0.001**2)
+    assert float(found.maximum) == pytest.approx(thrust / (0.01 * 0.001) + bending, rel=1e-3)
+    assert found.where.place == pytest.approx(np.pi / 5, abs=1 / 64)
+
+
+@pytest.mark.parametrize("breaks", [(), (0.1, 0.2)])
+def test_stress_in_a_groove_between_the_places(breaks):
+    """Under a moment M alone 6 M/(w t^2) where a section is thinnest."""
+    thickness = lambda s: 0.001 * (1 - 0.3 * jnp.exp(-(((s - 0.134) / width) ** 2)))  # noqa: E731
+    width = 0.01 if breaks else 0.1
+    groove = fm.sections.Profile(lambda s: fm.Rectangle(0.01, thickness(s), fm.Material(E=2e11, G=8e10)), breaks)
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.node("B", (0.1, 0))
+    b.fix("A")
+    b.moment("B", 1e-3)
+    b.add(planar.spectral_beam, "A", "B", section=groove, order=10)
+    found = fm.stress(b.build(dofs="named"))
+    # At half a part from the middle of the groove it is thicker by 0.3 (1/(128 width))^2.
+    assert float(found.maximum) == pytest.approx(6e-3 / (0.01 * 0.0007**2), rel=6e-3)
