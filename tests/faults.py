@@ -594,6 +594,27 @@ FAULTS = [
     ),
     Fault("motion/march.py", "at <= m.to)", "at < m.to)", "motion/test_march.py -k states"),
     Fault(
+        "motion/march.py", "jnp.where(stops > begin, stops", "jnp.where(stops < begin, stops", "motion/test_sudden.py"
+    ),
+    Fault("motion/integrate.py", "step_ts=stops, jump_ts", "step_ts=None, jump_ts", "motion/test_sudden.py -k diffrax"),
+    Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),
+    Fault(
+        "motion/collocation.py",
+        "where(share <= SMALL, 0.0, left)",
+        "where(share <= SMALL, left, left)",
+        "motion/test_sudden.py -k chain",
+    ),
+    Fault("motion/sudden.py", "UNUSUAL, SHARP = 5.0", "UNUSUAL, SHARP = 50.0", "motion/test_sudden.py -k where"),
+    Fault("motion/sudden.py", "sharp[last] + 1", "sharp[last]", "motion/test_sudden.py -k where"),
+    Fault("motion/sudden.py", "map(_as_known, looked_at)", "looked_at", "motion/test_sudden.py -k where"),
+    Fault(
+        "motion/simulate.py",
+        "[one.value for one in driven]\n        if",
+        "[]\n        if",
+        "motion/test_sudden.py -k own",
+    ),
+    Fault("compilation/program.py", "sin cos square", "sin cos square exp", "motion/test_sudden.py -k waves"),
+    Fault(
         "motion/controlled_form.py",
         "Constant(u[places.forces[1]])",
         "Constant(-u[places.forces[1]])",

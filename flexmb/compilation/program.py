@@ -103,6 +103,21 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     return Captured(Code(jaxpr, results, rules), tuple(numbers))
 
 
+# Operations of what changes as waves and low powers of time do, without pulses.
+WAVES = frozenset(
+    "add sub mul neg sin cos square broadcast_in_dim reshape squeeze concatenate convert_element_type".split()
+)
+
+
+def is_wave(found: Captured) -> bool:
+    """Whether a function is made of sums and products of sines and constants alone.
+
+    Args:
+        found: Function of time.
+    """
+    return all(equation.primitive.name in WAVES for equation in found.code.jaxpr.eqns)
+
+
 def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
     """A function of time as it is now, and the shape of what it gives.
 

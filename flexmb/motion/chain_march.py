@@ -21,7 +21,7 @@ from .collocation import (
     matrices_of_step,
     pieces_of_step,
 )
-from .march import CLOSE, Marched
+from .march import CLOSE, Marched, until_stop
 from .protocol import MotionState
 from .step_size import FAR, SMALLEST_STEP, error_of, greatest
 
@@ -75,6 +75,7 @@ def march_chain(
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
+    stops: Float[Array, "k"] | None = None,
 ) -> Marched:
     """States of a chain at times, step by step; arguments as those of :func:`flexmb.motion.march.march`.
 
@@ -120,6 +121,7 @@ def march_chain(
         begin = jnp.where(keep, m.to, m.t)
         end = begin + jnp.maximum(longer, smallest)
         end = jnp.where(end > close, jnp.where(keep, t1, begin + 0.5 * (t1 - begin)), end)
+        end = until_stop(stops, begin, end)
         away = keep & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
         result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
         result = jnp.where(away, RESULTS.ran_away, result)
@@ -151,7 +153,7 @@ def march_chain(
     result = jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32)
     found = Marched(rows, greatest(moved, start), none, result)
     fast = jnp.max(jnp.abs(z[:n]), initial=1e-30)
-    end = jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1)
+    end = until_stop(stops, t0, jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1))
     shapes = jax.eval_shape(
         lambda h: matrices_of_step(equations, equations.pieces(t0, start, z), h, equations.form.parameters.reference),
         end,

@@ -31,6 +31,8 @@ LEFT, ROUND_OFF = 0.01, 1e-14
 MOST = 10
 # Convergence slower than this is none, and the first turn of a step is not trusted to converge quicker than that.
 SLOW, TRUSTED = 0.99, 1e-3
+# A change as small as this share of what may be left ends it at any rate: nothing else is to be had at rest.
+SMALL = 1e-3
 
 
 class Carried(NamedTuple):
@@ -189,6 +191,8 @@ def collocated(
         left = share * rate / (1 - rate)
         hopeless = (rate >= SLOW) | (left * rate ** (MOST - 1 - count) > 1.0)
         left = jnp.where(jnp.isnan(size) | (hopeless & (count > 0)), jnp.nan, jnp.where(rate < 1, left, jnp.inf))
+        # The next turn has a rate of nothing to measure.
+        rate, left = jnp.where(share <= SMALL, expected, rate), jnp.where(share <= SMALL, 0.0, left)
         return z, size, rate, left, count + 1
 
     one = jnp.ones(())

@@ -34,7 +34,9 @@ class Drives(Record):
         inputs: Inputs that the builder named, as functions of time: forces, moments and stresses, such as nominal
             inputs along a trajectory. They add to loads, and to what a controller gives.
         increment: Factor of the incremental loads as function of time; zero unless given.
-        jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known.
+        jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known. Pulses are
+            looked for, down to 1/10000 of the time, and no step passes over them; those that are shorter, or whose
+            numbers are traced by ``jax.jit``, have to be named.
     """
 
     loads: Mapping[str, Callable] | None = None

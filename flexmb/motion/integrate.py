@@ -53,6 +53,7 @@ class Problem(Record):
         order: Of the unknowns of a chain or a net, or None.
         tree: Beams whose last ends are computed, for the form "tree".
         still: Whether what is driven begins where it was, at rest.
+        stops: Times to be stepped onto where nothing jumps, (k,) [s], or None.
     """
 
     model: Model
@@ -63,6 +64,7 @@ class Problem(Record):
     order: Levels | SparseOrder | None = None
     tree: Tree | None = None
     still: bool = static(default=False)
+    stops: Float[Array, "k"] | None = None
 
 
 class Reached(NamedTuple):
@@ -108,7 +110,7 @@ def _solved(
     """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
-    given = equations, integrator, problem.jumps, t0, t1, times, start, moved
+    given = equations, integrator, (problem.jumps, problem.stops), t0, t1, times, start, moved
     if any(one is not None for one in own):
         return _by_diffrax(parts, *given)
     if problem.order is not None:
@@ -121,7 +123,7 @@ def _marched(
     parts: float,
     equations: Equations,
     integrator: Integrator,
-    jumps: Array | None,
+    onto: tuple[Array | None, Array | None],
     t0: Float[Array, ""],
     t1: Float[Array, ""],
     times: Float[Array, "n_t"],
@@ -135,15 +137,15 @@ def _marched(
 
     allowed: Any = (integrator.rtol, integrator.atol)
     if isinstance(equations, ChainForm):
-        return march_chain(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
-    return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps)
+        return march_chain(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
+    return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
 
 
 def _by_diffrax(
     parts: float,
     equations: Equations,
     integrator: Integrator,
-    jumps: Array | None,
+    onto: tuple[Array | None, Array | None],
     t0: Float[Array, ""],
     t1: Float[Array, ""],
     times: Float[Array, "n_t"],
@@ -160,7 +162,7 @@ def _by_diffrax(
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    controller = integrator.controller
+    controller, (jumps, stops) = integrator.controller, onto
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
     if integrator.form == "chain":
         solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
@@ -182,8 +184,8 @@ def _by_diffrax(
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
     failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
-    if jumps is not None and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
-        controller = diffrax.ClipStepSizeController(controller, jump_ts=jumps)
+    if any(one is not None for one in onto) and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
+        controller = diffrax.ClipStepSizeController(controller, step_ts=stops, jump_ts=jumps)
     z0, regular = equations.acceleration(t0, start)
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)

@@ -60,6 +60,17 @@ class _March(NamedTuple):
     found: Marched
 
 
+def until_stop(stops: Float[Array, "k"] | None, begin: Float[Array, ""], end: Float[Array, ""]) -> Float[Array, ""]:
+    """End of a step, no later than the next time to be stepped onto.
+
+    Args:
+        stops: These times, or None, (k,) [s].
+        begin: Begin of the step [s].
+        end: Where it would end [s].
+    """
+    return end if stops is None else jnp.minimum(end, jnp.min(jnp.where(stops > begin, stops, jnp.inf)))
+
+
 def march(
     equations: Equations,
     span: tuple[Float[Array, ""], Float[Array, ""]],
@@ -69,6 +80,7 @@ def march(
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
+    stops: Float[Array, "k"] | None = None,
 ) -> Marched:
     """States at times, step by step.
 
@@ -83,6 +95,7 @@ def march(
         allowed: Relative and absolute tolerance.
         first: Length of the first step [s] by the greatest acceleration.
         most: Most steps.
+        stops: Times to be stepped onto, or None, (k,) [s].
     """
     (t0, t1), n, count = span, start.u.shape[0], times.shape[0]
     smallest = SMALLEST_STEP * (t1 - t0)
@@ -110,6 +123,7 @@ def march(
             regular = jax.lax.cond(m.known, lambda: jnp.array(True), lambda: equations.regular(taken.by_z))
             result = jnp.where(m.known, result, jnp.where(regular, RESULTS.successful, RESULTS.singular_mass))
             end = jnp.where(m.known, end, first_end(taken.z))
+        end = until_stop(stops, begin, end)
 
         def waits(rows: tuple[Array, MotionState]):
             at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
@@ -143,7 +157,7 @@ def march(
         z, end = jnp.zeros(equations.unknowns), t0
     else:
         z, regular = equations.acceleration(t0, start)
-        end = first_end(z)
+        end = until_stop(stops, t0, first_end(z))
         found = found._replace(result=jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32))
     m = jax.lax.while_loop(unfinished, turn, _March(t0, end, start, z, known, jnp.array(1.0), none, found))
     result = m.found.result

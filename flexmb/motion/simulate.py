@@ -39,6 +39,7 @@ from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
 from .start import Start, begins_still
+from .sudden import sudden_changes
 
 if TYPE_CHECKING:
     import diffrax
@@ -172,7 +173,13 @@ def simulate(
     # Nothing is to be done for a law that begins at rest where the mechanism is.
     still = initial is None and start.x is model.parameters.reference and is_concrete(times)
     still = still and begins_still(model.parameters, driven, np.asarray(times)[0])
-    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order, still=still)
+    stops = None
+    if is_concrete(times):
+        of_time = [one.value for one in driven]
+        if loop.reference is not None and not isinstance(feedback, Sampled):
+            of_time.append(captured(loop.reference, as_floats(0.0)))
+        stops = sudden_changes(of_time, np.asarray(times)[[0, -1]])
+    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order, still=still, stops=stops)
     if integrator.form == "tree":
         problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
