@@ -58,7 +58,7 @@ def notch_hinge(
     end = _extent(height, neck, radius)
     s.body(s.stage, end)
     foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (end,)))
-    s.beam("notch", (foot, s.base), (top, s.stage), *slender(b, section))
+    s.beam("notch", (foot, s.base), (top, s.stage), slender, section)
     return s.stage
 
 
@@ -107,7 +107,7 @@ def notch_four_bar(
         THEORY.md 13, eq. (13.7), (13.8).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
-    own = slender(b, notch_circular(width, height, neck, radius, material))
+    own = slender, notch_circular(width, height, neck, radius, material)
     notch = _extent(height, neck, radius)
     if is_concrete((length, notch)) and length <= notch:
         raise ValueError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax.numpy as jnp
@@ -127,13 +127,28 @@ class Site:
     def leaf(self, label: str, first: End, last: End, section: Section) -> None:
         """A leaf spring between points of two bodies, clamped to both."""
         p, q = (self.clamp(f"{end} {label}", at) for end, at in (("foot", first), ("top", last)))
-        self.beam(f"leaf {label}", (p, first[0]), (q, last[0]), *leaf_spring(self.b, section))
+        self.beam(f"leaf {label}", (p, first[0]), (q, last[0]), leaf_spring, section)
 
-    def beam(self, label: str, first: tuple[str, str], last: tuple[str, str], element: Any, section: Section) -> None:
-        """A flexible beam between two nodes, each named with the one whose rotation it turns with."""
+    def beam(
+        self,
+        label: str,
+        first: tuple[str, str],
+        last: tuple[str, str],
+        usual: Callable[[Builder, Section], tuple[Any, Section]],
+        section: Section,
+    ) -> None:
+        """A flexible beam between two nodes, each named with the one whose rotation it turns with.
+
+        Args:
+            label: Of the beam.
+            first, last: Its nodes, each with that of its rotation.
+            usual: Element type and section of it where the block was given no element.
+            section: Its section.
+        """
+        element, section = usual(self.b, section) if self.element is None else (self.element, section)
         across = {} if self.y is None else {"y": self.y}
         nodes = [part for node, body in (first, last) for part in (node, f"{body}.rotation")]
-        self.b.add(self.element or element, *nodes, name=f"{self.name} {label}", section=section, **across)
+        self.b.add(element, *nodes, name=f"{self.name} {label}", section=section, **across)
 
 
 def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:

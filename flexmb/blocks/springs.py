@@ -63,7 +63,7 @@ def folded_leaf_spring(
     end = length + second * xp.cos(fold), second * xp.sin(fold)
     s.body(s.stage, *end)
     foot, middle, top = s.clamp("foot", (s.base, ())), s.inner("fold", length), s.clamp("top", (s.stage, end))
-    own = leaf_spring(b, section)
+    own = leaf_spring, section
     s.beam("leaf 1", (foot, s.base), (middle, middle), *own)
     s.beam("leaf 2", (middle, middle), (top, s.stage), *own)
     return s.stage
@@ -109,5 +109,5 @@ def wire_flexure(
     s = Site(b, base, stage, name, at, along, y, element, length=length)
     s.body(s.stage, length)
     foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (length,)))
-    s.beam("wire", (foot, s.base), (top, s.stage), *slender(b, section))
+    s.beam("wire", (foot, s.base), (top, s.stage), slender, section)
     return s.stage

@@ -359,7 +359,9 @@ class Builder(Description):
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
         elif shape == (3, 3):
-            if is_concrete(inertia) and not np.allclose(inertia, np.transpose(inertia), rtol=1e-9, atol=0):
+            if is_concrete(inertia) and np.any(
+                np.abs(np.subtract(inertia, np.transpose(inertia))) > 1e-9 * np.max(np.abs(np.asarray(inertia)))
+            ):
                 raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
             inertia = stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))])
         elif shape != (6,):

@@ -194,8 +194,10 @@ def frequency_response(
             all elements, or by name or Material, as :func:`flexmb.damped` takes them.
         method: "modes" for a sum over all undamped modes, which costs next to nothing for each frequency where damping
             does not couple them, and otherwise solves for their amplitudes; "direct" for a solution in the degrees of
-            freedom at each frequency. Both are exact. "modes" unless given, and "direct" where there are no modes: of
-            an unsymmetric stiffness, about a state of motion, and by sparse matrices.
+            freedom at each frequency. Both are exact but for round-off: where the contributions of many modes cancel,
+            as in an internal stress by an internal actuator far below the resonances, "direct" keeps more digits.
+            "modes" unless given, and "direct" where there are no modes: of an unsymmetric stiffness, about a state of
+            motion, and by sparse matrices.
         sparse: By a solution with sparse matrices at each frequency, in all coordinates of a model that needs no
             degrees of freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.

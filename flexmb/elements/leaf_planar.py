@@ -12,7 +12,7 @@ from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
 from .spectral import fields_after
-from .spectral_planar import FIELDS, nodes_of
+from .spectral_planar import FIELDS, check_shearless, nodes_of
 
 
 def _leaf_spring(
@@ -141,7 +141,7 @@ def _shape(
 
 def _check(*, ref: Reference, order: int, section: Rectangle | Profile) -> list[str]:
     faults = beams.check_length(ref=ref)
-    return faults or faults_of_leaf(section, ref, nodes_of(order))
+    return faults or faults_of_leaf(section, ref, nodes_of(order)) or check_shearless(section, ref)
 
 
 leaf_spring = Element(
@@ -163,6 +163,8 @@ leaf_spring = Element(
 Near clamped ends it bends and stretches as a plate, and its middle flattens as its curvature grows. Which ends are
 clamped is found when the model is built: those whose rotation is held, those joined to a rigid element, a hinge, a body
 or a part at least three times as thick, and folds.
+Shear it leaves out: where that would change a stiffness by more than 1 %, a model warns; a section that states it is
+refused.
 
 Deformations: those of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its

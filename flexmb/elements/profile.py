@@ -137,7 +137,7 @@ class Profile(Section):
         """None that does not depend on the beam: see :meth:`faults_along`."""
         return []
 
-    def along(self, length: Any, count: int = NODES) -> "Sampled":
+    def along(self, length: Any, count: int = NODES) -> "AlongBeams":
         """What there is along a beam; of many at once where numbers are stacked.
 
         Args:
@@ -189,7 +189,7 @@ class Profile(Section):
         return []
 
 
-class Sampled(NamedTuple):
+class AlongBeams(NamedTuple):
     """What n beams have along them.
 
     Attributes:
@@ -245,7 +245,7 @@ def _breaks(function: Callable[..., Any]) -> Captured:
 
 
 @jit
-def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, Array]) -> Sampled:
+def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, Array]) -> AlongBeams:
     """Of stacked beams what :meth:`Profile.along` gives."""
     fine, shares = gauss(EACH)
     fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
@@ -276,7 +276,7 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
         # Lobatto nodes are taken just within the pieces, which share their ends.
         ends, weights = lobatto(FEWEST)
         fewest = means(np.clip(ends, SMALL, 1 - SMALL), weights)[1]
-        return Sampled(
+        return AlongBeams(
             breaks[:-1],
             at(PLACES)[1],
             jnp.take_along_axis(values, low[:, None], axis=1)[:, 0],

@@ -99,6 +99,11 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     """
     check_number("width", width, above=0)
     check_number("thickness", thickness, above=0)
+    return _by_series(width, thickness)
+
+
+def _by_series(width: Scalar, thickness: Scalar) -> Scalar:
+    """Torsion constant of sides that are positive, of one section or of many."""
     xp = _library(width, thickness)
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail is that of the zeta function:
@@ -126,6 +131,11 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
     """
     check_number("width", width, above=0)
     check_number("thickness", thickness, above=0)
+    return _by_formula(width, thickness)
+
+
+def _by_formula(width: Scalar, thickness: Scalar) -> Scalar:
+    """What :func:`torsion_approximate` gives of sides that are positive, of one section or of many."""
     xp = _library(width, thickness)
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
@@ -163,6 +173,11 @@ def warping_factor(
     check_number("length", length, above=0)
     check_number("width", width, above=0)
     check_number("nu", nu, above=-1, most=1)
+    return _by_warping(length, width, nu, clamped_ends, modulus)
+
+
+def _by_warping(length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int, modulus: str) -> Scalar:
+    """What :func:`warping_factor` gives of sizes that are right, of one leaf spring or of many."""
     if clamped_ends == 0:
         return 1.0
     al = length * jnp.sqrt(24 * (1 - nu) if modulus == "plate" else 24 / (1 + nu)) / width
@@ -202,10 +217,10 @@ class Rectangle(Section):
     def rigidity(self) -> Rigidity:
         """Rigidities of the rectangle; equations above. The warping constant (w t)^3/144 is that of a narrow strip."""
         w, t, material = self.width, self.thickness, self.material
-        it = (torsion_series if self.torsion == "series" else torsion_approximate)(w, t)
+        it = (_by_series if self.torsion == "series" else _by_formula)(w, t)
         nu = material.poisson()
         if self.warping_length is not None:
-            it = it * warping_factor(self.warping_length, w, nu, self.clamped_ends, self.warping_modulus)
+            it = it * _by_warping(self.warping_length, w, nu, self.clamped_ends, self.warping_modulus)
         k = 10 * (1 + nu) / (12 + 11 * nu)
         found = _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
         modulus = material.E / (1 - nu**2) if self.warping_modulus == "plate" else material.E
@@ -223,7 +238,7 @@ class Rectangle(Section):
         Args:
             resultants: (6,) [N, N m].
         """
-        it = torsion_series(self.width, self.thickness)
+        it = _by_series(self.width, self.thickness)
         return surface.rectangle(self.width, self.thickness, it, resultants)
 
 

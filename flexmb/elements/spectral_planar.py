@@ -22,6 +22,7 @@ from .spectral import (
     check_curvature,
     check_section,
     fields_after,
+    numbers_of,
     pieces_of,
     rigidities,
     series_matrix,
@@ -292,7 +293,24 @@ def _passage(
 
 def _check(*, ref: Reference, order: int, section: Section | None = None, curvature: float | None = None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
-    return faults or check_section(section, ref, curvature, nodes_of(order))
+    faults = faults or check_section(section, ref, curvature, nodes_of(order))
+    return faults or check_shearless(section, ref, curvature)
+
+
+def check_shearless(section: Section | None, ref: Reference, curvature: float | None = None) -> list[str]:
+    """Faults of a section that states its shear, which elements with strain series leave out in the plane.
+
+    Args:
+        section: Of the beam.
+        ref: Reference coordinates, of one beam or of many.
+        curvature: Initial, or None.
+    """
+    if section is None or not np.any(np.asarray(numbers_of(section, ref, curvature).shear_z) > 0):
+        return []
+    return [
+        "does not count shear, but its section has it: planar.beam counts it, in space spectral_beam with shear=True;"
+        " leave it out of the section where it does not matter"
+    ]
 
 
 spectral_beam = Element(
@@ -316,8 +334,9 @@ Properties: section (EA, EIy, mass, Jy; one that varies too, see :class:`flexmb.
 (initial, of an arc from p to q [1/m], positive counter-clockwise).
 Options: order, the number of coefficients of each strain, 5 unless given; 2 bends as a cubic beam does, 5 gives six
 digits for a leaf spring at a large stroke.
-Of a leaf spring it leaves out shear, the plate near clamps and the flattening of wide strips, which
-``planar.leaf_spring`` has. Where shear would change a stiffness by more than 1 %, a model warns.
+Of a leaf spring it leaves out the plate near clamps and the flattening of wide strips, which ``planar.leaf_spring``
+has, and shear: where that would change a stiffness by more than 1 %, a model warns; a section that states it is
+refused.
 
 Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
 """

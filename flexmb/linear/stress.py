@@ -270,7 +270,10 @@ class Stress(Result, Record):
         own = (-3, -2, -1)
         largest = jax.lax.stop_gradient(jnp.max(square, axis=own))
         largest = jnp.where(largest > 0, largest, 1.0)
-        total = jnp.sum((square / largest[..., None, None, None]) ** (sharpness / 2), axis=own)
+        powers = (square / largest[..., None, None, None]) ** (sharpness / 2)
+        # A place that stands twice, as it may under a trace, counts once.
+        anew = jnp.diff(self.places, prepend=-1.0) > 0
+        total = jnp.sum(jnp.where(anew[:, None], powers, 0.0), axis=own)
         stressed = total > 0
         return jnp.where(stressed, jnp.sqrt(largest) * jnp.where(stressed, total, 1.0) ** (1 / sharpness), 0.0)
 

@@ -134,6 +134,17 @@ def test_compliance_in_space_is_that_of_the_frame(case):
     )
 
 
+def test_a_given_element_has_the_section_as_it_is():
+    # By itself a wire in space counts shear, and its section is told to.
+    b = fm.Builder()
+    b.node("base", (0, 0, 0))
+    b.node("stage", (L, 0, 0))
+    wire_flexure(
+        b, "base", "stage", length=L, section=LEAF, along=(1, 0, 0), y=(0, 1, 0), element=spatial.spectral_beam
+    )
+    assert [m.properties["section"] for m in b.members.values() if "section" in m.properties] == [LEAF]
+
+
 @pytest.mark.parametrize("case", ["folded leaf spring", "butterfly pivot"])
 def test_compliance_in_the_plane_is_that_of_the_frame(case):
     block, sizes, bars = FRAMES[case]

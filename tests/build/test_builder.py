@@ -4,6 +4,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from scipy.spatial.transform import Rotation
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -439,6 +440,9 @@ def test_inertia_is_six_numbers_or_their_matrix():
         np.testing.assert_array_equal(one, other)
     with pytest.raises(fm.ModelError, match=r"inertia of node 'hub' must be .* not of shape \(3,\)"):
         wheel([1.0, 2.0, 3.0])
+    # Turned to and fro it is symmetric but for round-off.
+    turn = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
+    wheel(turn @ np.diag([1e-5, 1e-5, 1e-5]) @ turn.T + 1e-20 * np.eye(3, k=1))
     with pytest.raises(fm.ModelError, match="inertia of node 'hub' must be a symmetric matrix"):
         wheel(np.triu(matrix))
 

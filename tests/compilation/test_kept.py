@@ -397,7 +397,7 @@ class Called:
         # Numbers that are not written as one.
         (newton, "AT_LOAD", newton.AT_LOAD._replace(most=3)),
         (solve, "AT_LOAD", newton.ACROSS_PATH),
-        (profile, "RULES", (3, 2)),
+        (profile, "STIFF", ("EA",)),
         (beams, "CUBIC_MASS", 2 * beams.CUBIC_MASS),
         (clamps, "FOLD", np.float64(0.5)),
     ],

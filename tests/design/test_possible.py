@@ -7,6 +7,8 @@ from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.design.evaluate import build_once
+from flexmb.design.possible import refusal
 from flexmb.elements.element import Element
 
 T = mechanisms.THICKNESS
@@ -220,3 +222,32 @@ def test_samples_that_cannot_be_built_are_left_out():
 
 def test_the_code_says_what_to_try():
     assert "bounds" in fm.RESULTS.impossible_design.message
+
+
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+@pytest.mark.parametrize("space", [False, True])
+def test_checks_of_all_beams_take_many_designs(space):
+    """Each kind of section in each beam, asked about all designs at once."""
+    room = spatial if space else planar
+    steel = fm.Material(**STEEL)
+
+    def build(value):
+        flat = fm.Rectangle(0.02, value, steel)
+        stated = {"warping_length": 0.1, "warping_modulus": "beam"}
+        plain = [flat, fm.Rectangle(0.02, value, steel, torsion="approximate", **stated), fm.Circle(value, steel)]
+        plain += [fm.Tube(0.01, value, steel), fm.HollowRectangle(0.02, 0.01, 1e-3, value, steel)]
+        plain += [fm.sections.taper(flat, flat), fm.Rigidity(EA=value, EIy=1.0, EIz=1.0, GIt=1.0, mass=1.0)]
+        sheared = fm.Rectangle(0.02, value, steel, shear=True)
+        used = [(room.spectral_beam(2), section) for section in plain]
+        used += [(room.beam, section) for section in [*plain[:5], sheared]] + [(room.leaf_spring(2), flat)]
+        used += [(spatial.spectral_beam(2, shear=True), sheared), (spatial.warping_beam, flat)] if space else []
+        b = fm.Builder()
+        b.node("0", (0,) * (3 if space else 2))
+        for i, (element, section) in enumerate(used):
+            b.node(str(i + 1), (0.1 * (i + 1), *(0,) * (2 if space else 1)))
+            b.add(element, str(i), str(i + 1), section=section, **({"y": (0, 1, 0)} if space else {}))
+        b.fix("0")
+        return b.build(check=False)
+
+    refused = refusal(build, build_once(build, {"value": T}), {"value": T})
+    np.testing.assert_array_equal(refused({"value": np.array([T, 2 * T, -T])}), [False, False, True])

@@ -677,6 +677,9 @@ def test_both_sides_of_a_break_are_looked_at():
     np.testing.assert_allclose(found.utilisation, float(found.maximum) / 3e8)
     # With two points the middle of either part is looked at as well.
     np.testing.assert_allclose(stressed(0.37, points=2).places, [0, 0.185, 0.37, 0.37, 0.685, 1], atol=1e-8)
+    # Compiled, a break on one of the places is there twice, and counts once.
+    aside = fm.jit(lambda place: stressed(place, None).smooth_maximum(4.0))
+    assert float(aside(0.25)) == pytest.approx(float(stressed(0.25, None).smooth_maximum(4.0)), rel=1e-9)
     # The step moves, and what is looked at beside it.
     slope = fm.jit(jax.grad(lambda place: stressed(place).maximum))(0.37)
     np.testing.assert_allclose(slope, -0.1 * 0.1 / (0.01 * 0.001**2 / 6), rtol=1e-4)
