@@ -145,6 +145,27 @@ def test_units_from_micrometres_to_kilometres(size):
     np.testing.assert_allclose(sparse.at("top0") / size, fm.equilibrium(one).at("top0"), rtol=1e-8)
 
 
+@pytest.mark.parametrize("element", [planar.spectral_beam(3), planar.beam])
+def test_a_path_in_metres_and_in_micrometres(element):
+    """The same steps, critical points included; tolerance: what the place of a critical point is found to."""
+
+    def walked(metre):
+        b = fm.Builder()
+        section = fm.Rectangle(0.02 * metre, 0.002 * metre, fm.Material(E=2e11 / metre**2, G=8e10 / metre**2))
+        for name, place in {"A": (0, 0), "C": (0.1, 0.012), "B": (0.2, 0)}.items():
+            b.node(name, (place[0] * metre, place[1] * metre))
+        for p, q in ("AC", "CB"):
+            b.add(element, p, q, section=section)
+        b.fix("A")
+        b.fix("B")
+        b.force("C", (0.0, -1000.0))
+        return fm.path(b.build())
+
+    one, other = walked(1.0), walked(1e6)
+    np.testing.assert_allclose(other.load_factor, one.load_factor, rtol=1e-6)
+    np.testing.assert_allclose(other.at("C") / 1e6, one.at("C"), rtol=1e-6)
+
+
 @pytest.mark.parametrize("size", [1e-5, 1e4])
 def test_motion_from_micrometres_to_kilometres(size):
     def swing(size):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, SECTIONAL, Element
-from ..elements.nodes import ROTATION3, unit_norm
+from ..elements.nodes import ROTATION3, NodeKind, unit_norm
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity
 from ..math.indices import put
@@ -48,6 +48,10 @@ def stack(values: Sequence[Any]) -> Any:
     order = {id(v): i for i, v in enumerate([*known, *traced])}
     places = np.array([order[id(v)] for v in values])
     return found if np.array_equal(places, np.arange(len(distinct))) else found[places]
+
+
+def _powers(kind: NodeKind) -> tuple[int, ...]:
+    return kind.powers or (0,) * kind.size
 
 
 def assemble(builder: Description) -> Model:
@@ -90,7 +94,8 @@ def assemble(builder: Description) -> Model:
 
     dofs_x = [index(d) for d in builder.dofs if d[0] == "node"]
     dofs_e = [index(d) for d in builder.dofs if d[0] == "element"]
-    topology = Topology(blocks, _indices(x_roles, dofs_x), _indices(e_roles, dofs_e), axes)
+    powers: Any = np.array([power for n in names for power in _powers(builder.nodes[n].kind)], int)
+    topology = Topology(blocks, _indices(x_roles, dofs_x), _indices(e_roles, dofs_e), axes, powers)
     reference = _concatenate([builder.nodes[n].start for n in names])
     initial = _loads(builder.loads["initial"], topology, index)
     increment = _loads(builder.loads["increment"], topology, index)

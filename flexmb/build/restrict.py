@@ -136,7 +136,9 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         top.x.prescribed,
     )
     labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
-    bare = Restriction(Topology(tuple(blocks), x, e, top.axes), labels, jnp.asarray(columns)[None], tuple(places))
+    bare = Restriction(
+        Topology(tuple(blocks), x, e, top.axes, top.powers), labels, jnp.asarray(columns)[None], tuple(places)
+    )
     return dataclasses.replace(bare, topology=with_dofs(bare.of(model), model))
 
 

@@ -95,6 +95,8 @@ class Element:
             the undeformed mechanism.
         series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, where the strains
             are series. Their coefficients are what the node of an annotation ``Series2`` or ``Series3`` holds.
+        lengths: Numbers (from 0) of the strain fields whose coefficients are lengths, elongation and shears; those of
+            the others are angles.
         chosen: Options that are not as usual: name, type and value of each, in alphabetical order.
     """
 
@@ -116,6 +118,7 @@ class Element:
     measured: tuple[int, ...] = ()
     third_order: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
+    lengths: tuple[int, ...] = ()
     chosen: tuple[tuple[str, type, Any], ...] = ()
 
     def __repr__(self) -> str:
@@ -184,8 +187,9 @@ class Element:
     @property
     def nodes(self) -> dict[str, NodeKind]:
         """Node kind of each positional parameter, in order."""
-        count = sum(map(len, self.fields))
-        return {name: kind if kind.start else kind.sized(count) for name, kind in _nodes(self.deformation).items()}
+        powers = tuple(int(i in self.lengths) for i, field in enumerate(self.fields) for _ in field)
+        kinds = _nodes(self.deformation).items()
+        return {name: kind if kind.start else kind.sized(len(powers), powers) for name, kind in kinds}
 
     @property
     def properties(self) -> dict[str, inspect.Parameter]:

@@ -157,6 +157,7 @@ leaf_spring = Element(
     check=_check,
     third_order=True,
     series=_fields,
+    lengths=(0,),
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 

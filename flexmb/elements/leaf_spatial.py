@@ -168,6 +168,7 @@ leaf_spring = Element(
     measured=(7, 8),
     third_order=True,
     series=_fields,
+    lengths=(0, 4, 5),
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 

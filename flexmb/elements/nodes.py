@@ -23,6 +23,7 @@ class NodeKind:
         start: Coordinates before a position is given.
         components: Name of each coordinate.
         freedoms: Independent coordinates, the number that (2.13) counts: 3 of 4 for Euler parameters.
+        powers: Of length, in the unit of each coordinate; of none unless given.
     """
 
     name: str
@@ -31,15 +32,17 @@ class NodeKind:
     start: tuple[float, ...]
     components: tuple[str, ...]
     freedoms: int
+    powers: tuple[int, ...] = ()
 
-    def sized(self, count: int) -> "NodeKind":
+    def sized(self, count: int, powers: tuple[int, ...] = ()) -> "NodeKind":
         """The kind with so many coordinates, all of them free and zero at the start.
 
         Args:
             count: Number of coordinates.
+            powers: Of length, in the unit of each; none unless given.
         """
         names = tuple(f"c{i + 1}" for i in range(count))
-        return dataclasses.replace(self, start=(0.0,) * count, components=names, freedoms=count)
+        return dataclasses.replace(self, start=(0.0,) * count, components=names, freedoms=count, powers=powers)
 
     @property
     def size(self) -> int:
@@ -47,12 +50,12 @@ class NodeKind:
         return len(self.start)
 
 
-POINT2 = NodeKind("Point2", "position", 2, (0.0, 0.0), ("x", "y"), 2)
+POINT2 = NodeKind("Point2", "position", 2, (0.0, 0.0), ("x", "y"), 2, (1, 1))
 ANGLE = NodeKind("Angle", "rotation", 2, (0.0,), ("phi",), 1)
-POINT3 = NodeKind("Point3", "position", 3, (0.0, 0.0, 0.0), ("x", "y", "z"), 3)
+POINT3 = NodeKind("Point3", "position", 3, (0.0, 0.0, 0.0), ("x", "y", "z"), 3, (1, 1, 1))
 ROTATION3 = NodeKind("Rotation3", "rotation", 3, (1.0, 0.0, 0.0, 0.0), ("l0", "l1", "l2", "l3"), 3)
 # By how much the sections of the beams that meet there warp: their twist rate there [rad/m].
-WARPING = NodeKind("Warping", "warping", 3, (0.0,), ("w",), 1)
+WARPING = NodeKind("Warping", "warping", 3, (0.0,), ("w",), 1, (-1,))
 
 Point2 = Annotated[Float[Array, "2"], POINT2]
 Angle = Annotated[Float[Array, "1"], ANGLE]

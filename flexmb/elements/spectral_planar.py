@@ -324,6 +324,7 @@ spectral_beam = Element(
     passage=_passage,
     check=_check,
     series=_fields,
+    lengths=(0,),
 )
 """Geometrically exact beam, one for a whole leaf spring.
 

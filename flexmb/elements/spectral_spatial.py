@@ -351,6 +351,7 @@ spectral_beam = Element(
     passage=_passage,
     check=_check,
     series=_fields,
+    lengths=(0, 4, 5),
 )
 """Geometrically exact beam, one for a whole leaf spring.
 

@@ -6,7 +6,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
-from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 
@@ -20,18 +19,16 @@ def extent_of(topology: Topology, parameters: Parameters) -> float:
 def sizes_of(topology: Topology, parameters: Parameters) -> Any:
     """What a change of each coordinate is divided by, so that displacements and rotations can be compared.
 
-    A displacement counts as a share of the mechanism's extent; a rotation counts in radians, an Euler parameter as
-    it is.
+    A displacement counts as a share of the mechanism's extent, and so does an elongation of a beam with strain series;
+    a rotation counts in radians, an Euler parameter as it is, a warping in radians over the extent.
 
     Returns:
-        The extent for positions, 1 for rotations, (n_x,) [m, -]; outside a trace by NumPy, for which nothing is
-        compiled.
+        The extent to the power of length in the unit of each coordinate, (n_x,) [m, -, 1/m]; outside a trace by NumPy,
+        for which nothing is compiled.
     """
-    if is_concrete((topology.axes, parameters.reference)):
-        sizes = np.ones(topology.n_x)
-        sizes[np.asarray(topology.axes)] = extent_of(topology, parameters)
-        return sizes
+    if is_concrete((topology.axes, topology.powers, parameters.reference)):
+        return extent_of(topology, parameters) ** np.asarray(topology.powers, float)
     points = parameters.reference[topology.axes]
     extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
     extent = jnp.where(extent > 0, extent, 1.0)
-    return put(jnp.ones(topology.n_x), topology.axes, extent)
+    return jnp.where(topology.powers > 0, extent, jnp.where(topology.powers < 0, 1 / extent, 1.0))

@@ -79,12 +79,14 @@ class Topology(Record):
         x: Roles of the nodal coordinates.
         e: Roles of the deformations, the unit norms of Euler parameters among them.
         axes: Index of the coordinate along each axis of every point, (axes, points).
+        powers: Of length, in the unit of each coordinate, (n_x,).
     """
 
     blocks: tuple[Block, ...]
     x: RoleIndices
     e: RoleIndices
     axes: Int[Array, "axes points"]
+    powers: Int[Array, "n_x"]
 
     @property
     def n_x(self) -> int:

@@ -45,8 +45,8 @@ class _Contents:
         reference, first = np.asarray(self.parameters.reference), 0
         for name, entries in itertools.groupby(self.labels.x, key=lambda entry: entry.of):
             own = list(entries)
-            kind = self._kind(own[0].kind, len(own))
             last = first + len(own)
+            kind = self._kind(own[0].kind, tuple(np.asarray(self.topology.powers)[first:last].tolist()))
             self.found.nodes[name] = Node(kind, reference[first:last].tolist(), x_roles[first:last])
             first = last
         self._members()
@@ -66,10 +66,10 @@ class _Contents:
             weights = None if self.parameters.weights is None else iter(np.asarray(self.parameters.weights[k]).tolist())
             self.found.signals[side] = [self._signal(signal, weights) for signal in signals]
 
-    def _kind(self, part: str, size: int) -> NodeKind:
+    def _kind(self, part: str, powers: tuple[int, ...]) -> NodeKind:
         plane = self.labels.dimension == 2
         if part == "internal":
-            return (SERIES2 if plane else SERIES3).sized(size)
+            return (SERIES2 if plane else SERIES3).sized(len(powers), powers)
         return {
             "position": POINT2 if plane else POINT3,
             "rotation": ANGLE if plane else ROTATION3,
