@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, computed
+from ..arguments import check_flag, computed, is_concrete
 from ..compilation.compile import jit
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
@@ -21,6 +21,9 @@ from .linearize import Linearization, ManyStates, Matrices, Where, linearized
 from .loose import free_motions, named, naming_culprit, takes_part
 from .sparse_linearize import SparseLinearization
 from .sparse_solve import solved
+
+# Forces on a node in a stable state do no negative work but for round-off, of compliances scaled to one.
+NEGATIVE = 1e-6
 
 
 def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
@@ -78,6 +81,9 @@ def compliance(
         AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
             the compliance is that of the rest, but not where ``sparse`` is asked for.
 
+    Warns:
+        FlexmbWarning: The state is not stable, and forces on the node show it.
+
     Source:
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
@@ -92,7 +98,9 @@ def compliance(
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     if isinstance(lin, SparseLinearization):
         try:
-            return compliance_of_large(lin, places, local)
+            found = compliance_of_large(lin, places, local)
+            _warn_of_instability(found, node)
+            return found
         except AnalysisError:
             if sparse is not None or lin is model or lin is at:
                 raise
@@ -102,7 +110,21 @@ def compliance(
     if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, node, np.asarray(jacobian))
     check(result, True)
+    _warn_of_instability(found, node)
     return found
+
+
+def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:
+    """Warn where forces move a node against themselves, which in a stable state of a potential none do."""
+    if not is_concrete(found):
+        return
+    own = np.sqrt(np.abs(np.diag(np.asarray(found))))
+    scaled = np.asarray(found) / np.outer(np.where(own > 0, own, 1.0), np.where(own > 0, own, 1.0))
+    if np.allclose(scaled, scaled.T, rtol=0, atol=NEGATIVE) and np.min(np.linalg.eigvalsh(scaled)) < -NEGATIVE:
+        warn(
+            f"Forces on node '{node}' do negative work: the state is not stable, as its negative or imaginary"
+            " frequencies tell too. Follow the way to a stable one by fm.path, or lower the load."
+        )
 
 
 def _beside_free_motions(lin: Linearization, node: str, jacobian: np.ndarray) -> Float[Array, "n n"]:

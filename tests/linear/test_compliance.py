@@ -1,5 +1,7 @@
 """Compliance of a node that has turned, against differences of nonlinear equilibria."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -65,3 +67,13 @@ def test_compliance_of_a_turned_node(dimension):
     each = fm.linear.directional_compliance(lin)
     np.testing.assert_allclose(each["tip"], np.diag(expected)[:dimension], rtol=1e-6, atol=1e-7)
     np.testing.assert_allclose(each["tip.rotation"], np.diag(expected)[dimension:], rtol=1e-6, atol=1e-7)
+
+
+def test_a_state_that_is_not_stable_is_told():
+    """A column under more than pi^2 EI/(4 L^2) that stands upright, and one under less."""
+    for force, told in ((-9.0, True), (-6.0, False)):
+        model = arm(2, np.array([force, 0.0, 0.0]) - np.array([0.5, 0.8, 0.4]))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found = fm.compliance(model, "tip")
+        assert any("negative work" in str(one.message) for one in caught) == told == (found[1, 1] < 0)
