@@ -173,7 +173,7 @@ def simulate(
     # Nothing is to be done for a law that begins at rest where the mechanism is.
     still = initial is None and start.x is model.parameters.reference and is_concrete(times)
     still = still and begins_still(model.parameters, driven, np.asarray(times)[0])
-    stops = None
+    stops: Any = None
     if is_concrete(times):
         of_time = [one.value for one in driven]
         if loop.reference is not None and not isinstance(feedback, Sampled):

@@ -73,7 +73,7 @@ def test_where_functions_change_suddenly():
         return size
 
     jax.grad(sized)(3.0)
-    assert sudden_changes([fm.Table(TIMES, TIMES)], span) is None
+    assert sudden_changes([fm.motion.Table(TIMES, TIMES)], span) is None
 
 
 def test_waves_are_not_looked_at():
