@@ -118,6 +118,15 @@ def is_wave(found: Captured) -> bool:
     return all(equation.primitive.name in WAVES for equation in found.code.jaxpr.eqns)
 
 
+def has_effects(found: Captured) -> bool:
+    """Whether a function does more than to give numbers, such as to print.
+
+    Args:
+        found: Function.
+    """
+    return bool(found.code.jaxpr.effects)
+
+
 def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
     """A function of time as it is now, and the shape of what it gives.
 

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.compile import jit
-from ..compilation.program import Captured, is_wave
+from ..compilation.program import Captured, has_effects, is_wave
 from .drive import has_table
 
 # Functions are looked at so often: what is over sooner has to be named as a jump.
@@ -29,8 +29,8 @@ TOGETHER = 64
 def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | None:
     """Begins and ends of sudden changes within a time, ascending; None where there are none.
 
-    Functions whose numbers are traced are looked at outside ``jax.jit`` and ``jax.vmap`` only, tables not, whose times
-    are stepped onto.
+    Functions whose numbers are traced are looked at outside ``jax.jit`` and ``jax.vmap`` only; tables not, whose times
+    are stepped onto, nor functions that print.
 
     Args:
         functions: Functions of time.
@@ -39,7 +39,8 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | N
     Returns:
         (k,) [s], with k a power of two, so that few structures are compiled; filled up with infinity.
     """
-    looked_at = [f for f in functions if not has_table(f) and not (isinstance(f, Captured) and is_wave(f))]
+    looked_at = [f for f in functions if not has_table(f)]
+    looked_at = [f for f in looked_at if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
     looked_at = [f for f in map(_as_known, looked_at) if is_concrete(f)]
     if not looked_at or not span[0] < span[1]:
         return None
@@ -64,7 +65,8 @@ def _as_known(function: Any) -> Any:
 
 @jit
 def _values(function: Any, times: Float[Array, "n"]) -> Float[Array, "n k"]:
-    return jax.vmap(lambda t: jnp.ravel(jnp.asarray(function(t), float)))(times)
+    # One by one: a call of the host need not take many times at once.
+    return jax.lax.map(lambda t: jnp.ravel(jnp.asarray(function(t), float)), times)
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

@@ -131,7 +131,9 @@ def equilibrium(
     """Static equilibrium under the constant loads.
 
     Newton's method on the configurations that the constraints allow, with the multipliers of the constraints
-    estimated before the first step, so that a hanging body has its stiffness from the start.
+    estimated before the first step, so that a hanging body has its stiffness from the start. Beyond a buckling load it
+    may stay where no mechanism does: whether the state is stable the signs of :func:`flexmb.frequencies` tell, and
+    :func:`flexmb.path` follows the way there.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.

@@ -67,6 +67,14 @@ def test_where_functions_change_suddenly():
         assert edges(function) is None
     assert edges(lambda t: jnp.where(t < 3, jnp.sin(40 * t), 0.0)) is None
 
+    def printing(t):
+        jax.debug.print("{}", t)
+        return pulse(t, 1.0)
+
+    assert edges(printing) is None
+    host = jax.ShapeDtypeStruct((), float)
+    assert len(edges(lambda t: jax.pure_callback(lambda t: np.asarray(t > 1.0, float), host, t))) == 2
+
     def sized(size):
         # Looked at as it is, whatever derivatives are taken by.
         assert len(edges(lambda t: size * pulse(t, 1.0))) == 2
