@@ -176,9 +176,10 @@ def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
     largest = largest_displacement(found.lin.model, found.lin.x, found.shapes[:, number - 1])
     if not largest > 0:
         raise ValueError(f"Argument `imperfection` is a length, but buckling mode {number} moves no point.")
-    sizes = np.abs(shape)
+    model = found.lin.model
+    sizes = np.abs(shape) / np.asarray(sizes_of(model.topology, model.parameters))
     positions = np.zeros(len(shape))
-    positions[np.asarray(found.lin.model.topology.axes)] = 1.0
+    positions[np.asarray(model.topology.axes)] = 1.0
     moved = sizes * positions if np.any(sizes * positions > SMALL * sizes.max()) else sizes
     # The first of several that change alike, as both ends of a column turn.
     first = int(np.argmax(moved > (1 - 1e-6) * moved.max()))

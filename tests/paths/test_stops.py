@@ -194,6 +194,23 @@ def test_modes_of_an_imperfection_are_those_before_any_load():
     np.testing.assert_allclose(bent(10.0), expected, atol=1e-9)
 
 
+def test_an_imperfection_has_its_side_in_every_unit():
+    """A clamped column bows to the side where its top, not the angle there, grows."""
+
+    def top(metre):
+        b = fm.Builder()
+        b.node("foot", (0.0, 0.0))
+        b.node("top", (0.0, metre))
+        b.add(planar.beam, "foot", "top", section=fm.Rigidity(EA=1e6, EIy=metre**2))
+        b.fix("foot")
+        b.force("top", (0.0, -1.0))
+        bent = bent_by_modes(b.build(), {1: 1e-3 * metre})
+        return float(fm.equilibrium(bent, load_factor=0.0).at("top")[0]) / metre
+
+    # Found by Newton's method from a cubic shape: its share of second order.
+    np.testing.assert_allclose([top(1.0), top(1e-4), top(1e4)], 1e-3, rtol=1e-5)
+
+
 def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
     # The steep truss, its apex aside without stress, bars of the stiffness EA/l0: gradient and determinant of the
     # Hessian of the potential of two bars are zero, solved by scipy.
