@@ -159,11 +159,11 @@ def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
 
 
 def slender(b: Builder, section: Section) -> tuple[Any, Section]:
-    """Element type of a wire or a notch hinge, and its section as that takes it: in space with shear where it can."""
+    """Element type of a wire or a notch hinge, and its section as that takes it: with shear where it can."""
     element = planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam
     if isinstance(section, Profile):
         # Stress resultants are smooth along a hinge where the section is not; order 3 is theirs at any stroke.
         return element(order=3), section
-    if b.dimension == 3 and isinstance(section, Rectangle | Circle):
-        return spatial.spectral_beam(shear=True), dataclasses.replace(section, shear=True)
+    if isinstance(section, Rectangle | Circle):
+        return element(shear=True), dataclasses.replace(section, shear=True)
     return element, section

@@ -18,7 +18,7 @@ from ..model.roles import HELD
 from .clamps import THICK, End, axes_of, elements_at, is_clamped, parts_of
 from .description import Description, Member
 
-PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
+PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
 # A stiffness that changes by less is not told of.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
@@ -63,14 +63,10 @@ def warn_of_plain_beams(builder: Description) -> None:
         f"{what} by {f'{share:.0%}' if share < 100 else 'more than 9999%'} ('{first}'{last})"
         for what, (share, first, last) in found.items()
     ]
-    remedy = (
-        "A leaf_spring has it, unless its section has breaks; a section may state shear=True and warping_length="
-        if builder.dimension == 3
-        else "planar.beam counts it where its section states shear=True, and leaf_spring in space"
-    )
     warn(
-        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. {remedy}. Where beam theory is what is"
-        " wanted, ignore fm.BeamTheoryWarning.",
+        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it, unless its section"
+        " has breaks; a section may state shear=True and warping_length=. Where beam theory is what is wanted, ignore"
+        " fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
 

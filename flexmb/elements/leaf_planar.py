@@ -12,7 +12,7 @@ from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
 from .spectral import fields_after
-from .spectral_planar import FIELDS, check_shearless, nodes_of
+from .spectral_planar import ELONGATION, FIELDS, SHEAR, nodes_of
 
 
 def _leaf_spring(
@@ -28,13 +28,12 @@ def _leaf_spring(
     clamped: tuple[bool, bool] | bool | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    return spectral_planar._spectral_beam(
-        p, rot_p, q, rot_q, c, ref=ref, order=order, section=leaf_of(section, clamped)
-    )
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
 def _fields(*, order: int):
-    return fields_after(3, 2, order)
+    return fields_after(3, len(FIELDS), order)
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
@@ -71,7 +70,8 @@ def _inertia(
     clamped: Clamped | None = None,
 ):
     """Positions and directions at the nodes of the quadrature."""
-    return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, section=leaf_of(section, clamped), order=order)
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
 def _resultants(
@@ -90,8 +90,8 @@ def _resultants(
     clamped: Clamped | None = None,
 ):
     """Statics of the part beyond the place."""
-    own = {"ref": ref, "place": place, "sigma": sigma, "section": leaf_of(section, clamped), "order": order}
-    return spectral_planar._resultants(p, rot_p, q, rot_q, c, fall=fall, **own)
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "sigma": sigma, "fall": fall}
+    return spectral_planar._resultants(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
 
 
 def _surface(
@@ -135,13 +135,13 @@ def _shape(
     section: Rectangle | Profile,
     clamped: Clamped | None = None,
 ):
-    own = {"ref": ref, "place": place, "section": leaf_of(section, clamped), "order": order}
-    return spectral_planar._shape(p, rot_p, q, rot_q, c, **own)
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    return spectral_planar._shape(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
 
 
 def _check(*, ref: Reference, order: int, section: Rectangle | Profile) -> list[str]:
     faults = beams.check_length(ref=ref)
-    return faults or faults_of_leaf(section, ref, nodes_of(order)) or check_shearless(section, ref)
+    return faults or faults_of_leaf(section, ref, nodes_of(order))
 
 
 leaf_spring = Element(
@@ -157,17 +157,16 @@ leaf_spring = Element(
     check=_check,
     third_order=True,
     series=_fields,
-    lengths=(0,),
+    lengths=(ELONGATION, SHEAR),
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 
-Near clamped ends it bends and stretches as a plate, and its middle flattens as its curvature grows. Which ends are
+Beside what a spectral beam has it counts shear. Near clamped ends it bends and stretches as a plate, and its middle
+flattens as its curvature grows. Which ends are
 clamped is found when the model is built: those whose rotation is held, those joined to a rigid element, a hinge, a body
 or a part at least three times as thick, and folds.
-Shear it leaves out: where that would change a stiffness by more than 1 %, a model warns; a section that states it is
-refused.
 
-Deformations: those of ``planar.spectral_beam``.
+Deformations: those of ``planar.spectral_beam`` with ``shear``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
 first end and its last are clamped, such as (True, False), where that shall not be found.
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a

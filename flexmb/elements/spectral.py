@@ -348,6 +348,21 @@ def check_section(section: Section | None, ref: Reference, curvature: Any, count
     return section.faults_along(_length(ref, curvature), count) if isinstance(section, Profile) else []
 
 
+def check_shear(counted: bool, *stated: Any) -> list[str]:
+    """Faults of a section that states shear which is not counted, or does not state what is.
+
+    Args:
+        counted: Whether the beam counts it.
+        stated: Shear compliance of the section, along each axis.
+    """
+    compliant = [np.asarray(number) > 0 for number in stated]
+    if counted and not np.all(compliant):
+        return ["counts shear, but its section has none: give the section shear=True"]
+    if not counted and np.any(compliant):
+        return ["does not count shear, but its section has it: make the element with shear=True"]
+    return []
+
+
 def _length(ref: Reference, curvature: Any) -> np.ndarray:
     chord = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
     if curvature is None:

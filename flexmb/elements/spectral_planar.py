@@ -1,4 +1,4 @@
-"""Spectral beam in the plane, without shear deformation; what it shares with that in space stands in ``spectral``."""
+"""Spectral beam in the plane, with or without shear; what it shares with that in space stands in ``spectral``."""
 
 import functools
 from types import SimpleNamespace
@@ -21,6 +21,7 @@ from .spectral import (
     arc_length,
     check_curvature,
     check_section,
+    check_shear,
     fields_after,
     numbers_of,
     pieces_of,
@@ -31,22 +32,22 @@ from .spectral import (
 )
 
 # Fields in the order of the coefficients.
-ELONGATION, CURVATURE = 0, 1
-FIELDS = ("EA", "EIy")
+ELONGATION, CURVATURE, SHEAR = 0, 1, 2
+FIELDS = ("EA", "EIy", "GAz")
 
 
 def _rule(
-    order: int, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
+    order: int, shear: bool, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
 ) -> SimpleNamespace:
     """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
     if end is None and (section is None or not section.varies):
-        return _constant_rule(order)
-    return _rule_on(order, section, length, pieces_of(section, length, end))
+        return _constant_rule(order, shear)
+    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
 
 
 @functools.cache
-def _constant_rule(order: int) -> SimpleNamespace:
-    rule = _rule_on(order, None, 1.0, WHOLE)
+def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
+    rule = _rule_on(order, shear, None, 1.0, WHOLE)
     # All but the first coefficient of the curvature have no part in the angle between the ends.
     rule.turn = np.eye(order)[0]
     return rule
@@ -61,15 +62,38 @@ def nodes_of(order: int) -> int:
     return 2 * order + 8
 
 
-def _rule_on(order: int, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
+def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
     nodes, weights = gauss(nodes_of(order))
     places = pieces.spread(nodes).ravel()
-    shapes = strains(order, section, places, length, FIELDS)
+    shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
     along = pieces.integrals(nodes, weights)
     weights = (pieces.sizes[:, None] * weights).ravel()
     curvatures = shapes[:, CURVATURE]
     own = {"elongations": shapes[:, ELONGATION], "angles": along @ curvatures, "turn": weights @ curvatures}
+    own["shears"] = shapes[:, SHEAR] if shear else None
     return SimpleNamespace(pieces=pieces, inner=nodes, nodes=places, weights=weights, along=along, **own)
+
+
+def _count(shear: bool) -> int:
+    """Number of strain fields."""
+    return 3 if shear else 2
+
+
+def _fields_of(c: Float[Array, "c"], rule: SimpleNamespace) -> Float[Array, "fields order"]:
+    """Coefficients of each field."""
+    return c.reshape(-1, rule.angles.shape[1])
+
+
+def _stretched_along(
+    c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, directions: Float[Array, "n 2"]
+) -> Float[Array, "n 2"]:
+    """How the beam goes on at the nodes, times its length: along the normals of its sections, and across by shear."""
+    fields = _fields_of(c, rule)
+    found = (length + rule.elongations @ fields[ELONGATION])[:, None] * directions
+    if rule.shears is None:
+        return found
+    across = jnp.stack([-directions[:, 1], directions[:, 0]], axis=-1)
+    return found + (rule.shears @ fields[SHEAR])[:, None] * across
 
 
 def _length(ref: Reference, curvature: Scalar | None) -> Float[Array, ""]:
@@ -85,41 +109,46 @@ def _bent(
     integrals: Float[Array, "n order"] | np.ndarray,
 ) -> Float[Array, "n 2"]:
     """Directions at places s, in axes of end p."""
-    angle = integrals @ c.reshape(2, -1)[CURVATURE]
+    angle = integrals @ c.reshape(-1, integrals.shape[1])[CURVATURE]
     if curvature is not None:
         angle = angle + curvature * length * s
     return jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)
 
 
 def _line(
-    rot_p: Angle, c: Float[Array, "c"], ref: Reference, order: int, section: Section | None, curvature: Scalar | None
+    rot_p: Angle,
+    c: Float[Array, "c"],
+    ref: Reference,
+    order: int,
+    shear: bool,
+    section: Section | None,
+    curvature: Scalar | None,
 ):
     """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes; the rule."""
     length, tilt = _length(ref, curvature), 0.0
-    rule = _rule(order, section, length)
+    rule = _rule(order, shear, section, length)
     if curvature is not None:
         tilt = curvature * length / 2
     x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
     axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    stretches = length + rule.elongations @ c.reshape(2, -1)[ELONGATION]
-    return length, axes, directions, stretches[:, None] * directions, rule
+    return length, axes, directions, _stretched_along(c, length, rule, directions), rule
 
 
 def _to_place(
     c: Float[Array, "c"],
     length: Float[Array, ""],
     order: int,
+    shear: bool,
     section: Section | None,
     curvature: Scalar | None,
     place: Float[Array, ""],
 ):
     """Direction at a place, and the way from p to it, in axes of end p."""
-    rule = _rule(order, section, length, place)
+    rule = _rule(order, shear, section, length, place)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
     last = _bent(c, length, curvature, place[None], rule.turn[None])
-    stretched = length + rule.elongations @ c.reshape(2, -1)[ELONGATION]
-    return last[0], (rule.weights * stretched) @ directions
+    return last[0], rule.weights @ _stretched_along(c, length, rule, directions)
 
 
 def _spectral_beam(
@@ -131,28 +160,35 @@ def _spectral_beam(
     *,
     ref: Reference,
     order: Static[int] = 5,
+    shear: Static[bool] = False,
     section: Section | None = None,
     curvature: float | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    _, axes, _, stretched, rule = _line(rot_p, c, ref, order, section, curvature)
+    _, axes, _, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     displacement = axes.T @ (q - p) - rule.weights @ stretched
-    turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ c.reshape(2, -1)[CURVATURE]
+    turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ _fields_of(c, rule)[CURVATURE]
     return jnp.concatenate([jnp.concatenate([displacement, turn]), c])
 
 
-def _fields(*, order: int):
-    return fields_after(3, 2, order)
+def _fields(*, order: int, shear: bool):
+    return fields_after(3, _count(shear), order)
 
 
-def _stiffness(*, ref: Reference, section: Section, order: int, curvature: float | None = None):
-    return series_matrix(section, section, order, _length(ref, curvature), 3, FIELDS)
+def _stiffness(*, ref: Reference, section: Section, order: int, shear: bool, curvature: float | None = None):
+    return series_matrix(section, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
 def _damping(
-    *, ref: Reference, damping: Damping, order: int, section: Section | None = None, curvature: float | None = None
+    *,
+    ref: Reference,
+    damping: Damping,
+    order: int,
+    shear: bool,
+    section: Section | None = None,
+    curvature: float | None = None,
 ):
-    return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS)
+    return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
 def _stretched(
@@ -164,14 +200,13 @@ def _stretched(
     curvature: Scalar | None,
 ):
     """Directions, and these times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
-    stretch, bend = c.reshape(2, -1)
-    angle = turn + rule.angles @ bend
+    angle = turn + rule.angles @ _fields_of(c, rule)[CURVATURE]
     if curvature is not None:
         angle = angle + curvature * length * (rule.nodes - 0.5)
     x = (ref.q - ref.p) / beams.beam_length(ref)
     cosine, sine = cosine_and_sine(angle)
     directions = cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]])
-    return directions, (length + rule.elongations @ stretch)[:, None] * directions
+    return directions, _stretched_along(c, length, rule, directions)
 
 
 def _inertia(
@@ -184,6 +219,7 @@ def _inertia(
     ref: Reference,
     section: Section,
     order: int,
+    shear: bool = False,
     curvature: float | None = None,
 ):
     """Position of end p, then stretched directions and directions at the nodes of the quadrature.
@@ -191,7 +227,7 @@ def _inertia(
     Positions are sums of the former, so that what varies is done place by place, and the sums are in H.
     """
     length = _length(ref, curvature)
-    rule = _rule(order, section, length)
+    rule = _rule(order, shear, section, length)
     directions, stretched = _stretched(rot_p[0] - ref.rot_p[0], c, ref, length, rule, curvature)
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
     positions = jnp.concatenate([jnp.ones((len(rule.nodes), 1)), jnp.asarray(rule.along)], axis=1)
@@ -218,12 +254,13 @@ def _resultants(
     sigma: Float[Array, "n_e"],
     section: Section,
     order: int,
+    shear: bool = False,
     fall: Float[Array, "k 2"] | None = None,
     curvature: float | None = None,
 ):
     """Statics of the part beyond the place."""
-    length, axes, directions, stretched, rule = _line(rot_p, c, ref, order, section, curvature)
-    (cosine, sine), reached = _to_place(c, length, order, section, curvature, place)
+    length, axes, directions, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
+    (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
     # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
     force, moment = jnp.split(sigma[:3], (2,))
     wrench = jnp.append(force, moment + _turn(axes.T @ (q - p), force))
@@ -248,11 +285,12 @@ def _thermal(
     ref: Reference,
     section: Section,
     order: int,
+    shear: bool,
     curvature: float | None = None,
 ):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
-    return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS)
+    return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
 def _shape(
@@ -265,11 +303,12 @@ def _shape(
     ref: Reference,
     place: Float[Array, ""],
     order: int,
+    shear: bool = False,
     section: Section | None = None,
     curvature: float | None = None,
 ):
-    length, axes, *_ = _line(rot_p, c, ref, order, section, curvature)
-    return p + axes @ _to_place(c, length, order, section, curvature, place)[1]
+    length, axes, *_ = _line(rot_p, c, ref, order, shear, section, curvature)
+    return p + axes @ _to_place(c, length, order, shear, section, curvature, place)[1]
 
 
 def _passage(
@@ -281,36 +320,25 @@ def _passage(
     *,
     ref: Reference,
     order: int,
+    shear: bool,
     section: Section | None = None,
     curvature: float | None = None,
 ):
     """End q seen from end p."""
     length = _length(ref, curvature)
-    rule = _rule(order, section, length)
+    rule = _rule(order, shear, section, length)
     _, stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
-    return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ c.reshape(2, -1)[CURVATURE]
+    return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ _fields_of(c, rule)[CURVATURE]
 
 
-def _check(*, ref: Reference, order: int, section: Section | None = None, curvature: float | None = None) -> list[str]:
+def _check(
+    *, ref: Reference, order: int, shear: bool, section: Section | None = None, curvature: float | None = None
+) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
     faults = faults or check_section(section, ref, curvature, nodes_of(order))
-    return faults or check_shearless(section, ref, curvature)
-
-
-def check_shearless(section: Section | None, ref: Reference, curvature: float | None = None) -> list[str]:
-    """Faults of a section that states its shear, which elements with strain series leave out in the plane.
-
-    Args:
-        section: Of the beam.
-        ref: Reference coordinates, of one beam or of many.
-        curvature: Initial, or None.
-    """
-    if section is None or not np.any(np.asarray(numbers_of(section, ref, curvature).shear_z) > 0):
-        return []
-    return [
-        "does not count shear, but its section has it: planar.beam counts it, in space spectral_beam with shear=True;"
-        " leave it out of the section where it does not matter"
-    ]
+    if section is None or faults:
+        return faults
+    return check_shear(shear, numbers_of(section, ref, curvature).shear_z)
 
 
 spectral_beam = Element(
@@ -324,20 +352,21 @@ spectral_beam = Element(
     passage=_passage,
     check=_check,
     series=_fields,
-    lengths=(0,),
+    lengths=(ELONGATION, SHEAR),
 )
 """Geometrically exact beam, one for a whole leaf spring.
 
 Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p [m] and the angle [rad]; then ``order``
 coefficients of each strain, times length: elongation [m], curvature [rad], the first of which is the angle between the
-ends. Stress resultants of the closure are the force and moment at q.
+ends, and with ``shear`` the shear [m]. Stress resultants of the closure are the force and moment at q.
 Properties: section (EA, EIy, mass, Jy; one that varies too, see :class:`flexmb.sections.Profile`), damping, curvature
 (initial, of an arc from p to q [1/m], positive counter-clockwise).
 Options: order, the number of coefficients of each strain, 5 unless given; 2 bends as a cubic beam does, 5 gives six
-digits for a leaf spring at a large stroke.
-Of a leaf spring it leaves out the plate near clamps and the flattening of wide strips, which ``planar.leaf_spring``
-has, and shear: where that would change a stiffness by more than 1 %, a model warns; a section that states it is
-refused.
+digits for a leaf spring at a large stroke; shear, whether shear deformation is counted, False unless given: the section
+must then have a shear compliance.
+Of a leaf spring it leaves out the plate near clamps and the flattening of wide strips: ``planar.leaf_spring`` has them.
+Where shear would change a stiffness by more than 1 %, a model warns.
 
-Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps)(cos theta, sin theta).
+Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps) t + gamma n with
+t = (cos theta, sin theta), n normal to it (Reissner).
 """

@@ -23,6 +23,7 @@ from .spectral import (
     arc_length,
     check_curvature,
     check_section,
+    check_shear,
     fields_after,
     numbers_of,
     pieces_of,
@@ -331,13 +332,8 @@ def _check(
     faults = faults or check_section(section, ref, curvature)
     if section is None or faults:
         return faults
-    s = numbers_of(section, ref, curvature)
-    compliant = [np.asarray(number) > 0 for number in (s.shear_y, s.shear_z)]
-    if shear and not np.all(compliant):
-        faults.append("counts shear, but its section has none: give the section shear=True")
-    if not shear and np.any(compliant):
-        faults.append("does not count shear, but its section has it: make the element with shear=True")
-    return faults
+    own = numbers_of(section, ref, curvature)
+    return check_shear(shear, own.shear_y, own.shear_z)
 
 
 spectral_beam = Element(

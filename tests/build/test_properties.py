@@ -193,7 +193,7 @@ POWERS = fm.Element(powers, stiffness=each)
 WRONG_OPTIONS = {
     "half an order": (planar.spectral_beam, {"order": 2.5}, "`order` of spectral_beam must be a whole number, not 2.5"),
     "an order beyond sense": (planar.spectral_beam, {"order": 41}, "order must be at least 1 and at most 40, but"),
-    "shear in the plane": (planar.spectral_beam, {"shear": True}, "has no property 'shear'. It takes: .*order"),
+    "shear of a cubic beam": (planar.beam, {"shear": True}, "has no property 'shear'. It takes: .*section"),
     "shear a word": (spatial.spectral_beam, {"shear": "no"}, "`shear` of .* must be True or False, not 'no'"),
     "no law": (planar.spring_damper, {"k": 1.0}, "needs the option 'law'"),
     "a law that is none": (planar.spring_damper, {"law": 3.0}, "`law` of spring_damper must be a function, not 3.0"),

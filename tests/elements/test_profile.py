@@ -91,7 +91,7 @@ def test_convergence_with_the_order_against_shooting(plane, order):
     def unbalanced(case, breaks, length, force, c):
         section = sections.Profile(lambda place: leaf(thickness(place)[case]), tuple(breaks))
         ref = element.reference((still, turned, still.at[0].set(length), turned, jnp.zeros(n)))
-        own: dict[str, Any] = {"ref": ref, "section": section, "order": order} | ({} if plane else {"shear": False})
+        own: dict[str, Any] = {"ref": ref, "section": section, "order": order} | {"shear": False}
         across = {} if plane else {"y": jnp.array([0.0, 1, 0])}
 
         def tip(c):

@@ -160,11 +160,13 @@ def sections_of_rod(problem, places, z):
     return np.array(found)
 
 
-def test_elastica_against_shooting():
-    rod = PlanarRod(1.0, 1.0, 1e4, load=(0.3, -0.8))
+@pytest.mark.parametrize("shear", [np.inf, 30.0])
+def test_elastica_against_shooting(shear):
+    rod = PlanarRod(1.0, 1.0, 1e4, shear, load=(0.3, -0.8))
     problem = Cantilever(rod, (0.0, 0.0, 0.0), force=(-1.0, 2.0), moment=(0.5,))
     z = shooting.solve(problem)
-    b = chain(planar.spectral_beam(10), straight(1, False, 1.0), fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0))
+    element, section = planar.spectral_beam(10, shear=np.isfinite(shear)), fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0)
+    b = chain(element, straight(1, False, 1.0), dataclasses.replace(section, shear_z=1.0 / shear))
     b.force("1", (-1.0, 2.0))
     b.moment("1", 0.5)
     b.gravity(rod.load)
