@@ -1001,7 +1001,7 @@ FAULTS = [
     Fault(
         "elements/spectral_planar.py",
         "return found + (rule.shears",
-        "return found - (rule.shears",
+        "return found + 2 * (rule.shears",
         "linear/test_stress.py -k elastica",
     ),
     Fault(
