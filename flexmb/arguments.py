@@ -1,8 +1,10 @@
 """What numbers given to public functions must be: a fault names the argument and says what is right."""
 
+import contextlib
 import operator
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from typing import Any
 
 import jax
@@ -19,6 +21,47 @@ def is_concrete(tree: Any) -> bool:
     if type(tree) in (int, float):
         return True
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
+
+
+def as_known(tree: Any) -> Any:
+    """Arrays of JAX that are known as arrays of the host: within a trace, what is made of them would be traced.
+
+    Args:
+        tree: Pytree; itself where it holds no such array, or something that is traced.
+    """
+    leaves = jax.tree.leaves(tree)
+    if not any(isinstance(leaf, jax.Array) for leaf in leaves) or not is_concrete(leaves):
+        return tree
+    return jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, tree)
+
+
+_NOTED: ContextVar[list[Any] | None] = ContextVar("noted", default=None)
+
+
+@contextlib.contextmanager
+def noting() -> Iterator[list[Any]]:
+    """Note conditions that traced numbers must meet and that a check of concrete numbers would refuse.
+
+    Yields:
+        The conditions, traced, () of bool each; they come as they are checked.
+    """
+    found: list[Any] = []
+    before = _NOTED.set(found)
+    try:
+        yield found
+    finally:
+        _NOTED.reset(before)
+
+
+def note(condition: Any) -> None:
+    """Note a condition that a traced number must meet, where someone asks; see :func:`noting`.
+
+    Args:
+        condition: Traced, () of bool.
+    """
+    noted = _NOTED.get()
+    if noted is not None:
+        noted.append(condition)
 
 
 def as_floats(value: Any) -> Any:
@@ -103,9 +146,15 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
 
 
 def check_number(
-    name: str, value: Any, *, above: float | None = None, least: float | None = None, most: float | None = None
+    name: str,
+    value: Any,
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    fault: type[ValueError] = ValueError,
 ) -> None:
-    """Refuse an argument that is no finite number within its range; a traced one passes.
+    """Refuse an argument that is no finite number within its range; a traced one passes, and that is noted.
 
     Args:
         name: Name of the argument.
@@ -113,12 +162,23 @@ def check_number(
         above: It must be greater than this.
         least: It must be this at least.
         most: It must be this at most.
+        fault: Error where it is beyond its range.
 
     Raises:
         TypeError: It is no number.
         ValueError: It is not finite, or beyond its range.
     """
+
+    def is_within(number: Any) -> Any:
+        library = np if is_concrete(number) else jax.numpy
+        within = library.isfinite(number)
+        within = within if above is None else within & (number > above)
+        within = within if least is None else within & (number >= least)
+        return within if most is None else within & (number <= most)
+
     if not is_concrete(value):
+        if np.shape(value) == ():
+            note(is_within(value))
         return
     array = numbers(value)
     if array is None or array.shape != ():
@@ -129,9 +189,8 @@ def check_number(
         "" if most is None else f"at most {most:g}",
     ]
     wanted = " and ".join(part for part in parts if part) or "finite"
-    within = (above is None or array > above) and (least is None or array >= least) and (most is None or array <= most)
-    if not np.isfinite(array) or not within:
-        raise ValueError(f"Argument `{name}` must be {wanted}, but is {shown(value)}.")
+    if not is_within(array):
+        raise fault(f"Argument `{name}` must be {wanted}, but is {shown(value)}.")
 
 
 def check_whole(name: str, value: Any, least: int | None = None, most: int | None = None) -> int:

@@ -59,7 +59,7 @@ def parallel_guide(
 
     Raises:
         ModelError: No such base, a name that is taken, or directions that are none.
-        ValueError: A size that is not positive.
+        ModelError: A size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2), (13.9).
@@ -109,7 +109,7 @@ def double_parallel_guide(
 
     Raises:
         ModelError: See :func:`parallel_guide`.
-        ValueError: A size that is not positive.
+        ModelError: A size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2).
@@ -163,7 +163,7 @@ def straight_line_stage(
 
     Raises:
         ModelError: See :func:`parallel_guide`.
-        ValueError: A size that is not positive.
+        ModelError: A size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).
@@ -223,7 +223,7 @@ def xy_stage(
 
     Raises:
         ModelError: See :func:`parallel_guide`.
-        ValueError: A size that is not positive.
+        ModelError: A size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).

@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, note
 from ..build.builder import Builder
 from ..elements.sections import Material, Scalar, notch_circular
+from ..errors import ModelError
 from .site import Site, Vector, slender
 
 
@@ -48,7 +49,7 @@ def notch_hinge(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: A size that is not positive, a neck that is higher than the bar, a notch deeper than its radius.
+        ModelError: A size that is not positive, a neck that is higher than the bar, a notch deeper than its radius.
 
     Source:
         THEORY.md 13, eq. (13.7).
@@ -101,7 +102,7 @@ def notch_four_bar(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: See :func:`notch_hinge`; a bar that is shorter than its notches.
+        ModelError: See :func:`notch_hinge`; a bar that is shorter than its notches.
 
     Source:
         THEORY.md 13, eq. (13.7), (13.8).
@@ -109,8 +110,10 @@ def notch_four_bar(
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
     own = slender, notch_circular(width, height, neck, radius, material)
     notch = _extent(height, neck, radius)
-    if is_concrete((length, notch)) and length <= notch:
-        raise ValueError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
+    if not is_concrete((length, notch)):
+        note(length > notch)
+    elif length <= notch:
+        raise ModelError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
     s.body(s.stage, length + notch)
     for label, across in (("1", -spacing / 2), ("2", spacing / 2)):
         foot = s.clamp(f"foot {label}", (s.base, (0.0, across)))

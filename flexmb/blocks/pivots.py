@@ -10,7 +10,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import check_number, is_concrete
+from ..arguments import check_number, is_concrete, note
 from ..build.builder import Builder
 from ..elements.sections import Scalar, Section
 from ..errors import ModelError
@@ -59,15 +59,15 @@ def cross_pivot(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane.
-        ValueError: A length that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: A length that is not positive, an angle that is not between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.4), (13.10).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length)
-    check_number("ratio", ratio)
+    check_number("ratio", ratio, fault=ModelError)
     if apart is not None:
-        check_number("apart", apart)
+        check_number("apart", apart, fault=ModelError)
         if s.y is None:
             raise ModelError(f"Argument `apart` of block '{name}' is for mechanisms in space.")
     cos, sin = _cos_and_sin(half_angle)
@@ -120,7 +120,7 @@ def butterfly_pivot(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: A size that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: A size that is not positive, an angle that is not between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.5), (13.10).
@@ -177,7 +177,7 @@ def cartwheel(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: A length that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: A length that is not positive, an angle that is not between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.5), (13.10).
@@ -195,8 +195,10 @@ def cartwheel(
 
 
 def _cos_and_sin(half_angle: Scalar) -> tuple[Any, Any]:
-    check_number("half_angle", half_angle, above=0)
+    check_number("half_angle", half_angle, above=0, fault=ModelError)
     xp: Any = np if is_concrete(half_angle) else jnp
-    if xp is np and half_angle >= np.pi / 2:
-        raise ValueError(f"Argument `half_angle` must be smaller than a right angle, but is {half_angle:g} rad.")
+    if xp is jnp:
+        note(half_angle < np.pi / 2)
+    elif half_angle >= np.pi / 2:
+        raise ModelError(f"Argument `half_angle` must be smaller than a right angle, but is {half_angle:g} rad.")
     return xp.cos(half_angle), xp.sin(half_angle)

@@ -48,7 +48,7 @@ class Site:
         **sizes: Any,
     ):
         for size, value in sizes.items():
-            check_number(size, value, above=0)
+            check_number(size, value, above=0, fault=ModelError)
         self.b, self.name, self.element = b, named("A block", name), element
         self.base, self.stage = named("A node", base), named("A node", stage)
         self._check_position(self.base)

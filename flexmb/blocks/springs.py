@@ -8,6 +8,7 @@ import numpy as np
 from ..arguments import check_number, is_concrete
 from ..build.builder import Builder
 from ..elements.sections import Scalar, Section
+from ..errors import ModelError
 from .site import Site, Vector, leaf_spring, slender
 
 
@@ -51,14 +52,14 @@ def folded_leaf_spring(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: A length that is not positive.
+        ModelError: A length that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.6), (13.11).
     """
     second = length if second is None else second
     s = Site(b, base, stage, name, at, along, y, element, length=length, second=second)
-    check_number("fold", fold)
+    check_number("fold", fold, fault=ModelError)
     xp: Any = np if is_concrete(fold) else jnp
     end = length + second * xp.cos(fold), second * xp.sin(fold)
     s.body(s.stage, *end)
@@ -101,7 +102,7 @@ def wire_flexure(
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ValueError: A length that is not positive.
+        ModelError: A length that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).

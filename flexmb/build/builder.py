@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..arguments import check_choice, check_flag, check_numbers, is_concrete, shown
+from ..arguments import as_known, check_choice, check_flag, check_numbers, is_concrete, shown
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
@@ -153,7 +153,7 @@ class Builder(Description):
         name = self._free_name(element.name) if name is None else named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
-        element, properties = with_options(element, name, properties)
+        element, properties = with_options(element, name, {key: as_known(value) for key, value in properties.items()})
         properties = complete_properties(element, name, properties)
         n_e = number_of_deformations(element, name, properties)
         companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
@@ -901,5 +901,8 @@ class Builder(Description):
         if element.check is None or not is_concrete((references, properties)):
             return
         ref = element.reference([np.asarray(r, float) for r in references])
-        for fault in element.check(ref=ref, **(element.arguments(element.check, properties) or {})):
+        # Known numbers stay so where something else of the mechanism is traced.
+        with jax.ensure_compile_time_eval():
+            faults = element.check(ref=ref, **(element.arguments(element.check, properties) or {}))
+        for fault in faults:
             raise ModelError(f"Element '{name}' {fault}.")

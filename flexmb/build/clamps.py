@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from typing import Any, NamedTuple
 
@@ -241,12 +242,15 @@ def _alike(one: Section, other: Section) -> bool:
 
 def _thickness(builder: Description, member: Member, end: int) -> Any:
     """Smallest side of a section at an end of an element."""
-    section: Section = member.properties["section"].at(float(end), _length(builder, member))
+    given: Section = member.properties["section"]
+    # Known numbers stay so where something else of the mechanism is traced.
+    with jax.ensure_compile_time_eval() if is_concrete(given) else contextlib.nullcontext():
+        section = given.at(float(end), _length(builder, member))
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
     if not sides:
         raise _Unknown("its section is given by numbers and has no thickness")
-    return min(sides) if is_concrete(sides) else sides
+    return min(map(np.asarray, sides)) if is_concrete(sides) else sides
 
 
 def _length(builder: Description, member: Member) -> Any:

@@ -1,5 +1,7 @@
 """What a Builder describes that does nothing."""
 
+import numpy as np
+
 from ..arguments import is_concrete
 from ..elements.sections import MaterialDamping
 from ..errors import warn
@@ -13,7 +15,7 @@ def warn_of_idle(builder: Description) -> None:
         for sets in builder.loads.values():
             acting: dict[str, list[int]] = {}
             for (_, of, number), value in sets.get(what, {}).items():
-                if not is_concrete(value) or value != 0:
+                if not is_concrete(value) or np.asarray(value) != 0:
                     acting.setdefault(of, []).append(number)
             for of, numbers in acting.items():
                 roles = [builder.members[of].roles[n - 1] for n in numbers]

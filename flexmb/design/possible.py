@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from ..arguments import noting
 from ..build.carry import carried, recorded
 from ..compilation.compile import QUICK
 from ..elements.sections import Section
@@ -23,7 +24,8 @@ def refusal(
 ) -> Callable[[Mapping[str, Any]], np.ndarray]:
     """What says of many designs whether a concrete build would refuse their numbers.
 
-    The build is traced to a program from dimensions to the numbers of its models. On the host these must be finite, and
+    The build is traced to a program from dimensions to the numbers of its models, and to the conditions that arguments
+    of blocks and sections must meet (:func:`flexmb.arguments.noting`). On the host numbers must be finite, and
     sections and the elements' companions ``check`` are asked for faults, as in a concrete build. A check that finds
     fault with the example, which was built, is not asked.
 
@@ -36,19 +38,33 @@ def refusal(
     """
 
     def numbers(dimensions: dict[str, Any]):
-        with carried(models), recorded() as made:
+        with carried(models), recorded() as made, noting() as conditions:
             build(**dimensions)
-        return [model.parameters for model in made], [model.topology for model in made]
+        return [model.parameters for model in made], conditions, [model.topology for model in made]
+
+    def numbers_alone(dimensions: dict[str, Any]):
+        parameters, _, topologies = numbers(dimensions)
+        return parameters, [], topologies
 
     # Which elements there are is the same in all designs.
-    program = jax.jit(jax.vmap(numbers, out_axes=(0, None)), compiler_options=QUICK)
+    programs = [jax.jit(jax.vmap(f, out_axes=(0, 0, None)), compiler_options=QUICK) for f in (numbers, numbers_alone)]
+
+    def of_all(whole: dict[str, np.ndarray]):
+        try:
+            return programs[0](whole)
+        except jax.errors.UnexpectedTracerError:
+            # Numbers were checked within a program of the build's own, out of which conditions do not come.
+            return programs[1](whole)
 
     def refused(designs: Mapping[str, Any]) -> np.ndarray:
         # The example comes first.
         whole = {name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()}
         count = len(next(iter(whole.values())))
         found = np.zeros(count, bool)
-        for parameters, topology in zip(*jax.tree.map(np.asarray, program(whole)), strict=True):
+        every, conditions, topologies = jax.tree.map(np.asarray, of_all(whole))
+        for fine in conditions:
+            found |= ~fine & fine[0]
+        for parameters, topology in zip(every, topologies, strict=True):
             for faulty in _faulty(parameters, topology):
                 found |= np.any(faulty & ~faulty[0], axis=1)
         return found[1:]

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, is_concrete, shown
+from ..arguments import as_known, check_number, is_concrete, shown
 from ..compilation.record import static
+from ..errors import ModelError
 from ..lazy import only
 from . import surface
 from .profile import Profile as Profile
@@ -47,7 +48,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
 
     Raises:
         TypeError: It is no section, or a number is none.
-        ValueError: The length or the frequency is not positive, or the ratio is negative.
+        ModelError: The length or the frequency is not positive, or the ratio is negative.
 
     Source:
         Tutorial WA 1239 (2012), eq. (2.14) and the numbers after (3.9) and (4.14); with a frequency THEORY.md 2,
@@ -55,11 +56,11 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     """
     if not isinstance(section, Section):
         raise TypeError(f"Argument `section` must be a Section, such as Rectangle(..), not {shown(section)}.")
-    check_number("length", length, above=0)
-    check_number("ratio", ratio, least=0)
+    check_number("length", length, above=0, fault=ModelError)
+    check_number("ratio", ratio, least=0, fault=ModelError)
     s = section.rigidity()
     if frequency is not None:
-        check_number("frequency", frequency, above=0)
+        check_number("frequency", frequency, above=0, fault=ModelError)
         time = ratio / (np.pi * frequency)
         return Damping(EA=time * s.EA, EIy=time * s.EIy, EIz=time * s.EIz, GIt=time * s.GIt)
     mass = s.mass * length
@@ -92,13 +93,13 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
         Torsion constant, () [m^4]; the terms left out are below 1e-9 of it.
 
     Raises:
-        ValueError: A side is not positive.
+        ModelError: A side is not positive.
 
     Source:
         Saint-Venant's solution, e.g. Timoshenko and Goodier, Theory of Elasticity, section on rectangular bars.
     """
-    check_number("width", width, above=0)
-    check_number("thickness", thickness, above=0)
+    check_number("width", width, above=0, fault=ModelError)
+    check_number("thickness", thickness, above=0, fault=ModelError)
     return _by_series(width, thickness)
 
 
@@ -124,13 +125,13 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
         w t^3 (1/3 - 0.21 (t/w) (1 - (t/w)^4/12)) with t the shorter side, () [m^4].
 
     Raises:
-        ValueError: A side is not positive.
+        ModelError: A side is not positive.
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.9).
     """
-    check_number("width", width, above=0)
-    check_number("thickness", thickness, above=0)
+    check_number("width", width, above=0, fault=ModelError)
+    check_number("thickness", thickness, above=0, fault=ModelError)
     return _by_formula(width, thickness)
 
 
@@ -160,19 +161,19 @@ def warping_factor(
         Factor on G It, () [-]; 1 for no clamped end.
 
     Raises:
-        ValueError: A length that is not positive, a Poisson's ratio that is none, no such modulus or number of ends.
+        ModelError: A length that is not positive, a Poisson's ratio that is none, no such modulus or number of ends.
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
         Cw = w^3 t^3/144. Its (4.14) is the limit for a long strip.
     """
     if clamped_ends not in (0, 1, 2):
-        raise ValueError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
+        raise ModelError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
     if modulus not in ("plate", "beam"):
-        raise ValueError(f"modulus must be 'plate' or 'beam', but is {modulus!r}.")
-    check_number("length", length, above=0)
-    check_number("width", width, above=0)
-    check_number("nu", nu, above=-1, most=1)
+        raise ModelError(f"modulus must be 'plate' or 'beam', but is {modulus!r}.")
+    check_number("length", length, above=0, fault=ModelError)
+    check_number("width", width, above=0, fault=ModelError)
+    check_number("nu", nu, above=-1, most=1, fault=ModelError)
     return _by_warping(length, width, nu, clamped_ends, modulus)
 
 
@@ -401,11 +402,12 @@ def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         (height - neck)/2.
 
     Raises:
-        ValueError: A size that is not positive, a neck that is higher than the bar.
+        ModelError: A size that is not positive, a neck that is higher than the bar.
 
     Source:
         Paros and Weisbord (1965), Machine Design 37, 151: the shape.
     """
+    _depth(width, height, neck, radius=radius)
     return notch_elliptic(width, height, neck, radius, radius, material)
 
 
@@ -426,14 +428,15 @@ def notch_elliptic(
         The section of the whole beam.
 
     Raises:
-        ValueError: A size that is not positive, a neck that is higher than the bar.
+        ModelError: A size that is not positive, a neck that is higher than the bar.
 
     Source:
         Smith, Badami, Dale, Xu (1997), Review of Scientific Instruments 68, 1474: the shape.
     """
+    width, height, neck, along, across = map(as_known, (width, height, neck, along, across))
     depth = _depth(width, height, neck, along=along, across=across)
     if is_concrete((depth, across)) and across < depth:
-        raise ValueError(
+        raise ModelError(
             f"A notch with a depth of {depth:g} = (height - neck)/2 needs an ellipse as deep, not {across:g}."
         )
     # What cannot be is no number: it is refused by name where a beam takes the section.
@@ -465,14 +468,15 @@ def notch_filleted(
         The section of the whole beam, whose length is at least flat + 2 radius.
 
     Raises:
-        ValueError: A size that is not positive, a neck that is higher than the bar, a radius beyond its depth.
+        ModelError: A size that is not positive, a neck that is higher than the bar, a radius beyond its depth.
 
     Source:
         Lobontiu (2003), Compliant Mechanisms, section 2.3: the shape.
     """
+    width, height, neck, flat, radius = map(as_known, (width, height, neck, flat, radius))
     depth = _depth(width, height, neck, flat=flat, radius=radius)
     if is_concrete((depth, radius)) and radius > depth:
-        raise ValueError(f"Argument `radius` must be at most (height - neck)/2 = {depth:g}, but is {radius:g}.")
+        raise ModelError(f"Argument `radius` must be at most (height - neck)/2 = {depth:g}, but is {radius:g}.")
     radius = jnp.where(radius <= depth, radius, jnp.nan)
 
     def section(place: Float[Array, ""], length: Float[Array, ""]):
@@ -490,10 +494,11 @@ def notch_filleted(
 
 def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Scalar:
     """Depth of a notch from either side, of sizes that are checked."""
+    height, neck = as_known(height), as_known(neck)
     for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
-        check_number(name, value, above=0)
+        check_number(name, value, above=0, fault=ModelError)
     if is_concrete((height, neck)) and neck >= height:
-        raise ValueError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
+        raise ModelError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
     return (height - neck) / 2
 
 

@@ -471,12 +471,14 @@ def _places(model: Model, points: int | None) -> Any:
     if not varies or (points and not breaks):
         return even
     library: Any = np if is_concrete(breaks) else jnp
+    # Breaks that many elements have are one, where they are known.
+    breaks = [np.unique(np.concatenate(breaks))] if breaks and library is np else breaks
     edges = library.sort(library.concatenate([np.array([0.0, 1.0]), *breaks]))
     parts = 2 if points else max(2, int(PARTS / np.sqrt(len(edges) - 1)))
     within = edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * (np.arange(1, parts) / parts)
     sides = [edges[1:-1] - BESIDE, edges[1:-1] + BESIDE, library.ravel(within)]
-    whole = library.sort(library.clip(library.concatenate([even, *sides]), 0.0, 1.0))
-    return np.unique(whole) if library is np else whole
+    ends = even if points else np.array([0.0, 1.0])
+    return library.sort(library.clip(library.concatenate([ends, *sides]), 0.0, 1.0))
 
 
 def _state(

@@ -1,5 +1,6 @@
 """Designs that a concrete build refuses have their code in a batch too."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.blocks import cross_pivot, notch_hinge
 from flexmb.design.evaluate import build_once
 from flexmb.design.possible import refusal
 from flexmb.elements.element import Element
@@ -251,3 +253,76 @@ def test_checks_of_all_beams_take_many_designs(space):
 
     refused = refusal(build, build_once(build, {"value": T}), {"value": T})
     np.testing.assert_array_equal(refused({"value": np.array([T, 2 * T, -T])}), [False, False, True])
+
+
+def test_what_a_block_refuses():
+    """Its arguments are asked about in every design, also where the first cannot be, or each is built by itself."""
+
+    def build(length, half_angle, radius):
+        b = fm.Builder()
+        for name, place in {"base": (0, 0), "middle": (0.1, 0), "stage": (0.2, 0.1)}.items():
+            b.node(name, place)
+        b.fix("base")
+        cross_pivot(b, "base", "middle", length=length, half_angle=half_angle, section=fm.Rigidity(EA=1e4, EIy=1.0))
+        sizes = {"width": 0.01, "height": 5e-3, "neck": 5e-4, "material": fm.Material(**STEEL)}
+        notch_hinge(b, "middle", "stage", name="hinge", radius=radius, **sizes)
+        return b.build(check=False)
+
+    good = {"length": 0.05, "half_angle": 0.7, "radius": 3e-3}
+    refused = refusal(build, build_once(build, good), good)
+    bad = [{"length": -0.05}, {"half_angle": 2.0}, {"half_angle": -0.7}, {"radius": -3e-3}, {"radius": 1e-3}]
+    rows = [good, *[{**good, **one} for one in bad]]
+    designs = {name: np.array([row[name] for row in rows]) for name in good}
+    np.testing.assert_array_equal(refused(designs), [False, True, True, True, True, True])
+    first = {name: designs[name][[1, 0]] for name in good}
+    for compiled in (True, False):
+        found = fm.sweep(build, {"mass": fm.mass}, fm.design.Designs(first), compiled=compiled)
+        assert [fm.RESULTS(code).name for code in found.codes] == [BAD, GOOD]
+    with pytest.raises(fm.ModelError, match="Argument `radius` must be positive"):
+        build(0.05, 0.7, -3e-3)
+
+
+def test_conditions_do_not_leave_a_program_of_the_build_itself():
+    @jax.jit
+    def constant(width):
+        return fm.sections.torsion_series(width, 1e-3)
+
+    def build(width):
+        return cantilever(fm.Rigidity(EIy=constant(width), mass=1.0)).build(check=False)
+
+    refused = refusal(build, build_once(build, {"width": 1.0}), {"width": 1.0})
+    np.testing.assert_array_equal(refused({"width": np.array([2.0, 3.0])}), [False, False])
+
+
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+def test_known_numbers_stay_so_beside_traced_ones():
+    """Sections whose functions compute with constants, and constants that are arrays of JAX."""
+    steel, thick, wire = fm.Material(**STEEL), jnp.asarray(5e-4), jnp.asarray(1e-3)
+    flat = fm.Rectangle(0.02, thick, steel)
+    sheared = fm.Rectangle(0.02, thick, steel, shear=True)
+    used = [(spatial.spectral_beam(2), fm.sections.stepped([flat, fm.Rectangle(0.02, 1e-3, steel)], [0.4]))]
+    used += [(spatial.leaf_spring(2), fm.sections.taper(fm.Rectangle(0.02, 1e-3, steel), flat))]
+    used += [(spatial.spectral_beam(2, shear=True), sheared), (spatial.warping_beam, flat)]
+    used += [
+        (spatial.beam, fm.Tube(0.01, thick, steel)),
+        (spatial.beam, fm.HollowRectangle(0.02, 0.01, wire, wire, steel)),
+    ]
+
+    def build(mass):
+        b = fm.Builder()
+        b.node("0", (0, 0, 0))
+        for i, (element, section) in enumerate(used):
+            b.node(str(i + 1), (0.1 * (i + 1), 0, 0))
+            b.add(element, str(i), str(i + 1), name=f"e{i}", section=section, y=(0, 1, 0))
+        notch = fm.sections.notch_circular(0.02, 5e-3, thick, 3e-3, steel)
+        b.node("end", (1, 0, 0))
+        b.add(spatial.spectral_beam(2), "6", "end", section=notch, y=(0, 1, 0))
+        b.prestress("e4", wire)
+        b.mass("end", mass)
+        b.fix("0")
+        return b.build(check=False)
+
+    alone = float(fm.mass(build(0.0)))
+    refused = refusal(build, build_once(build, {"mass": 1.0}), {"mass": 1.0})
+    np.testing.assert_array_equal(refused({"mass": np.array([2.0, -3.0])}), [False, True])
+    assert float(jax.jit(lambda mass: fm.mass(build(mass)))(0.3)) == pytest.approx(alone + 0.3)
