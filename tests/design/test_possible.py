@@ -298,17 +298,17 @@ def test_conditions_do_not_leave_a_program_of_the_build_itself():
 def test_known_numbers_stay_so_beside_traced_ones():
     """Sections whose functions compute with constants, and constants that are arrays of JAX."""
     steel, thick, wire = fm.Material(**STEEL), jnp.asarray(5e-4), jnp.asarray(1e-3)
-    flat = fm.Rectangle(0.02, thick, steel)
-    sheared = fm.Rectangle(0.02, thick, steel, shear=True)
-    used = [(spatial.spectral_beam(2), fm.sections.stepped([flat, fm.Rectangle(0.02, 1e-3, steel)], [0.4]))]
-    used += [(spatial.leaf_spring(2), fm.sections.taper(fm.Rectangle(0.02, 1e-3, steel), flat))]
-    used += [(spatial.spectral_beam(2, shear=True), sheared), (spatial.warping_beam, flat)]
-    used += [
-        (spatial.beam, fm.Tube(0.01, thick, steel)),
-        (spatial.beam, fm.HollowRectangle(0.02, 0.01, wire, wire, steel)),
-    ]
 
     def build(mass):
+        flat = fm.Rectangle(0.02, thick, steel)
+        sheared = fm.Rectangle(0.02, thick, steel, shear=True)
+        used = [(spatial.spectral_beam(2), fm.sections.stepped([flat, fm.Rectangle(0.02, 1e-3, steel)], [0.4]))]
+        used += [(spatial.leaf_spring(2), fm.sections.taper(fm.Rectangle(0.02, 1e-3, steel), flat))]
+        used += [(spatial.spectral_beam(2, shear=True), sheared), (spatial.warping_beam, flat)]
+        used += [
+            (spatial.beam, fm.Tube(0.01, thick, steel)),
+            (spatial.beam, fm.HollowRectangle(0.02, 0.01, wire, wire, steel)),
+        ]
         b = fm.Builder()
         b.node("0", (0, 0, 0))
         for i, (element, section) in enumerate(used):

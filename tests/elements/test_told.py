@@ -56,7 +56,7 @@ def test_an_element_of_ones_own_is_told_by_its_function():
     assert "pull: Distance, times a gain [m]." in pydoc.plain(pydoc.render_doc(fm.Element(pull)))
     assert str(fm.Element.__doc__).startswith("An element type: the deformation function")
     assert repr(planar.spectral_beam(3)).startswith("<planar.spectral_beam: ")
-    assert repr(planar.spectral_beam(3)).endswith("order=3>")
+    assert repr(planar.spectral_beam(3)).endswith("order=3, shear=False>")
 
 
 def test_signs_are_as_told():
