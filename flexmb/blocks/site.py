@@ -154,7 +154,9 @@ class Site:
 def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
     """Element type of a leaf spring, and its section as that takes it: a beam where it jumps or has no width."""
     if isinstance(section, Rectangle) or (isinstance(section, Profile) and not section.breaks):
-        return (planar if b.dimension == 2 else spatial).leaf_spring, section
+        if b.dimension == 3:
+            return spatial.leaf_spring, section
+        return planar.leaf_spring(shear=isinstance(section, Rectangle) and section.shear), section
     return slender(b, section)
 
 

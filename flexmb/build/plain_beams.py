@@ -18,7 +18,7 @@ from ..model.roles import HELD
 from .clamps import THICK, End, axes_of, elements_at, is_clamped, parts_of
 from .description import Description, Member
 
-PLAIN = (planar.beam, planar.spectral_beam, spatial.beam, spatial.spectral_beam)
+PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
 # A stiffness that changes by less is not told of.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
@@ -65,8 +65,8 @@ def warn_of_plain_beams(builder: Description) -> None:
     ]
     warn(
         f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it, unless its section"
-        " has breaks; a section may state shear=True and warping_length=. Where beam theory is what is wanted, ignore"
-        " fm.BeamTheoryWarning.",
+        " has breaks, and one in the plane that is made with shear=True; a section may state shear=True and"
+        " warping_length=. Where beam theory is what is wanted, ignore fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
 
@@ -167,7 +167,8 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
 
 
 def _is_plain(builder: Description, member: Member) -> bool:
-    if member.element.usual not in PLAIN or member.properties.get("section") is None:
+    counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
+    if counted or member.element.usual not in PLAIN or member.properties.get("section") is None:
         return False
     p, q = parts_of(member, "position")
     starts = builder.nodes[p].start, builder.nodes[q].start

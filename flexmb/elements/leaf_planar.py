@@ -11,7 +11,7 @@ from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
-from .spectral import fields_after
+from .spectral import check_shear, fields_after, numbers_of
 from .spectral_planar import ELONGATION, FIELDS, SHEAR, nodes_of
 
 
@@ -25,36 +25,55 @@ def _leaf_spring(
     ref: Reference,
     section: Rectangle | Profile,
     order: Static[int] = 6,
+    shear: Static[bool] = False,
     clamped: tuple[bool, bool] | bool | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
-def _fields(*, order: int):
-    return fields_after(3, len(FIELDS), order)
+def _fields(*, order: int, shear: bool):
+    return fields_after(3, len(_names(shear)), order)
 
 
-def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
-    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), FIELDS), (3, 0))
+def _names(shear: bool) -> tuple[str, ...]:
+    return FIELDS if shear else FIELDS[:SHEAR]
 
 
-def _stiffness(*, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None):
-    return _matrix(None, leaf_of(section, clamped), order, ref)
+def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
+    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), _names(shear)), (3, 0))
+
+
+def _stiffness(
+    *, ref: Reference, section: Rectangle | Profile, order: int, shear: bool, clamped: Clamped | None = None
+):
+    return _matrix(None, leaf_of(section, clamped), order, shear, ref)
 
 
 def _energy(
-    e: Float[Array, "n_e"], *, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None
+    e: Float[Array, "n_e"],
+    *,
+    ref: Reference,
+    section: Rectangle | Profile,
+    order: int,
+    shear: bool,
+    clamped: Clamped | None = None,
 ):
     """Of the flattening at large curvature."""
-    return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), FIELDS)
+    return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), _names(shear))
 
 
 def _damping(
-    *, ref: Reference, damping: Damping, order: int, section: Rectangle | Profile, clamped: Clamped | None = None
+    *,
+    ref: Reference,
+    damping: Damping,
+    order: int,
+    shear: bool,
+    section: Rectangle | Profile,
+    clamped: Clamped | None = None,
 ):
-    return _matrix(damping, leaf_of(section, clamped), order, ref)
+    return _matrix(damping, leaf_of(section, clamped), order, shear, ref)
 
 
 def _inertia(
@@ -67,10 +86,11 @@ def _inertia(
     ref: Reference,
     section: Rectangle | Profile,
     order: int,
+    shear: bool,
     clamped: Clamped | None = None,
 ):
     """Positions and directions at the nodes of the quadrature."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
     return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
@@ -86,11 +106,12 @@ def _resultants(
     sigma: Float[Array, "n_e"],
     section: Rectangle | Profile,
     order: int,
+    shear: bool,
     fall: Float[Array, "k 2"] | None = None,
     clamped: Clamped | None = None,
 ):
     """Statics of the part beyond the place."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "sigma": sigma, "fall": fall}
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear, "sigma": sigma, "fall": fall}
     return spectral_planar._resultants(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
 
 
@@ -114,11 +135,12 @@ def _thermal(
     ref: Reference,
     section: Rectangle | Profile,
     order: int,
+    shear: bool,
     clamped: Clamped | None = None,
 ):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
-    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
+    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), _names(shear))
     return jnp.pad(found, (3, 0))
 
 
@@ -132,16 +154,18 @@ def _shape(
     ref: Reference,
     place: Float[Array, ""],
     order: int,
+    shear: bool,
     section: Rectangle | Profile,
     clamped: Clamped | None = None,
 ):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True}
+    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
     return spectral_planar._shape(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
 
 
-def _check(*, ref: Reference, order: int, section: Rectangle | Profile) -> list[str]:
-    faults = beams.check_length(ref=ref)
-    return faults or faults_of_leaf(section, ref, nodes_of(order))
+def _check(*, ref: Reference, order: int, shear: bool, section: Rectangle | Profile) -> list[str]:
+    faults = beams.check_length(ref=ref) or faults_of_leaf(section, ref, nodes_of(order))
+    # What counts shear does so whatever the section states.
+    return faults or ([] if shear else check_shear(False, numbers_of(section, ref, None).shear_z))
 
 
 leaf_spring = Element(
@@ -161,16 +185,16 @@ leaf_spring = Element(
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 
-Beside what a spectral beam has it counts shear. Near clamped ends it bends and stretches as a plate, and its middle
-flattens as its curvature grows. Which ends are
+Near clamped ends it bends and stretches as a plate, and its middle flattens as its curvature grows. Which ends are
 clamped is found when the model is built: those whose rotation is held, those joined to a rigid element, a hinge, a body
 or a part at least three times as thick, and folds.
 
-Deformations: those of ``planar.spectral_beam`` with ``shear``.
+Deformations: those of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
 first end and its last are clamped, such as (True, False), where that shall not be found.
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
-cantilever is 2 % high with 5 and within 0.5 % with 6.
+cantilever is 2 % high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, False unless given.
+Where that would change a stiffness by more than 1 %, a model warns.
 
 Stress counts what is across the width where clamps keep it flat, and the flattening of the middle; see
 :mod:`.leaf_stress`.
