@@ -313,6 +313,10 @@ def test_shear_is_counted_by_both_or_neither():
             chain(spatial.spectral_beam(3, shear=shear), straight(1, space=True), section)
         with pytest.raises(fm.ModelError, match=message):
             chain(planar.spectral_beam(3, shear=shear), straight(1, space=False), section)
+    # A leaf spring counts it of any rectangle, where it is made so.
+    chain(planar.leaf_spring(3, shear=True), straight(1, space=False), fm.Rectangle(0.1, 0.1, material))
+    with pytest.raises(fm.ModelError, match="does not count shear"):
+        chain(planar.leaf_spring(3), straight(1, space=False), fm.Rectangle(0.1, 0.1, material, shear=True))
 
 
 @pytest.mark.parametrize("space", [False, True])
