@@ -613,7 +613,7 @@ FAULTS = [
     ),
     Fault("motion/sudden.py", "UNUSUAL, SHARP = 5.0", "UNUSUAL, SHARP = 50.0", "motion/test_sudden.py -k where"),
     Fault("motion/sudden.py", "sharp[last] + 1", "sharp[last]", "motion/test_sudden.py -k where"),
-    Fault("motion/sudden.py", "map(_as_known, looked_at)", "looked_at", "motion/test_sudden.py -k where"),
+    Fault("motion/sudden.py", "map(_undifferentiated, looked_at)", "looked_at", "motion/test_sudden.py -k where"),
     Fault(
         "motion/simulate.py",
         "[one.value for one in driven]\n        if",

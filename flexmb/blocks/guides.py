@@ -58,8 +58,7 @@ def parallel_guide(
         stage; elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: No such base, a name that is taken, or directions that are none.
-        ModelError: A size that is not positive.
+        ModelError: No such base, a name that is taken, or directions that are none; a size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2), (13.9).
@@ -108,8 +107,7 @@ def double_parallel_guide(
         the body "<name> middle", on which one may put a mass.
 
     Raises:
-        ModelError: See :func:`parallel_guide`.
-        ModelError: A size that is not positive.
+        ModelError: See :func:`parallel_guide`; a size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2).
@@ -162,8 +160,7 @@ def straight_line_stage(
         Name of the stage. Nodes and elements are those of two folded guides, "<name> 1" (along) and "<name> 2".
 
     Raises:
-        ModelError: See :func:`parallel_guide`.
-        ModelError: A size that is not positive.
+        ModelError: See :func:`parallel_guide`; a size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).
@@ -222,8 +219,7 @@ def xy_stage(
         "<name> carriage" between them.
 
     Raises:
-        ModelError: See :func:`parallel_guide`.
-        ModelError: A size that is not positive.
+        ModelError: See :func:`parallel_guide`; a size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).

@@ -48,8 +48,8 @@ def notch_hinge(
         notch".
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: A size that is not positive, a neck that is higher than the bar, a notch deeper than its radius.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a size that is not positive, a neck that is higher than
+            the bar, a notch deeper than its radius.
 
     Source:
         THEORY.md 13, eq. (13.7).
@@ -101,8 +101,8 @@ def notch_four_bar(
         2; elements "<name> lower hinge 1", "<name> upper hinge 1" and the same of bar 2.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: See :func:`notch_hinge`; a bar that is shorter than its notches.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; see :func:`notch_hinge`; a bar that is shorter than its
+            notches.
 
     Source:
         THEORY.md 13, eq. (13.7), (13.8).

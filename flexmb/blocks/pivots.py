@@ -58,8 +58,8 @@ def cross_pivot(
         of the stage that lies on the axis; elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane.
-        ModelError: A length that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane; a length that is not positive, an
+            angle that is not between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.4), (13.10).
@@ -119,8 +119,8 @@ def butterfly_pivot(
         on the axis; elements "<name> leaf 1" to 4.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: A size that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a size that is not positive, an angle that is not between
+            0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.5), (13.10).
@@ -176,8 +176,8 @@ def cartwheel(
         the lower ones; "<name> axis", the point of the stage that lies on the axis; elements "<name> leaf 1" to 4.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: A length that is not positive, an angle that is not between 0 and a right angle.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a length that is not positive, an angle that is not
+            between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.5), (13.10).

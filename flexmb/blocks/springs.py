@@ -51,8 +51,7 @@ def folded_leaf_spring(
         elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: A length that is not positive.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a length that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.6), (13.11).
@@ -101,8 +100,7 @@ def wire_flexure(
         wire".
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`.
-        ModelError: A length that is not positive.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a length that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1).

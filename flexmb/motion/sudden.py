@@ -41,7 +41,7 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | N
     """
     looked_at = [f for f in functions if not has_table(f)]
     looked_at = [f for f in looked_at if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
-    looked_at = [f for f in map(_as_known, looked_at) if is_concrete(f)]
+    looked_at = [f for f in map(_undifferentiated, looked_at) if is_concrete(f)]
     if not looked_at or not span[0] < span[1]:
         return None
     times = np.linspace(span[0], span[1], PARTS + 1)
@@ -54,8 +54,8 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | N
     return found
 
 
-def _as_known(function: Any) -> Any:
-    """A function with its numbers in place of those that derivatives are taken by."""
+def _undifferentiated(function: Any) -> Any:
+    """A function whose numbers have no derivatives; those of ``jax.grad`` alone are concrete then."""
 
     def known(number: Any) -> Any:
         return jax.lax.stop_gradient(number) if isinstance(number, jax.core.Tracer) else number
