@@ -35,22 +35,26 @@ def as_known(tree: Any) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, tree)
 
 
-_NOTED: ContextVar[list[Any] | None] = ContextVar("noted", default=None)
+_NOTED: ContextVar[tuple[Any, list[Any]] | None] = ContextVar("noted", default=None)
 
 
 @contextlib.contextmanager
 def noting() -> Iterator[list[Any]]:
     """Note conditions that traced numbers must meet and that a check of concrete numbers would refuse.
 
+    What is checked inside a transformation of its own is not noted: its conditions do not live out here.
+
     Yields:
         The conditions, traced, () of bool each; they come as they are checked.
     """
+    import jax.extend.core
+
     found: list[Any] = []
-    before = _NOTED.set(found)
+    token = _NOTED.set((jax.extend.core.get_opaque_trace_state(), found))
     try:
         yield found
     finally:
-        _NOTED.reset(before)
+        _NOTED.reset(token)
 
 
 def note(condition: Any) -> None:
@@ -59,9 +63,11 @@ def note(condition: Any) -> None:
     Args:
         condition: Traced, () of bool.
     """
+    import jax.extend.core
+
     noted = _NOTED.get()
-    if noted is not None:
-        noted.append(condition)
+    if noted is not None and noted[0] == jax.extend.core.get_opaque_trace_state():
+        noted[1].append(condition)
 
 
 def as_floats(value: Any) -> Any:

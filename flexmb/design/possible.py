@@ -42,26 +42,15 @@ def refusal(
             build(**dimensions)
         return [model.parameters for model in made], conditions, [model.topology for model in made]
 
-    def numbers_alone(dimensions: dict[str, Any]):
-        parameters, _, topologies = numbers(dimensions)
-        return parameters, [], topologies
-
     # Which elements there are is the same in all designs.
-    programs = [jax.jit(jax.vmap(f, out_axes=(0, 0, None)), compiler_options=QUICK) for f in (numbers, numbers_alone)]
-
-    def of_all(whole: dict[str, np.ndarray]):
-        try:
-            return programs[0](whole)
-        except jax.errors.UnexpectedTracerError:
-            # Numbers were checked within a program of the build's own, out of which conditions do not come.
-            return programs[1](whole)
+    program = jax.jit(jax.vmap(numbers, out_axes=(0, 0, None)), compiler_options=QUICK)
 
     def refused(designs: Mapping[str, Any]) -> np.ndarray:
         # The example comes first.
         whole = {name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()}
         count = len(next(iter(whole.values())))
         found = np.zeros(count, bool)
-        every, conditions, topologies = jax.tree.map(np.asarray, of_all(whole))
+        every, conditions, topologies = jax.tree.map(np.asarray, program(whole))
         for fine in conditions:
             found |= ~fine & fine[0]
         for parameters, topology in zip(every, topologies, strict=True):
