@@ -62,7 +62,7 @@ def main() -> None:
         return cost(lambda p: matrices(model.topology, p, load_factors()).K0, model.parameters)
 
     def first(model):
-        return cost(lambda p: _frequencies(model.topology, p, 1), model.parameters)
+        return cost(lambda p: _frequencies(model.topology, p, load_factors(), count=1), model.parameters)
 
     def motion(model):
         def residual(parameters, x, v):

@@ -157,7 +157,7 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
     Raises:
         AnalysisError: singular_configuration, singular_stiffness or not_converged.
     """
-    found = sparse_equilibrium(model.topology, model.parameters, target)
+    found, _ = sparse_equilibrium(model.topology, model.parameters, target)
     check(found[-1], throw)
     return about_state(model, target, *found)
 

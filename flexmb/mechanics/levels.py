@@ -179,13 +179,13 @@ def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray
     """Level of each unknown: steps from one end, counted over elements; multipliers lie with the last they act on."""
     groups = [own[own < n] for own in elements]
     groups = [own for own in groups if len(own)]
-    # Elements between others' nodes, such as masses and norms, say nothing about the order.
-    largest: dict[int, int] = {}
-    for own in groups:
+    of_each: list[list[frozenset[int]]] = [[] for _ in range(n)]
+    for own in map(frozenset, groups):
         for i in own:
-            largest[i] = max(largest.get(i, 0), len(own))
+            of_each[i].append(own)
+    # Elements within others, such as masses and norms, say nothing about the order.
+    wide = [own for own in groups if not any(frozenset(own) < other for other in of_each[own[0]])]
     joined: list[list[int]] = [[] for _ in range(n)]
-    wide = [own for own in groups if len(own) >= min(largest[i] for i in own)]
     for number, own in enumerate(wide):
         for i in own:
             joined[i].append(number)

@@ -1,13 +1,14 @@
 """Equilibrium of long chains: linear equations by blocks in the order of the chain, all turns in one program."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import is_concrete
+from ..math.block_tridiagonal import parts_of
 from ..math.element_matrices import ElementMatrices
 from ..math.indices import put
 from ..mechanics.blocks import kernel, scatter_vector
@@ -43,27 +44,55 @@ def chain_of(topology: Topology) -> Levels | None:
     return levels_of(topology, WIDE)
 
 
+class Pivots(NamedTuple):
+    """What tells the signs of the eigenvalues of a symmetric tangent.
+
+    Attributes:
+        negative: Number of negative pivots within the parts of a chain.
+        joints: Inverse of what is left of the joints between them, (r, r).
+    """
+
+    negative: Int[Array, ""]
+    joints: Float[Array, "r r"]
+
+
 @kernel
-def balanced_chain(topology: Topology, parameters: Parameters, target: LoadFactors, levels: Levels) -> Search:
+def balanced_chain(
+    topology: Topology, parameters: Parameters, target: LoadFactors, levels: Levels
+) -> tuple[Search, Pivots]:
     """The end of the search; where it found none, factors on the host, which exchange rows, may still.
 
     Args:
         levels: Order of the unknowns.
+
+    Returns:
+        Search, and the pivots of its last turn.
     """
 
-    def turn(s: Search) -> Search:
+    def turn(carry: tuple[Search, Pivots]) -> tuple[Search, Pivots]:
+        s, _ = carry
         equations, still = linear_equations(topology, parameters, target, s)
-        z, regular = _solved(topology, levels, equations)
+        z, regular, pivots = _solved(topology, levels, equations)
         why = jnp.where(regular, RESULTS.successful, RESULTS.singular_stiffness)
-        return corrected(topology, parameters, target, s, equations, jnp.where(regular, z, jnp.nan), why, still)
+        s = corrected(topology, parameters, target, s, equations, jnp.where(regular, z, jnp.nan), why, still)
+        return s, pivots
 
-    return jax.lax.while_loop(lambda s: ~s.finished, turn, start(topology, parameters))
+    width, parts = levels.place.shape[0], parts_of(levels.place.shape[1])[0]
+    none = Pivots(jnp.array(0), jnp.zeros((width * parts,) * 2))
+    return jax.lax.while_loop(lambda carry: ~carry[0].finished, turn, (start(topology, parameters), none))
+
+
+def is_unstable_chain(topology: Topology, pivots: Pivots) -> bool:
+    """Whether a symmetric stiffness is negative in some motion that the constraints allow; of known numbers."""
+    joints = np.asarray(pivots.joints)
+    negative = int(pivots.negative) + int(np.sum(np.linalg.eigvalsh((joints + joints.T) / 2) < 0))
+    return negative > len(topology.e.held)
 
 
 def _solved(
     topology: Topology, levels: Levels, equations: LinearEquations
-) -> tuple[Float[Array, "m 2"], Bool[Array, ""]]:
-    """Solution of the linear equations, and whether their matrix is regular.
+) -> tuple[Float[Array, "m 2"], Bool[Array, ""], Pivots]:
+    """Solution of the linear equations, whether their matrix is regular, and its pivots.
 
     Blocks are eliminated without an exchange of rows. What constraints hold is therefore made about as stiff as what
     bears on it, D^T c D z beside K z and D^T c g beside the forces, which changes no solution of D z = g.
@@ -108,7 +137,8 @@ def _solved(
     left = (levels.product(pieces, z[:, 2]) - every[:, 2]) / root
     met = jnp.max(jnp.abs(left), initial=0.0) < UNMET
     near = jnp.max(jnp.abs(z[:, 2] * root), initial=0.0) < FAR
-    return jnp.concatenate([z[:n, :2][back], z[n:, :2]]), met & near
+    pivots = Pivots(factors.negative, factors.joints)
+    return jnp.concatenate([z[:n, :2][back], z[n:, :2]]), met & near, pivots
 
 
 def _squares(blocks: list[Any], elements: ElementMatrices) -> list[Array]:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
@@ -15,7 +16,7 @@ from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
-from ..mechanics.loads import LoadFactors, load_factors
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
@@ -26,6 +27,7 @@ from .chain import is_long_chain
 from .choice import by_sparse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
+from .stable import unstable_motions, warn_of_unstable
 
 # Failures of which a motion without stiffness may be the reason.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
@@ -77,7 +79,10 @@ class Equilibrium(ByName, Result, Record):
 def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
     at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
     outside = reactions_of(topology, at), external_of(topology, parameters, at)
-    return at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+    found = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+    # Only looked at: their derivatives would take longer than all others.
+    k0 = at.K0
+    return found, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx))
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
@@ -132,8 +137,7 @@ def equilibrium(
 
     Newton's method on the configurations that the constraints allow, with the multipliers of the constraints
     estimated before the first step, so that a hanging body has its stiffness from the start. Beyond a buckling load it
-    may stay where no mechanism does: whether the state is stable the signs of :func:`flexmb.frequencies` tell, and
-    :func:`flexmb.path` follows the way there.
+    may stay where no mechanism does, and says so; :func:`flexmb.path` follows the way to where one does.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
@@ -152,7 +156,8 @@ def equilibrium(
         ValueError: A factor is not finite, or there are no incremental loads.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (of
+            numbers that are traced the signs of :func:`flexmb.frequencies` tell).
 
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
@@ -162,9 +167,17 @@ def equilibrium(
     model = model if sparse else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium
-    found: Any = solve(model.topology, model.parameters, target)
+    found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
     check_stiffness(model, solved.result, throw)
+    if is_concrete((model, solved, looked_at)) and int(solved.result) == RESULTS.successful:
+        if sparse and looked_at:
+            warn_of_unstable(model)
+        elif not sparse:
+            stiffness, structural, to_x = looked_at
+            motions = unstable_motions(stiffness, structural, not lacks_potential(model.topology))
+            if motions.shape[1]:
+                warn_of_unstable(model, np.asarray(to_x) @ motions)
     return solved
 
 

@@ -147,7 +147,9 @@ def corrected(
     size = jnp.max(jnp.abs(change) / sizes_of(topology, parameters), initial=0.0)
     first = jnp.where(s.tries == 0, size, s.first)
     bad = AT_LOAD.astray(size, s.before, s.tries)
-    done = near_enough(size, load, s.tries) & ~bad
+    # Where nothing moves, the first turn knows of no multipliers, and its tangent of no stress that they are.
+    known = still | (s.tries > 0) | (held.shape[0] == 0)
+    done = near_enough(size, load, s.tries) & known & ~bad
     rows, e = equations.elements.constraints, equations.e
     rate = along(topology.n_e, rows, change)
     strained = _strained(topology, parameters, factors, carried)
@@ -161,8 +163,8 @@ def corrected(
 
     new, old = jax.vmap(energy)(jnp.stack([softer, s.soft]))
     fine = jnp.isfinite(new) & (new > 0)
-    known = fine & (old > 0)
-    softness = jnp.where(still, 0.0, jnp.where(known, jnp.sqrt(new / jnp.where(known, old, 1.0)), s.softness))
+    both = fine & (old > 0)
+    softness = jnp.where(still, 0.0, jnp.where(both, jnp.sqrt(new / jnp.where(both, old, 1.0)), s.softness))
     soft = jnp.where(fine, softer / jnp.sqrt(jnp.where(fine, new, 1.0)), 0.0)
     after = x + change
     carry = e + rate - strained + carried

@@ -29,9 +29,10 @@ from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .chain import balanced_chain, chain_of
+from .chain import balanced_chain, chain_of, is_unstable_chain
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
+from .stable import is_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
 
@@ -44,6 +45,7 @@ class Balanced(NamedTuple):
         near: Deformations that angles are counted from, (n_e,) [m, rad].
         iterations: Newton iterations.
         result: Code of RESULTS.
+        unstable: Whether the stiffness is known to be negative in some motion; not looked at where numbers are traced.
     """
 
     x: Float[Array, "n_x"]
@@ -51,6 +53,7 @@ class Balanced(NamedTuple):
     near: Float[Array, "n_e"]
     iterations: Any = 0
     result: Any = 0
+    unstable: Any = False
 
 
 def _answer(elements: ElementMatrices, right: Any, *, transposed: bool = False, better: bool = True):
@@ -100,18 +103,23 @@ def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMa
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
     """Equilibrium by Newton's method on coordinates and multipliers."""
     s: Any = None
+    known, symmetric = is_concrete((topology, parameters, target)), not lacks_potential(topology)
+    unstable: Any = False
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
         s = start(topology, parameters)._replace(finished=True)
     elif (levels := chain_of(topology)) is not None:
-        s = balanced_chain(topology, parameters, target, levels)
-    known = is_concrete((topology, parameters, target))
+        s, pivots = balanced_chain(topology, parameters, target, levels)
+        balanced = known and int(s.result) == RESULTS.successful
+        unstable = balanced and symmetric and is_unstable_chain(topology, pivots)
     if s is None or (known and int(s.result) != RESULTS.successful):
         s = start(topology, parameters)
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
-            found = _answer(*jax.tree.map(np.asarray, (linear.elements, linear.right)), better=False)
-            s = corrected(topology, parameters, target, s, linear, *found, still)
+            elements, right = jax.tree.map(np.asarray, (linear.elements, linear.right))
+            s = corrected(topology, parameters, target, s, linear, *_answer(elements, right, better=False), still)
+            # The last correction is too small to change a sign.
+            unstable = bool(s.finished) and is_unstable(elements, symmetric)
     else:
 
         def turn(s: Search) -> Search:
@@ -123,7 +131,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result, unstable)
 
 
 # Its derivative is one solution with factors of the tangent at the state.
@@ -205,7 +213,7 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change)
+    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change, no_change)
 
 
 def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -234,7 +242,7 @@ def refuse_what_is_not_sparse(topology: Topology) -> None:
 
 
 @one_thread()
-def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors) -> tuple[Any, ...]:
+def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors) -> tuple[tuple[Any, ...], Any]:
     """Static equilibrium by sparse factors.
 
     Args:
@@ -242,10 +250,10 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
 
     Returns:
         What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, external,
-        iterations, result.
+        iterations, result; and whether it is known to be unstable.
     """
     at = _balanced(topology, parameters, target)
-    return *_quantities(topology, parameters, target, at), at.iterations, at.result
+    return (*_quantities(topology, parameters, target, at), at.iterations, at.result), at.unstable
 
 
 @kernel

@@ -95,3 +95,21 @@ def test_a_motion_without_stiffness_is_named(monkeypatch):
     monkeypatch.setattr(equilibrium, "LARGE", 0)
     with pytest.raises(fm.AnalysisError, match=r"a motion meets no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
         fm.equilibrium(b.build(check=False), sparse=True)
+
+
+@pytest.mark.usefixtures("in_order_alone")
+def test_bars_between_beams_far_apart_along_the_chain():
+    """A loop of beams whose two sides a bar joins; dense matrices know of no order."""
+    b = fm.Builder()
+    places = [(i, 0.0) for i in range(6)] + [(5 - i, 1.0) for i in range(6)]
+    for i, place in enumerate(places):
+        b.node(f"n{i}", place)
+    for i in range(11):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e3, EIy=1.0))
+    b.add(planar.truss, "n2", "n9", section=fm.Rigidity(EA=1e3))
+    b.fix("n0")
+    b.force("n11", (0.0, 1e-3))
+    model = b.build()
+    found, dense = fm.equilibrium(model, sparse=True), fm.equilibrium(model, sparse=False)
+    # Corrections below 1e-9 of the extent end either.
+    np.testing.assert_allclose(found.x, dense.x, rtol=0, atol=1e-9)
