@@ -1276,6 +1276,12 @@ FAULTS = [
         "mechanics/levels.py", "frozenset(own) < other", "len(own) < len(other)", "statics/test_chain.py -k far_apart"
     ),
     Fault("statics/search.py", "(held.shape[0] == 0)", "(held.shape[0] >= 0)", "statics/test_stable.py -k columns"),
+    Fault(
+        "spacar/read.py",
+        "if given and member is not None",
+        "if not given and member is not None",
+        "spacar/test_read.py -k test_warning",
+    ),
     Fault("statics/stroke.py", "return begin, (at.x", "return start, (at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",

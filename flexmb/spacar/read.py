@@ -175,6 +175,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
         _check_clamps(r, faults)
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
+    _warn_of_stiffness_that_acts_on_nothing(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -417,3 +418,17 @@ def _connect_signals(r: Reading, faults: _Faults) -> None:
                 break
             if add is not None:
                 add()
+
+
+def _warn_of_stiffness_that_acts_on_nothing(r: Reading) -> None:
+    """ESTIFF and EDAMP of an element of which nothing is released change no answer."""
+    for number, declared in r.elements.items():
+        member = r.builder.members.get(str(number))
+        given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in r.lines.get(number, {})]
+        if given and member is not None and all(role is Role.FIXED for role in member.roles):
+            numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
+            text = (
+                f"{' and '.join(given)} of element {number} change{'s' * (len(given) == 1)} nothing: the element is"
+                f" rigid; RLSE {number} {numbers} lets it deform"
+            )
+            r.warnings.append((declared.statement, text))

@@ -228,8 +228,12 @@ WARNED = {
         "FIX: coordinate 2 of node 1 is named already on line 5",
     ),
     "no effect": (
-        BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%"),
+        BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%").replace("ESTIFF", "%"),
         "ESIG: deformation 1 of element 1 cannot give way, so that the value there has no effect",
+    ),
+    "stiffness of what is rigid": (
+        BAR.replace("RLSE", "% ").replace("DYNX", "%"),
+        "text:2: PLTRUSS: ESTIFF of element 1 changes nothing: the element is rigid; RLSE 1 1 lets it deform",
     ),
 }
 
