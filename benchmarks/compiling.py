@@ -1,6 +1,6 @@
 """What first answers cost to compile, and a leaf spring beside a spectral beam with shear of the same order.
 
-``python benchmarks/compiling.py`` takes three minutes and writes results/compiling.json: processor time in a fresh
+``python benchmarks/compiling.py`` takes two minutes and writes results/compiling.json: processor time in a fresh
 process, tracing and compiling together, without that of the imports. Of the answers of one element and of a guide, less
 that of a second answer: from nothing, for a cache, and with it, and of the whole process with it above that of
 ``import jax.numpy``, one run of each; ``python benchmarks/compiling.py answers 7`` measures these alone, medians of
@@ -17,8 +17,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-# Processor times scatter little. Of a leaf spring beside a beam medians count, of the others one run.
-RUNS, ANSWERED = 3, 1
+# Processor times scatter little: one run each, but where more are asked for.
+RUNS = 1
 ANSWERS = (
     "equilibrium of a spectral beam in space",
     "path of a spectral beam in the plane",
@@ -147,7 +147,7 @@ def _said(code: str, *words: str) -> list[float]:
     return [float(word) for word in said.stdout.split()]
 
 
-def first_answers(runs: int = ANSWERED) -> dict[str, dict[str, float]]:
+def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
     """Medians of the processor time of first answers, each way, and of a whole process above ``import jax.numpy`` [s].
 
     Args:
@@ -176,7 +176,7 @@ def main() -> None:
 
     # ``answers 7``: as many runs of each.
     runs = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, ANSWERED)[0]}
+    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, RUNS)[0]}
     if "answers" in sys.argv[1:]:
         known = json.loads((RESULTS / "compiling.json").read_text())
         save("compiling", {name: value for name, value in known.items() if name != "about"} | first_of_all)
