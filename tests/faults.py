@@ -1282,7 +1282,20 @@ FAULTS = [
         "if not given and member is not None",
         "spacar/test_read.py -k test_warning",
     ),
-    Fault("statics/stroke.py", "return begin, (at.x", "return start, (at.x", "statics/test_stroke.py -k pushed"),
+    Fault("statics/stroke.py", "number {unstable[0]}", "number {unstable[-1]}", "statics/test_stable.py -k follow"),
+    Fault(
+        "control/frequency_response.py",
+        "_tell_of_unstable(m.moving is None and",
+        "_tell_of_unstable(m.moving is not None and",
+        "control/test_frequency_response.py -k head",
+    ),
+    Fault(
+        "control/frequency_response.py",
+        "_tell_of_unstable(is_unstable(",
+        "_tell_of_unstable(not is_unstable(",
+        "control/test_frequency_response.py -k column",
+    ),
+    Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",
         "lambda new, old: jnp.where(good, new, old)",

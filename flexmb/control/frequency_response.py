@@ -22,8 +22,10 @@ from ..linear.modes import check_spectrum, refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
+from ..mechanics.loads import lacks_potential
 from ..model.model import Model
 from ..results import RESULTS
+from ..statics.stable import is_unstable, unstable_motions
 from .second_order_form import SecondOrder, second_order
 from .sparse_response import responses
 from .sparse_second_order import lossy_elements, some_of, sparse_second_order
@@ -217,7 +219,7 @@ def frequency_response(
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
     Warns:
-        FlexmbWarning: A response is infinite.
+        FlexmbWarning: A response is infinite, or the equilibrium is not stable.
 
     Source:
         THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32); of sparse matrices 7, eq. (7.15) and (7.18).
@@ -230,13 +232,17 @@ def frequency_response(
         if method == "modes":
             raise NotImplementedError('Sparse matrices give no sum over all modes: leave out method="modes".')
         found = _response_of_large(large, frequencies, inputs, outputs, loss_factor)
-        if is_concrete(found):
+        if is_concrete((large, found)):
             _tell_of_infinite(found)
+            elements = jax.tree.map(np.asarray, large.elements)
+            _tell_of_unstable(is_unstable(elements, not lacks_potential(large.model.topology)))
         return found
     lin = linearized(model, "frequency_response", where=where)
     found = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
-    if is_concrete(found):
+    if is_concrete((lin, found)):
         _tell_of_infinite(found)
+        m = lin.matrices
+        _tell_of_unstable(m.moving is None and unstable_motions(m.K0 + m.G0, m.K0, m.symmetric).shape[1] > 0)
     return found
 
 
@@ -322,6 +328,16 @@ def _tell_of_infinite(found: FrequencyResponse) -> None:
         warn(
             f"The response of '{found.outputs[i]}' to '{found.inputs[j]}' is infinite at {hertz:.6g} Hz: a resonance"
             f" without damping is hit. {remedy}"
+        )
+
+
+def _tell_of_unstable(unstable: bool) -> None:
+    """Warn of a response that no mechanism has by itself."""
+    if unstable:
+        warn(
+            "The equilibrium is not stable, as a negative frequency tells: the response is the transfer function there,"
+            " which is measured only while a controller holds the mechanism. Lower the load, or ask about a stable"
+            " state of fm.path."
         )
 
 

@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_numbers
+from ..arguments import check_numbers, is_concrete
 from ..compilation.record import Record
 from ..display import Result, States, Summary, course, span
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
-from ..mechanics.loads import LoadFactors
+from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
@@ -21,6 +21,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from .equilibrium import Equilibrium, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
+from .stable import unstable_motions
 
 
 class Equilibria(ByName, Result, Record):
@@ -112,14 +113,16 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
-        return begin, (at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result)
+        k0 = at.K0
+        looked_at = jax.lax.stop_gradient((k0 + at.G0, k0))
+        return begin, ((at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result), looked_at)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
-    _, found = jax.lax.scan(onward, start, targets)
+    _, (found, looked_at) = jax.lax.scan(onward, start, targets)
     codes = found[-1]
     failures = jnp.where(codes == RESULTS.critical_state, RESULTS.successful, codes)
     worst = jnp.where(jnp.any(failures != RESULTS.successful), jnp.max(failures), jnp.max(codes))
-    return found, worst.astype(jnp.int32)
+    return found, worst.astype(jnp.int32), looked_at
 
 
 def equilibria(
@@ -153,7 +156,7 @@ def equilibria(
             beyond a limit load, which ``fm.path`` passes.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some of them are not stable.
 
     Source:
         As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,
@@ -178,7 +181,25 @@ def equilibria(
             f" (got {' and '.join(map(str, sorted(lengths))) or 'none'}). For one state there is fm.equilibrium."
         )
     factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
-    found, worst = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
+    found, worst, looked_at = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
     check(worst, throw)
     each: Any = (*found, model.labels)
+    if is_concrete((model, found, looked_at)):
+        _warn_of_unstable_ones(model, np.asarray(found[-1]), *map(np.asarray, looked_at))
     return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
+
+
+def _warn_of_unstable_ones(model: Model, codes: np.ndarray, stiffness: np.ndarray, structural: np.ndarray) -> None:
+    """Warn of equilibria that were found and are not stable, by their numbers."""
+    symmetric = not lacks_potential(model.topology)
+    unstable = [
+        i
+        for i in np.flatnonzero(codes == RESULTS.successful)
+        if unstable_motions(stiffness[i], structural[i], symmetric).shape[1]
+    ]
+    if unstable:
+        warn(
+            f"Of {len(codes)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
+            " stiffness is negative in some motion. No mechanism stays there by itself: fm.path finds where that begins"
+            " and, with switch=True, follows the stable ones."
+        )

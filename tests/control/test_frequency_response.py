@@ -1,5 +1,7 @@
 """Frequency responses against closed forms, python-control and SciPy, and their derivatives."""
 
+import contextlib
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -174,3 +176,43 @@ def test_what_is_refused_and_what_is_said():
     with pytest.raises(KeyError, match="Say which: the outputs are"):
         found.of()
     fm.plot.bode(found, "tip")
+
+
+UNSTABLE = "The equilibrium is not stable, as a negative frequency tells"
+
+
+def test_a_pendulum_on_its_head():
+    """A point mass on a rod: phi = T/(-m l^2 w^2 - m g l) on its head, which no one measures, and + m g l hanging."""
+    hertz = np.array([0.5, 2.0])
+    for height in (0.5, -0.5):
+        b = fm.Builder()
+        b.node("pivot", (0, 0))
+        b.node("ball", (0, height))
+        b.rotation("rod")
+        b.add(planar.rigid_beam, "pivot", "rod", "ball")
+        b.fix("pivot", "x", "y")
+        b.mass("ball", M)
+        b.gravity((0, -9.81))
+        b.dof("rod", "phi")
+        b.input("rod", "phi")
+        b.output("rod", "phi")
+        with pytest.warns(fm.FlexmbWarning, match=UNSTABLE) if height > 0 else contextlib.nullcontext():
+            found = fm.frequency_response(b.build(), hertz)
+        exact = 1 / (-M * 0.25 * (2 * np.pi * hertz) ** 2 - M * 9.81 * height)
+        np.testing.assert_allclose(found.of(), exact, rtol=1e-11)
+
+
+@pytest.mark.parametrize("share", [0.99, 1.01])
+def test_a_column_about_its_buckling_load(share):
+    """By sparse factors; Euler's load of EI = L = 1, which four cubic elements put 1e-4 higher."""
+    b = fm.Builder()
+    for i in range(5):
+        b.node(f"n{i}", (i / 4, 0))
+    for i in range(4):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0))
+    b.fix("n0")
+    b.force("n4", (-share * np.pi**2 / 4, 0))
+    b.input("n4", "y")
+    b.output("n4", "y")
+    with pytest.warns(fm.FlexmbWarning, match=UNSTABLE) if share > 1 else contextlib.nullcontext():
+        fm.frequency_response(b.build(), 1.0, sparse=True)

@@ -97,6 +97,11 @@ def test_a_body_on_its_head(height, unstable):
     assert len(told(b.build())) == unstable
 
 
+def test_equilibria_that_follow_one_another():
+    with pytest.warns(fm.FlexmbWarning, match="Of 4 equilibria 2 are not stable, the first of them number 2: "):
+        fm.equilibria(column(6, EULER, EIy=1.0), load_factor=[0.5, 0.99, 1.01, 1.5])
+
+
 def test_where_numbers_are_traced_nothing_is_told():
     tip = jax.jit(lambda load: fm.equilibrium(column(6, load, EIy=1.0)).at("n6"))(1.5 * EULER)
     # Straight, shorter by P/EA.
