@@ -607,8 +607,8 @@ FAULTS = [
     Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),
     Fault(
         "motion/collocation.py",
-        "where(share <= SMALL, 0.0, left)",
-        "where(share <= SMALL, left, left)",
+        "jnp.where(share <= SMALL, 0.0, left)",
+        "left",
         "motion/test_sudden.py -k chain",
     ),
     Fault("motion/sudden.py", "UNUSUAL, SHARP = 5.0", "UNUSUAL, SHARP = 50.0", "motion/test_sudden.py -k where"),

@@ -191,9 +191,7 @@ def collocated(
         left = share * rate / (1 - rate)
         hopeless = (rate >= SLOW) | (left * rate ** (MOST - 1 - count) > 1.0)
         left = jnp.where(jnp.isnan(size) | (hopeless & (count > 0)), jnp.nan, jnp.where(rate < 1, left, jnp.inf))
-        # The next turn has a rate of nothing to measure.
-        rate, left = jnp.where(share <= SMALL, expected, rate), jnp.where(share <= SMALL, 0.0, left)
-        return z, size, rate, left, count + 1
+        return z, size, rate, jnp.where(share <= SMALL, 0.0, left), count + 1
 
     one = jnp.ones(())
     # As RADAU5 has it: the rate of the last step, trusted a little less.
