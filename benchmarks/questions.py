@@ -229,6 +229,18 @@ def pendulum() -> Case:
     return Case(ask, lambda found: float(np.linalg.norm(found - exact)), 48, peer)
 
 
+def chain_motion() -> Case:
+    """The same of 256 beams, solved in the order of the chain, and of as many of Exudyn's cables."""
+    import numpy as np
+    import swing
+    from chains import of_exudyn, tip
+    from peer_exudyn import installed
+
+    model, exact = swing.pendulum(256), np.array(SOFT)
+    peer = of_exudyn(256, 1000) if installed() else None
+    return Case(lambda: tip(model, 256, 1e-3), lambda found: float(np.linalg.norm(found - exact)), 90, peer)
+
+
 def spectral_motion() -> Case:
     """Free rod in space by one spectral beam of order 4, D1 of the reference problems."""
     import numpy as np
@@ -279,6 +291,7 @@ CASES: tuple[Callable[[], Case], ...] = (
     spectral_stroke,
     thousand_beams,
     pendulum,
+    chain_motion,
     spectral_motion,
 )
 

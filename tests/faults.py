@@ -1295,6 +1295,12 @@ FAULTS = [
         "_tell_of_unstable(not is_unstable(",
         "control/test_frequency_response.py -k column",
     ),
+    Fault(
+        "statics/sparse.py",
+        "estimates = bool(topology.e.held.size)",
+        "estimates = False",
+        "statics/test_sparse.py -k rope",
+    ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",

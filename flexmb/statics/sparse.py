@@ -20,7 +20,7 @@ from ..math.by_deformations import forces, product, refined
 from ..math.derivative import jvp_of_varied
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.indices import put
-from ..math.sparse import on_host_thread
+from ..math.sparse import SparseFactors, on_host_thread
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight
@@ -83,6 +83,23 @@ def _answer(elements: ElementMatrices, right: Any, *, transposed: bool = False, 
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
 
 
+def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Float[np.ndarray, "h"]:
+    """Multipliers that balance forces best, coordinates measured by their sizes; NumPy and SciPy alone.
+
+    Args:
+        elements: Element matrices.
+        right: Forces out of balance where there are no multipliers, and excess of the held deformations, (n + h,).
+    """
+    import scipy.sparse
+
+    whole = Whole(elements)
+    n = whole.n
+    rows = whole.at()[n:, :n]
+    weights = scipy.sparse.diags_array(1 / elements.sizes[elements.free] ** 2)
+    factors = SparseFactors(scipy.sparse.block_array([[weights, rows.T], [rows, None]], format="csc"))
+    return factors.solve(np.concatenate([right[:n], np.zeros(len(right) - n)]))[n:]
+
+
 def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: bool):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
@@ -114,10 +131,17 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
     if s is None or (known and int(s.result) != RESULTS.successful):
         s = start(topology, parameters)
     if known:
+        estimates = bool(topology.e.held.size)
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
             elements, right = jax.tree.map(np.asarray, (linear.elements, linear.right))
-            s = corrected(topology, parameters, target, s, linear, *_answer(elements, right, better=False), still)
+            found, code = _answer(elements, right, better=False)
+            if estimates and code == RESULTS.singular_stiffness:
+                # What hangs has its stiffness from multipliers, of which nothing is known in the beginning.
+                estimates = False
+                s = s._replace(trial=s.trial._replace(multipliers=_estimated(elements, right[:, 0])))
+                continue
+            s = corrected(topology, parameters, target, s, linear, found, code, still)
             # The last correction is too small to change a sign.
             unstable = bool(s.finished) and is_unstable(elements, symmetric)
     else:

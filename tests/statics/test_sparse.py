@@ -350,3 +350,20 @@ def test_turns_are_counted(angle):
     assert found.sigma[place] == pytest.approx(0.05 * angle, abs=1e-12)
     np.testing.assert_allclose(found.at("c"), 0.1 * np.array([np.cos(angle), np.sin(angle), 0]), atol=1e-12)
     assert jax.grad(lambda k: turned(k).sigma[place])(0.05) == pytest.approx(angle, abs=1e-12)
+
+
+def test_a_rope_of_rigid_links_hangs():
+    """Nothing but weight resists it; Bernoulli: frequencies by the zeros of J0, j/(4 pi) sqrt(g/l), of a heavy rope."""
+    b = fm.Builder()
+    for i in range(41):
+        b.node(f"n{i}", (0.0, -i / 40))
+    for i in range(40):
+        b.add(planar.truss, f"n{i}", f"n{i + 1}", section=fm.Rigidity(mass=1.0), released=())
+    b.fix("n0", "x", "y")
+    b.gravity((0, -9.81))
+    model = b.build(check=False)
+    found = fm.equilibrium(model, sparse=True)
+    assert float(found.reaction("n0", "y")) == pytest.approx(9.81, rel=1e-12)
+    exact = np.array([2.404825557695773, 5.520078110286311]) / (4 * np.pi) * np.sqrt(9.81)
+    # Links are stiffer by some 1/n^2.
+    np.testing.assert_allclose(fm.frequencies(model, count=2, sparse=True), exact, rtol=1e-3)
