@@ -309,8 +309,8 @@ def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
 def test_factors_of_a_chain_of_held_elongations_stay_sparse(monkeypatch):
     made, original = [], SparseFactors.__init__
 
-    def noted(self, matrix, ordering=None):
-        original(self, matrix, ordering)
+    def noted(self, matrix, *ordering, **how):
+        original(self, matrix, *ordering, **how)
         made.append((self._factors.L.nnz + self._factors.U.nnz) / matrix.nnz)
 
     monkeypatch.setattr(SparseFactors, "__init__", noted)
