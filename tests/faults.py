@@ -1264,7 +1264,7 @@ FAULTS = [
         "math/block_tridiagonal.py",
         "return BlockFactors(*kept, down[0], joints, jnp.sum(negative))",
         "return BlockFactors(*kept, down[0], joints, jnp.max(negative))",
-        "statics/test_stable.py -k columns",
+        "math/test_block_tridiagonal.py",
     ),
     Fault(
         "statics/equilibrium.py",
@@ -1275,7 +1275,7 @@ FAULTS = [
     Fault(
         "mechanics/levels.py", "frozenset(own) < other", "len(own) < len(other)", "statics/test_chain.py -k far_apart"
     ),
-    Fault("statics/search.py", "(held.shape[0] == 0)", "(held.shape[0] >= 0)", "statics/test_stable.py -k columns"),
+    Fault("statics/search.py", "(still | (s.tries > 0))", "(s.tries >= 0)", "statics/test_stable.py -k columns"),
     Fault(
         "spacar/read.py",
         "if given and member is not None",
@@ -1300,6 +1300,18 @@ FAULTS = [
         "estimates = bool(topology.e.held.size)",
         "estimates = False",
         "statics/test_sparse.py -k rope",
+    ),
+    Fault(
+        "statics/stable.py",
+        "elastic + curved < -SHARE",
+        "elastic + curved > -SHARE",
+        "statics/test_stable.py -k beside",
+    ),
+    Fault(
+        "statics/stable.py",
+        "SHARE * (abs(elastic) + abs(curved))",
+        "0.0 * (abs(elastic) + abs(curved))",
+        "statics/test_stable.py -k beside",
     ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(

@@ -82,9 +82,12 @@ def balanced_chain(
     return jax.lax.while_loop(lambda carry: ~carry[0].finished, turn, (start(topology, parameters), none))
 
 
-def is_unstable_chain(topology: Topology, pivots: Pivots) -> bool:
-    """Whether a symmetric stiffness is negative in some motion that the constraints allow; of known numbers."""
+def pivots_tell_unstable_chain(topology: Topology, pivots: Pivots) -> bool:
+    """Whether more pivots of a symmetric stiffness are negative than constraints make so, by round-off perhaps."""
     joints = np.asarray(pivots.joints)
+    # Metres and radians are made alike, which changes no sign.
+    scale = 1 / np.sqrt(np.maximum(np.max(np.abs(joints), axis=1), np.finfo(float).tiny))
+    joints = joints * np.outer(scale, scale)
     negative = int(pivots.negative) + int(np.sum(np.linalg.eigvalsh((joints + joints.T) / 2) < 0))
     return negative > len(topology.e.held)
 

@@ -147,9 +147,8 @@ def corrected(
     size = jnp.max(jnp.abs(change) / sizes_of(topology, parameters), initial=0.0)
     first = jnp.where(s.tries == 0, size, s.first)
     bad = AT_LOAD.astray(size, s.before, s.tries)
-    # Where nothing moves, the first turn knows of no multipliers, and its tangent of no stress that they are.
-    known = still | (s.tries > 0) | (held.shape[0] == 0)
-    done = near_enough(size, load, s.tries) & known & ~bad
+    # Where nothing moves, the tangent of the first turn knows neither multipliers nor the stress of what is warmed.
+    done = near_enough(size, load, s.tries) & (still | (s.tries > 0)) & ~bad
     rows, e = equations.elements.constraints, equations.e
     rate = along(topology.n_e, rows, change)
     strained = _strained(topology, parameters, factors, carried)

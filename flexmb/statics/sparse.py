@@ -29,10 +29,10 @@ from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from .chain import balanced_chain, chain_of, is_unstable_chain
+from .chain import balanced_chain, chain_of, pivots_tell_unstable_chain
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
-from .stable import is_unstable
+from .stable import has_negative_motion, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
 
@@ -127,7 +127,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
     elif (levels := chain_of(topology)) is not None:
         s, pivots = balanced_chain(topology, parameters, target, levels)
         balanced = known and int(s.result) == RESULTS.successful
-        unstable = balanced and symmetric and is_unstable_chain(topology, pivots)
+        unstable = balanced and symmetric and pivots_tell_unstable_chain(topology, pivots)
     if s is None or (known and int(s.result) != RESULTS.successful):
         s = start(topology, parameters)
     if known:
@@ -143,7 +143,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
                 continue
             s = corrected(topology, parameters, target, s, linear, found, code, still)
             # The last correction is too small to change a sign.
-            unstable = bool(s.finished) and is_unstable(elements, symmetric)
+            unstable = bool(s.finished) and pivots_tell_unstable(elements, symmetric)
     else:
 
         def turn(s: Search) -> Search:
@@ -155,7 +155,11 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    return Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result, unstable)
+    found = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+    if unstable and symmetric:
+        elements = _tangent(topology, parameters, target, found.near, found)
+        unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
+    return found._replace(unstable=unstable)
 
 
 # Its derivative is one solution with factors of the tangent at the state.

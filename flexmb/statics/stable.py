@@ -1,13 +1,12 @@
 """Whether an equilibrium is stable, and a word where it is not; on the host, of known numbers."""
 
-from typing import Any
-
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..checks.mobility import shares
 from ..errors import warn
-from ..math.element_matrices import Whole
+from ..math.by_deformations import energies
+from ..math.element_matrices import ElementMatrices, Whole
 from ..math.sparse import negative_where_held
 from ..model.model import Model
 
@@ -16,6 +15,8 @@ from ..model.model import Model
 SHARE, ROUND_OFF = 1e-6, 1e-10
 # Larger differences of K from its transpose, of entries scaled to one, are those of loads without potential.
 SYMMETRIC = 1e-9
+# Steps of Lanczos' method, and a square below which a vector depends on those before it.
+STEPS, DEPENDENT = 30, 1e-20
 # So many motions are named, by the largest of their coordinates.
 NAMED, LARGEST = 2, 3
 
@@ -55,11 +56,11 @@ def unstable_motions(
     return scale[:, None] * motions[:, negative]
 
 
-def is_unstable(elements: Any, symmetric: bool) -> bool:
-    """Whether a stiffness in all coordinates is negative in some motion that the constraints allow.
+def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
+    """Whether pivots of a stiffness in all coordinates are negative that no constraint makes so, by round-off perhaps.
 
     Args:
-        elements: Element matrices, with arrays of NumPy.
+        elements: With arrays of NumPy.
         symmetric: As for :func:`unstable_motions`.
     """
     whole = Whole(elements)
@@ -69,8 +70,62 @@ def is_unstable(elements: Any, symmetric: bool) -> bool:
         return False
     if symmetric:
         return bool(negative_where_held(tangent, factored, whole.n))
-    multipliers = tangent.shape[0] - whole.n
-    return factored.sign * (-1) ** multipliers < 0
+    return factored.sign * (-1) ** (tangent.shape[0] - whole.n) < 0
+
+
+def has_negative_motion(elements: ElementMatrices) -> bool:
+    """Whether a motion that the constraints allow is found in which a symmetric stiffness K is negative.
+
+    Args:
+        elements: With arrays of NumPy, by deformations too.
+
+    Source:
+        Lanczos' method for the least eigenvalue 1/mu of K v = mu S v, S the structural stiffness with the sizes of the
+        others on its diagonal: nearly all are 1, so that a few steps tell a negative one. The motion's energy is that
+        of the deformations, which loses little to round-off.
+    """
+    import scipy.sparse
+
+    whole = Whole(elements)
+    n, factored = whole.n, whole.factors(whole.at())
+    if not factored.regular:
+        return False
+    metric = abs(whole.structural[:n, :n].diagonal()) * ROUND_OFF + abs(whole.curved).sum(axis=1)
+    metric = whole.structural[:n, :n] + scipy.sparse.diags_array(metric)
+
+    def flexed(motion: np.ndarray) -> np.ndarray:
+        return factored.solve(np.concatenate([metric @ motion, np.zeros(whole.elements.unknowns[1])]))[:n]
+
+    basis, images = np.zeros((n, 0)), np.zeros((n, 0))
+    motion = flexed(np.cos(np.arange(1.0, n + 1) ** 2) * elements.sizes[elements.free])
+    for _ in range(min(n, STEPS)):
+        for _ in range(2):
+            motion = motion - basis @ (basis.T @ (metric @ motion))
+        size = motion @ (metric @ motion)
+        if not size > 0 or (images.shape[1] and size < DEPENDENT * images[:, -1] @ (metric @ images[:, -1])):
+            break
+        basis = np.concatenate([basis, motion[:, None] / np.sqrt(size)], axis=1)
+        motion = flexed(basis[:, -1])
+        images = np.concatenate([images, motion[:, None]], axis=1)
+    if not basis.shape[1]:
+        return False
+    between = basis.T @ (metric @ images)
+    values, shares = np.linalg.eigh((between + between.T) / 2)
+    softest = np.zeros((len(elements.sizes), 1))
+    softest[elements.free, 0] = images @ shares[:, 0]
+    elastic = float(energies(elements, softest)[0])
+    curved = float(softest[elements.free, 0] @ (whole.curved @ softest[elements.free, 0]))
+    return bool(values[0] < 0 and elastic + curved < -SHARE * (abs(elastic) + abs(curved)))
+
+
+def is_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
+    """Whether a stiffness in all coordinates is negative in some motion that the constraints allow.
+
+    Args:
+        elements: With arrays of NumPy, by deformations too.
+        symmetric: As for :func:`unstable_motions`.
+    """
+    return pivots_tell_unstable(elements, symmetric) and (not symmetric or has_negative_motion(elements))
 
 
 def warn_of_unstable(model: Model, motions: Float[np.ndarray, "n_x k"] | None = None) -> None:

@@ -8,8 +8,9 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.math.element_matrices import ElementMatrices
 from flexmb.statics.chain import chain_of
-from flexmb.statics.stable import unstable_motions
+from flexmb.statics.stable import has_negative_motion, unstable_motions
 
 # Euler's load of a clamped column whose other end is free, EI = L = 1; its next is nine times that.
 EULER = np.pi**2 / 4
@@ -19,19 +20,21 @@ WAYS = {
     "dense": {"count": 6},
     "chain": {"count": 45},
     "chain without stretch": {"count": 45, "released": (2, 3)},
+    "chain with rigid pieces": {"count": 45, "rigid": (43, 44)},
     "chain of columns": {"count": 3, "columns": 9},
     "sparse": {"count": 3, "columns": 9, "star": True},
 }
 
 
-def columns(count, load, columns=1, star=False, released=None):
+def columns(count, load, columns=1, star=False, released=None, rigid=()):
     b = fm.Builder()
     section = fm.Rigidity(EA=1e6, EIy=1.0)
     for k in range(columns):
         for i in range(count + 1):
             b.node(f"{k}.{i}", (i / count, k))
         for i in range(count):
-            b.add(planar.beam, f"{k}.{i}", f"{k}.{i + 1}", section=section, released=released)
+            free = () if i in rigid else released
+            b.add(planar.beam, f"{k}.{i}", f"{k}.{i + 1}", section=section, released=free)
         b.fix(f"{k}.0")
         b.force(f"{k}.{count}", (-load, 0.0))
         if k:
@@ -70,6 +73,60 @@ def test_straight_columns(way, share, unstable):
     found = told(model, sparse=way != "dense")
     assert len(found) == unstable
     assert all("The equilibrium is not stable: its stiffness is negative" in text for text in found)
+
+
+@pytest.mark.parametrize("count", [8, 60])
+@pytest.mark.parametrize(("share", "unstable"), [(0.99, False), (3.0, True)])
+def test_a_leaf_spring_that_is_warmed_between_walls(count, share, unstable):
+    """Nothing moves, up to 4 pi^2 EI/L^2 = EA alpha dT; of beams from whose first turn nothing was known of stress."""
+    b = fm.Builder()
+    material = fm.Material(E=200e9, G=80e9, rho=7850.0, alpha=1e-5)
+    for i in range(count + 1):
+        b.node(f"n{i}", (0.25 * i / count, 0.0))
+    for i in range(count):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=fm.Rectangle(0.02, 1e-3, material))
+        b.temperature(f"b{i}", share * 4 * np.pi**2 * (1e-6 / 12) / 0.25**2 / 1e-5)
+    b.fix("n0")
+    b.fix(f"n{count}")
+    heard = told(b.build(), sparse=True)
+    assert any("not stable" in text for text in heard) == unstable
+
+
+def test_no_pivot_is_lost_where_metres_and_radians_differ_much():
+    """A girder of 200 m that is pulled along itself; in space rotations are four numbers of the order of one."""
+    b = fm.Builder()
+    section = fm.Rectangle(2.0, 0.5, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    for i in range(5):
+        b.node(f"n{i}", (50.0 * i, 0, 0))
+    for i in range(4):
+        b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=section, y=(0, 1, 0))
+    b.fix("n0")
+    b.force("n4", (1e4, 0, 0))
+    assert not [text for text in told(b.build(check=False), sparse=True) if "not stable" in text]
+
+
+@pytest.mark.parametrize(("stiffness", "negative"), [(1.0, False), (-1e-3, True), (-1e-9, False)])
+def test_a_motion_is_looked_for_beside_a_stiff_one(stiffness, negative):
+    """Two elements of one coordinate each, a stiffness of a million beside one that is softened to what is given."""
+    at, one = np.array([[0], [1]]), np.ones((2, 1, 1))
+    none = np.zeros(0, int)
+    elastic = np.array([1e6, 1.0]).reshape(2, 1, 1)
+    elements = ElementMatrices(
+        structural=[(at, at, elastic)],
+        curved=[(at, at, np.array([0.0, stiffness - 1.0]).reshape(2, 1, 1))],
+        damping=[],
+        mass=[],
+        loss=[],
+        constraints=[(at, at, one)],
+        elastic=[(at, at, elastic)],
+        viscous=[],
+        lossy=[],
+        free=np.arange(2),
+        held=none,
+        sizes=np.ones(2),
+        kept=np.ones(2),
+    )
+    assert has_negative_motion(elements) == negative
 
 
 def test_motions_are_counted_and_named():
