@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import AnalysisError
-from ..math.sparse import SparseFactors, negative_where_held
+from ..math.sparse import SparseFactors, equilibrating, negative_where_held
 from ..results import RESULTS
 
 # Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos
@@ -15,6 +15,8 @@ from ..results import RESULTS
 FEW = 60
 # One more iteration changes what was found by less than this share of it, whose square is the error of an eigenvalue.
 TRUE = 1e-4
+# A flexibility is negative below this share of the largest; nearer to zero it is round-off of a stiff motion.
+INDEFINITE = 1e-10
 # Eigenvalues are counted up to this share before the last of those found.
 BEFORE = 1e-6
 # Searches for what others passed over; each finds one copy of every repeated eigenvalue at least.
@@ -172,8 +174,9 @@ class AllowedMotions:
     """The motions that constraints D v = 0 leave, where they are few, and an operator in them.
 
     Attributes:
-        basis: Orthonormal, one a column, (n, n - h).
-        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h).
+        basis: One a column, orthonormal in coordinates whose stiffnesses are alike, (n, n - h).
+        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h); of motions so stiff that only
+            round-off tells their flexibility, zero.
     """
 
     def __init__(self, tangent: Any, factored: SparseFactors, n: int):
@@ -187,11 +190,18 @@ class AllowedMotions:
         Raises:
             numpy.linalg.LinAlgError: K is not positive definite.
         """
-        rest = tangent.shape[0] - n
-        self.basis = orthonormal_allowed(tangent, n) if rest else np.eye(n)
-        moved = factored.solve(np.vstack([self.basis, np.zeros((rest, n - rest))]))[:n]
-        flexible = self.basis.T @ moved
-        self.flexibility = np.linalg.cholesky((flexible + flexible.T) / 2)
+        import scipy.sparse
+
+        rest, own = tangent.shape[0] - n, equilibrating(tangent)
+        alike = scipy.sparse.diags_array(own)
+        basis = orthonormal_allowed(alike @ tangent @ alike, n) if rest else np.eye(n)
+        self.basis = own[:n, None] * basis
+        moved = factored.solve(np.vstack([basis / own[:n, None], np.zeros((rest, n - rest))]))[:n]
+        flexible = basis.T @ (moved / own[:n, None])
+        values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
+        if not values[0] > -INDEFINITE * values[-1]:
+            raise np.linalg.LinAlgError("not positive definite")
+        self.flexibility = turned * np.sqrt(np.maximum(values, 0.0))
 
     def largest(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1, (n, count).

@@ -23,6 +23,8 @@ BACKWARD = 1e-10
 BESIDE = 1e-13
 # How much stiffer than all else constraints are that springs stand for: critical values change by its inverse.
 FIRM = 1e4
+# Rounds that make the entries of a matrix alike.
+ROUNDS = 8
 _host = ThreadPoolExecutor(1)
 
 
@@ -252,6 +254,22 @@ def _exchanges(order: np.ndarray) -> int:
     return n - int(connected_components(moves, directed=False, return_labels=False))
 
 
+def equilibrating(matrix: Any) -> np.ndarray:
+    """Factors of rows and columns of a symmetric matrix, by which the largest entry of each becomes about one.
+
+    Source:
+        Ruiz (2001), A scaling algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034.
+    """
+    coordinates = matrix.tocoo()
+    (rows, columns), sizes = coordinates.coords, np.abs(coordinates.data)
+    scale = np.ones(matrix.shape[0])
+    for _ in range(ROUNDS):
+        largest = np.zeros(len(scale))
+        np.maximum.at(largest, rows, sizes * scale[rows] * scale[columns])
+        scale = scale / np.sqrt(np.where(largest > 0, largest, 1.0))
+    return scale
+
+
 def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | None:
     """Number of negative eigenvalues of a symmetric K where constraints D v = 0 hold; None where pivots do not tell it.
 
@@ -264,7 +282,8 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
         Sylvester's law of inertia: with h constraints there are h negative pivots more than there are such eigenvalues.
         Where rows change places in the factors: [[K + g D^T D, t D^T], [t D, 0]] is congruent to [[K, D^T], [D, 0]], as
         adding g/2 D^T times the last rows to the first ones shows, and the same for columns. Coordinates that only
-        constraints hold have a stiffness in it, and with g and t so large all entries are alike. Multipliers are
+        constraints hold have a stiffness in it, and where the largest entry of each row has been made one all entries
+        are alike, whatever the units, with g = t = 1. Multipliers are
         eliminated after all that they constrain. Where rows change places there too: K + g D^T D, which has so many
         negative eigenvalues at least, and no more for a g large enough (Finsler's lemma).
     """
@@ -275,10 +294,11 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
         return factored.negative - rest
     if order is None or rest == 0:
         return None
+    alike = scipy.sparse.diags_array(equilibrating(tangent))
+    tangent = (alike @ tangent @ alike).tocsc()
     stiffness, rows = tangent[:n, :n], tangent[n:, :n]
-    largest, arm = abs(stiffness).max(), abs(rows).max()
-    stiff, even = largest / arm**2 * (rows.T @ rows), largest / arm * rows
-    whole = scipy.sparse.block_array([[stiffness + stiff, even.T], [even, None]]).tocsc()
+    stiff = rows.T @ rows
+    whole = scipy.sparse.block_array([[stiffness + stiff, rows.T], [rows, None]]).tocsc()
     place = np.empty(len(order))
     place[order] = np.arange(len(order))
     joined = rows.tocoo()

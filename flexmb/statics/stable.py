@@ -57,7 +57,7 @@ def unstable_motions(
 
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
-    """Whether pivots of a stiffness in all coordinates are negative that no constraint makes so, by round-off perhaps.
+    """Whether pivots of a stiffness in all coordinates are negative that no constraint makes so, or tell nothing.
 
     Args:
         elements: With arrays of NumPy.
@@ -69,7 +69,7 @@ def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
     if not factored.regular:
         return False
     if symmetric:
-        return bool(negative_where_held(tangent, factored, whole.n))
+        return negative_where_held(tangent, factored, whole.n) != 0
     return factored.sign * (-1) ** (tangent.shape[0] - whole.n) < 0
 
 

@@ -304,3 +304,32 @@ def test_the_host_works_for_compiled_code_in_one_thread():
 
     like = jax.ShapeDtypeStruct((), int)
     assert int(jax.jit(lambda a: on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)
+
+
+def test_frequencies_at_any_size_of_a_net():
+    """All lengths times U: frequencies are those of U = 1, by dense matrices, over U. Thin beams and a thick one."""
+
+    def net(size):
+        b = fm.Builder()
+
+        def square(thickness):
+            return fm.Rectangle(thickness * size, thickness * size, fm.Material(E=2e11, G=8e10, rho=8000.0))
+
+        for i in range(3):
+            for j in range(3):
+                place = i + 0.1 * j, j * (1 + 0.1 * i), 0.1 * i * j
+                b.node(f"{i}{j}", tuple(size * of for of in place))
+        for pair in ("01 11", "11 21", "11 12"):
+            b.add(spatial.rigid_body, *pair.split())
+        for pair in ("00 10", "10 20", "20 21"):
+            b.add(spatial.beam, *pair.split(), section=square(0.002), released=(2, 3, 4, 5, 6))
+        for pair in ("00 01", "01 02", "02 12", "10 11", "12 22"):
+            b.add(spatial.beam, *pair.split(), section=square(0.002))
+        b.add(spatial.beam, "21", "22", section=square(0.06))
+        b.fix("00")
+        return b.build()
+
+    wanted = fm.frequencies(net(1.0), sparse=False)[:2]
+    for size in (1.0, 1e-4):
+        # Six digits of the fourth power of lengths.
+        np.testing.assert_allclose(size * fm.frequencies(net(size), count=2, sparse=True), wanted, rtol=1e-6)
