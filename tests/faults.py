@@ -1317,7 +1317,7 @@ FAULTS = [
         "math/sparse.py",
         "scale = scale / np.sqrt(np.where(largest > 0, largest, 1.0))",
         "pass",
-        "linear/test_sparse.py -k lengths",
+        "math/test_negative_where_held.py",
     ),
     Fault("linear/lanczos.py", "self.basis = own[:n, None] * basis", "self.basis = basis", "linear/test_lanczos.py"),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
