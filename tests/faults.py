@@ -1320,6 +1320,21 @@ FAULTS = [
         "math/test_negative_where_held.py",
     ),
     Fault("linear/lanczos.py", "self.basis = own[:n, None] * basis", "self.basis = basis", "linear/test_lanczos.py"),
+    Fault(
+        "statics/configuration.py",
+        "parameters.reference + share * (x - parameters.reference)",
+        "x",
+        "motion/test_start.py -k turned_far",
+    ),
+    Fault(
+        "motion/integrate.py", "| ~jnp.all(jnp.isfinite(states.u[:, -1]), axis=1)", "", "control/test_loops.py -k event"
+    ),
+    Fault(
+        "motion/motion.py",
+        "missing = np.arange(len(reached))[which][~reached[which]]",
+        "missing = []",
+        "control/test_loops.py -k event",
+    ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",

@@ -358,5 +358,8 @@ def integrate_sampled(
     last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
-    result = jnp.where(begun == RESULTS.successful, jnp.max(result), begun)
+    # An event ends the motion without a failure; what comes after its interval, from no state, is none of it.
+    over = (result != RESULTS.successful) | ~jnp.all(jnp.isfinite(states.u[:, -1]), axis=1)
+    result = jnp.where(jnp.any(over), result[jnp.argmax(over)], RESULTS.successful)
+    result = jnp.where(begun == RESULTS.successful, result, begun)
     return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last)

@@ -9,10 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_whole, computed
+from ..arguments import check_number, check_whole, computed, is_concrete
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, course, largest, listed, short, span, unit_of_force, unit_of_rate
+from ..errors import ModelError
 from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
@@ -170,13 +171,30 @@ class Motion(ByName, Along, Result, Record):
         return chosen % count
 
     def stressed(self) -> Stressed:
-        """What the stress at all times is computed from, by :meth:`observe`."""
+        """What the stress at all times is computed from, by :meth:`observe`.
+
+        Raises:
+            ModelError: The motion did not reach its end.
+        """
+        self._refuse_not_reached(slice(None))
         seen, gravity = self.observe(), self.model.parameters.loads.gravity
         count = self.t.shape[0]
         falling = None if gravity is None else jnp.broadcast_to(gravity, (count, *gravity.shape))
         return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
 
+    def _refuse_not_reached(self, which: slice) -> None:
+        """Refuse times that the motion did not reach, as it was ended by an event or failed before them."""
+        if is_concrete((self.t, self.x)):
+            reached = np.all(np.isfinite(np.asarray(self.x)), axis=1)
+            missing = np.arange(len(reached))[which][~reached[which]]
+            if len(missing):
+                raise ModelError(
+                    f"The motion did not reach t = {short(np.asarray(self.t)[missing[0]])} s: it has {np.sum(reached)} of"
+                    f" {len(reached)} states. Ask about one of these, or give motion.until({np.sum(reached)})."
+                )
+
     def _linearized_at(self, which: slice) -> Linearization:
+        self._refuse_not_reached(which)
         model, rows = self.model, (part[which] for part in (self.t, self.x, self.xd, self.near, self.u))
         return Linearization(_along(model.without_names(), self.driven, *rows), model)
 

@@ -23,7 +23,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, told
 from .solve import held_values
 
-# Degrees of freedom go from their start values in steps of this share of the mechanism's extent, or radians.
+# What is given goes from its undeformed value in steps of this share of the mechanism's extent, or radians.
 STEP = 0.2
 # 20 000 radians or extents; what is further away is out of reach, and no step is made.
 MOST_STEPS = 1e5
@@ -66,9 +66,11 @@ class _Way(NamedTuple):
     regular: Array
 
 
-def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]):
-    """Coordinates and deformations that are given, the others as undeformed."""
-    return _with_freedoms(topology, held_values(topology, parameters, LoadFactors(1.0, 0.0)), q)
+def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], share: Float[Array, ""] | float = 1.0):
+    """Coordinates and deformations that are given, a share of the way there; others as undeformed."""
+    x, e = held_values(topology, parameters, LoadFactors(1.0, 0.0))
+    given = parameters.reference + share * (x - parameters.reference), share * e
+    return _with_freedoms(topology, given, share * q)
 
 
 def _with_freedoms(topology: Topology, given: tuple[Array, Array], q: Float[Array, "n_q"]):
@@ -128,8 +130,9 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
         x (n_x,), xd (n_x,), e (n_e,), and a code of RESULTS.
     """
     sizes = sizes_of(topology, parameters)
-    n = topology.x.dof.shape[0]
-    relative = jnp.concatenate([q[:n] / sizes[topology.x.dof], q[n:]])
+    wanted_x, wanted_e = _wanted(topology, parameters, q)
+    given = topology.x.given
+    relative = jnp.concatenate([((wanted_x - parameters.reference) / sizes)[given], wanted_e[topology.e.given]])
     needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / STEP) + 1
     within = needed <= MOST_STEPS
     steps = jnp.where(within, needed, 0).astype(jnp.int32)
@@ -137,7 +140,8 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
 
     def turn(walk: _Way) -> _Way:
         parameters, q = settled
-        wanted_x, wanted_e = _wanted(topology, parameters, q * ((walk.step + 1).astype(float) / steps.astype(float)))
+        share = (walk.step + 1).astype(float) / steps.astype(float)
+        wanted_x, wanted_e = _wanted(topology, parameters, q, share)
         x, near, regular = walk.x, walk.near, walk.regular
 
         def corrected(_: Array, carried: tuple[Array, ...]):

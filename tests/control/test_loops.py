@@ -335,3 +335,28 @@ def test_a_loop_differentiates_by_a_dimension_and_by_a_gain():
     # Ten times the tolerance of the integration.
     np.testing.assert_allclose(forward(*at), differences[0], rtol=1e-6)
     np.testing.assert_allclose(reverse(at[1]), differences[1], rtol=1e-6)
+
+
+def test_an_event_between_samples_ends_the_motion_without_a_failure():
+    """A mass on a spring passes its middle after a quarter of a period; what observes it does nothing."""
+    b = sprung_mass(stiffness=STIFFNESS, damping=0.0, mass=MASS)
+    b.input("mass", "x")
+    b.output("mass", "x")
+    b.start("mass", "x", 0.1)
+    quarter = np.pi / 2 / np.sqrt(STIFFNESS / MASS)
+    event = diffrax.Event(lambda t, y, args, **_: y.u[0])
+    idle = control.ss([], [], [], [[0.0]], 0.03)
+    model = b.build()
+    found = fm.simulate(model, np.linspace(0, 1.9 * quarter, 9), control=idle, event=event)
+    assert found.result == fm.RESULTS.successful
+    reached = np.isfinite(np.asarray(found.x)).all(axis=1)
+    np.testing.assert_array_equal(reached, np.arange(9) < 5)
+    np.testing.assert_allclose(place(found)[:5], 0.1 * np.cos(np.arange(5) * 1.9 / 16 * np.pi), atol=1e-6)
+    # No answer about what was not reached.
+    for ask in (
+        lambda: fm.frequencies(model, at=found, step=-1),
+        lambda: fm.motion.linearize_motion(found),
+        lambda: fm.linear.section_resultants(model, at=found),
+    ):
+        with pytest.raises(fm.ModelError, match=r"has 5 of 9 states.*give motion.until\(5\)"):
+            ask()

@@ -154,3 +154,19 @@ def test_where_it_cannot_be_assembled():
     b.mass("p", 1.0)
     with pytest.raises(fm.AnalysisError, match="cannot be assembled there"):
         fm.simulate(b.build(), [0.0, 0.1], motion={"q.x": lambda t: 0.5 + t})
+
+
+@pytest.mark.parametrize("angle", [3.0, -4.0, 9.7])
+def test_an_arm_on_a_hub_that_is_held_turned_far(angle):
+    """It lies along its hub, without a load; beyond some 3 rad its bending is zero at the opposite side too."""
+    b = fm.Builder()
+    b.node("o", (0, 0))
+    b.node("k", (0.1, 0))
+    b.add(planar.beam, "o", "k", section=fm.Rigidity(EA=1e5, EIy=0.05, mass=0.1))
+    b.fix("o", "position")
+    b.mass("k", 0.05, inertia=1e-6)
+    b.prescribe("o", "rotation", angle)
+    model = b.build()
+    wanted = 0.1 * np.array([np.cos(angle), np.sin(angle)])
+    np.testing.assert_allclose(fm.configuration(model).at("k"), wanted, atol=1e-12)
+    np.testing.assert_allclose(fm.simulate(model, [0.0, 1e-3]).at("k")[0], wanted, atol=1e-12)
