@@ -186,11 +186,11 @@ class Motion(ByName, Along, Result, Record):
         """Refuse times that the motion did not reach, as it was ended by an event or failed before them."""
         if is_concrete((self.t, self.x)):
             reached = np.all(np.isfinite(np.asarray(self.x)), axis=1)
-            missing = np.arange(len(reached))[which][~reached[which]]
+            missing, count = np.arange(len(reached))[which][~reached[which]], int(np.sum(reached))
             if len(missing):
                 raise ModelError(
-                    f"The motion did not reach t = {short(np.asarray(self.t)[missing[0]])} s: it has {np.sum(reached)} of"
-                    f" {len(reached)} states. Ask about one of these, or give motion.until({np.sum(reached)})."
+                    f"The motion did not reach t = {short(np.asarray(self.t)[missing[0]])} s: it has {count} of"
+                    f" {len(reached)} states. Ask about one of these, or give motion.until({count})."
                 )
 
     def _linearized_at(self, which: slice) -> Linearization:

@@ -27,6 +27,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
+from ..statics.strained import warn_of_needless_strain
 from .chain_form import obstacle
 from .controlled_form import Feedback
 from .controllers import Sampled
@@ -336,6 +337,12 @@ def _initial(model: Model, initial: Any):
         if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
             return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
         initial = configuration(model)
+        if model.parameters.start is not None and is_concrete((model, initial)):
+            remedy = (
+                "Begin from an equilibrium, initial=fm.equilibrium(..) of the model with b.prescribe(..) in place of"
+                " b.start(..), or give these start values too."
+            )
+            warn_of_needless_strain(model, np.asarray(initial.e), "At the start", remedy)
     if not isinstance(initial, Equilibrium | Configuration | Motion):
         raise TypeError(
             f"Argument `initial` must be an Equilibrium, a Configuration or a Motion, not {shown(initial)}."

@@ -32,6 +32,7 @@ from ..motion.loop import under_inputs
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
 from ..results import RESULTS, check, told
+from ..statics.strained import warn_of_needless_strain
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 
@@ -195,6 +196,8 @@ def inverse_dynamics(
     if throw and is_concrete(found):
         _explain(names, {**{name: one.law for name, one in wanted.items()}, **prescribed}, found, np.asarray(times))
     check(found.result, throw)
+    if is_concrete((model, found)):
+        _warn_of_needless_strain(model, np.asarray(found.near), np.asarray(times))
     count = len(times)
     loads = _as_loads(model, times, found.u0, found.f0)
     none = jnp.zeros((count, 0))
@@ -221,6 +224,18 @@ def inverse_dynamics(
                 " carries no mass. Give it mass, or leave the output out.",
             )
     return Nominal(motion, found.u0, y0, found.f0, found.result)
+
+
+def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], times: Float[np.ndarray, "n_t"]) -> None:
+    """Warn where deformations that are held make others stretch, at the time of the largest deformation."""
+    sizes = np.max(np.abs(e), axis=1)
+    if np.all(np.isfinite(sizes)):
+        farthest = int(np.argmax(sizes))
+        remedy = (
+            "A nominal motion holds all deformations that no law moves: for leaf springs that bend along the trajectory"
+            " take cubic beams (planar.beam, spatial.beam), released in bending alone."
+        )
+        warn_of_needless_strain(model, e[farthest], f"At t = {short(times[farthest])} s", remedy)
 
 
 class _AtTimes(NamedTuple):

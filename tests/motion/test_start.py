@@ -1,5 +1,7 @@
 """Where a driven motion starts: what is driven is where its law says, and degrees of freedom are where they were."""
 
+import re
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -170,3 +172,48 @@ def test_an_arm_on_a_hub_that_is_held_turned_far(angle):
     wanted = 0.1 * np.array([np.cos(angle), np.sin(angle)])
     np.testing.assert_allclose(fm.configuration(model).at("k"), wanted, atol=1e-12)
     np.testing.assert_allclose(fm.simulate(model, [0.0, 1e-3]).at("k")[0], wanted, atol=1e-12)
+
+
+def spectral_guide(prescribed=False, dof=False):
+    """Two leaf springs by spectral beams, a stage that is 1 mm aside, its stiffness 24 EI/L^3 by hand."""
+    leaf = fm.Rectangle(0.02, 0.4e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.08, 0.1), "D": (0.08, 0)}.items():
+        b.node(name, place)
+    b.add(planar.spectral_beam, "A", "B", section=leaf)
+    b.add(planar.spectral_beam, "D", "C", section=leaf)
+    b.add(planar.rigid_body, "B", "C")
+    for name in "AD":
+        b.fix(name)
+    for name in "BC":
+        b.mass(name, 0.15)
+    if prescribed:
+        b.prescribe("B", "x", 1e-3)
+    elif dof:
+        b.dof("B", "x")
+        b.input("B", "x")
+    else:
+        b.start("B", "x", 1e-3)
+    return b.build()
+
+
+def test_leaf_springs_that_stretch_at_the_start_are_told():
+    """Of ten strain coefficients eight are degrees of freedom, and zero where nothing else is said."""
+    energy = 0.5 * 24 * 210e9 * 0.02 * 0.4e-3**3 / 12 / 0.1**3 * 1e-6
+    model = spectral_guide()
+    with pytest.warns(
+        fm.FlexmbWarning, match=r"At the start elements hold 21\.\d+ J, of which (\S+) J would do"
+    ) as heard:
+        fm.simulate(model, [0.0, 1e-5])
+    least = float(re.search(r"of which (\S+) J", str(heard[0].message))[1])
+    # The estimate is one of small deformations, x/L = 0.01.
+    assert least == pytest.approx(energy, rel=1e-3)
+    # What the message says to do.
+    found = fm.simulate(model, [0.0, 1e-5], initial=fm.equilibrium(spectral_guide(prescribed=True)))
+    assert float(found.observe().energy[0]) == pytest.approx(energy, rel=1e-3)
+
+
+def test_leaf_springs_that_stretch_along_a_trajectory_are_told():
+    law = fm.trajectory.septic(0.0, 1e-3, 0.1)
+    with pytest.warns(fm.FlexmbWarning, match="At t = 0.1 s elements hold 21.* take cubic beams"):
+        fm.trajectory.inverse_dynamics(spectral_guide(dof=True), {"B.x": law}, np.linspace(0, 0.1, 5))
