@@ -1,8 +1,11 @@
 """Answers of a function of named dimensions, with the code of what failed."""
 
+import contextlib
 import difflib
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -20,6 +23,41 @@ Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, C
 
 # What the numbers of a design are refused with.
 REFUSED = (ModelError, SpacarError)
+
+
+class UntraceableError(TypeError):
+    """A function needs the number of a dimension where JAX has none yet: it is compiled or differentiated."""
+
+
+@contextlib.contextmanager
+def traceable(what: str) -> Iterator[None]:
+    """Within, functions of the user that cannot be traced are told with their line and a remedy.
+
+    Args:
+        what: Which function it is, as the begin of a sentence.
+
+    Raises:
+        UntraceableError: In place of JAX's own.
+    """
+    try:
+        yield
+    except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as fault:
+        own = [frame for frame in traceback.extract_tb(fault.__traceback__) if not _is_of_libraries(frame.filename)]
+        where = f" in line {own[-1].lineno} of {Path(own[-1].filename).name} ({own[-1].line})" if own else ""
+        raise UntraceableError(
+            f"{what} asks for the number of a dimension{where}, which is not known while it is compiled or"
+            " differentiated. Take jax.numpy (jnp.cos) in place of numpy and math, jnp.where in place of `if`, and no"
+            " float() or int() of a dimension. fm.sweep(.., compiled=False) takes other functions."
+        ) from fault
+
+
+def told_of(build: Build) -> str:
+    """A function of dimensions, as the begin of a sentence."""
+    return f"The function of dimensions '{clean(str(getattr(build, '__name__', build)))}'"
+
+
+def _is_of_libraries(file: str) -> bool:
+    return file.startswith((str(Path(__file__).parents[1]), "<")) or "site-packages" in Path(file).parts
 
 
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
@@ -175,9 +213,13 @@ def evaluate(
     Returns:
         Answers by name; the first failure of their analyses, or not_finite where an answer is NaN.
     """
+    values = {}
     with collected() as codes:
-        made = build(**dimensions)
-        values = {name: _real(name, function(made)) for name, function in answers.items()}
+        with traceable(told_of(build)):
+            made = build(**dimensions)
+        for name, function in answers.items():
+            with traceable(f"Answer '{name}'"):
+                values[name] = _real(name, function(made))
     code: Any = jnp.zeros((), jnp.int32)
     for other in codes:
         code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)

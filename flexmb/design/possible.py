@@ -17,6 +17,7 @@ from ..errors import ModelError
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
+from .evaluate import told_of, traceable
 
 
 def refusal(
@@ -38,7 +39,7 @@ def refusal(
     """
 
     def numbers(dimensions: dict[str, Any]):
-        with carried(models), recorded() as made, noting() as conditions:
+        with carried(models), recorded() as made, noting() as conditions, traceable(told_of(build)):
             build(**dimensions)
         return [model.parameters for model in made], conditions, [model.topology for model in made]
 

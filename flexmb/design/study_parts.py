@@ -20,10 +20,11 @@ from ..linear.stress import stress
 from ..model.model import Model
 from ..spacar.read import read_spacar
 from ..statics.equilibrium import equilibrium
+from .evaluate import UntraceableError
 from .objectives import mass, stiffness
 
 # What JAX raises where a function asks for a number while it is traced.
-UNTRACEABLE = (jax.errors.JAXTypeError, jax.errors.JAXIndexError)
+UNTRACEABLE = (UntraceableError, jax.errors.JAXTypeError, jax.errors.JAXIndexError)
 
 
 class RaisedError(StudyError):

@@ -11,7 +11,7 @@ from ..arguments import check_number, check_numbers, check_whole, shown
 from ..arguments import numbers as as_numbers
 from ..checks.mobility import mobility
 from ..errors import heard
-from ..model.model import Model, as_determined
+from ..model.model import Model, as_determined, as_known
 from ..progress import reporting
 from .designs import numbers
 from .evaluate import Build, check_dimensions
@@ -81,7 +81,7 @@ def verdict(
         build, model = model, model(**dimensions)
     elif dimensions is not None:
         raise TypeError("Argument `dimensions` goes with a function of them: give it in place of the model.")
-    model = as_determined(model, "verdict")
+    model = as_determined(as_known(model, "verdict"), "verdict")
     name, (low, high) = _ends(stroke)
     asked = StrokeQuestions(model, driven(model, name), node, count)
     sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]

@@ -212,6 +212,9 @@ def directional_compliance(
         For each node: one value a coordinate [m/N]; three rotations about global axes, or the angle [rad/(N m)].
         Infinite in directions that take part in a motion that meets no stiffness.
 
+    Raises:
+        TypeError: Numbers are traced.
+
     Warns:
         FlexmbWarning: There is such a motion.
 
@@ -219,6 +222,11 @@ def directional_compliance(
         Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.
     """
     lin = linearized(model, "directional_compliance", where=Where(at, step, time, increment))
+    if not is_concrete(lin.matrices):
+        raise TypeError(
+            "fm.linear.directional_compliance takes a model of known numbers: ask fm.compliance of one node inside"
+            " jax.jit, jax.grad and jax.vmap."
+        )
     x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
     flexibility, free = free_motions(lin.matrices)
     if free.shape[1]:

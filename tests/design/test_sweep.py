@@ -258,3 +258,28 @@ def test_answers_of_large_mechanisms_in_sweeps_and_searches():
     target = {"frequency": 1.5 * float(expected[0])}
     found = fm.tune(cantilever, answers, {"thickness": 2e-4}, {"thickness": (1e-4, 1e-3)}, targets=target)
     assert found.dimensions["thickness"] == pytest.approx(3e-4, rel=5e-6)
+
+
+def by_number(how):
+    def build(height):
+        known = {"numpy": np.cos, "float": float, "if": lambda of: of if of > 0 else 0.1}[how](height)
+        return mechanisms.planar_guide(T * known).build()
+
+    return build
+
+
+@pytest.mark.parametrize("how", ["numpy", "float", "if"])
+def test_what_needs_the_number_of_a_dimension_is_told_by_its_line(how):
+    words = (
+        r"The function of dimensions 'build' asks for the number of a dimension in line \d+ of test_sweep.py .*jnp.cos"
+    )
+    answers = {"f": lambda model: fm.frequencies(model)[0]}
+    for ask in (
+        lambda build: fm.sweep(build, answers, {"height": np.array([0.9, 1.0])}),
+        lambda build: fm.sensitivities(build, answers, {"height": 1.0}),
+    ):
+        with pytest.raises(TypeError, match=words):
+            ask(by_number(how))
+    named = {"f": lambda model: float(fm.frequencies(model)[0])}
+    with pytest.raises(TypeError, match=r"Answer 'f' asks for the number of a dimension in line \d+ of test_sweep.py"):
+        fm.sensitivities(lambda height: mechanisms.planar_guide(T * height).build(), named, {"height": 1.0})
