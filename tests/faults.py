@@ -1353,8 +1353,14 @@ FAULTS = [
         "farthest = int(np.argmin(sizes))",
         "motion/test_start.py -k stretch",
     ),
-    Fault("design/evaluate.py", "own[-1].lineno", "own[0].lineno + 1", "design/test_sweep.py -k by_its_line"),
+    Fault("design/evaluate.py", "({own[-1].line})", "({own[0].line})", "design/test_sweep.py -k by_its_line"),
     Fault("design/possible.py", ", traceable(told_of(build)):", ":", "design/test_sweep.py -k by_its_line"),
+    Fault(
+        "design/search.py",
+        "if not problem.only_targets and (missed",
+        "if problem.only_targets and (missed",
+        "design/test_tune.py -k wishes",
+    ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",

@@ -12,6 +12,9 @@ from .curve import Curve
 from .designs import numbers
 from .evaluate import Layout
 
+# A target is met within this share of it.
+MET = 1e-8
+
 
 @dataclasses.dataclass(frozen=True)
 class Rows:
@@ -64,6 +67,15 @@ class TuningProblem:
         """Largest violation of a constraint, relative to its value, () [-]."""
         parts = (np.abs(self.equal(answers)), self.limits(answers))
         return float(max(np.max(part, initial=0.0) for part in parts))
+
+    def missed(self, residuals: Any) -> list[str]:
+        """Targets that are not met, and by how much.
+
+        Args:
+            residuals: Of the targets, (rows,) [-].
+        """
+        every = zip(self.targets.names, np.asarray(residuals), strict=True)
+        return [f"{name} misses by {100 * r:.3g} %" for name, r in every if abs(r) > MET]
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
         """Constraints that are violated, and by how much.

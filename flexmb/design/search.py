@@ -145,6 +145,8 @@ def search(
         reason = "the search ended at a design that fails"
         found = evaluate(end) or (evaluate.history[-1][1], None)
     values = found[0]
+    if not problem.only_targets and (missed := problem.missed(problem.targets(values))):
+        reason += f"; of the targets, which count beside the rest, {', '.join(missed)}"
     return Attempt(
         end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
     )
@@ -200,9 +202,8 @@ def _least_squares(problem: TuningProblem, evaluate: _Evaluations, start: np.nda
         )
     except _Stop:
         return _best(problem, evaluate.history, 0.0), "max_evaluations reached", RESULTS.not_optimal
-    missed = np.max(np.abs(found.fun))
-    far = [f"{n} misses by {100 * r:.3g} %" for n, r in zip(problem.targets.names, found.fun, strict=True)]
-    reason = "all targets are met" if missed < 1e-8 else "nearest to the targets: " + ", ".join(far)
+    far = problem.missed(found.fun)
+    reason = "nearest to the targets: " + ", ".join(far) if far else "all targets are met"
     return found.x, reason, RESULTS.successful if found.status > 0 else RESULTS.not_optimal
 
 

@@ -80,7 +80,9 @@ def tune(
             Whole numbers, materials, element types: any Python value, which may change the structure of the model.
             Every combination is searched from the start, and the best feasible design is returned with a table of all.
             Each is compiled for itself, so that it takes seconds before its search begins. ``dimensions`` may be empty.
-        targets: Values that answers should come near to, by name: least squares of the relative differences. A
+        targets: Values that answers should come near to, by name: least squares of the relative differences. Beside
+            `minimize` or `maximize` they are wishes that count: half the sum of these squares is added to that answer
+            over its value at the start, and ``reason`` says what is missed. What must be met goes to ``equal``. A
             whole curve, such as the forces along a stroke, is a :class:`flexmb.design.Curve`, whose differences count
             relative to its largest value; ``fm.equilibria`` answers such a stroke at once.
         limits: Lower and upper value of answers by name, None for none.

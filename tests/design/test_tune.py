@@ -388,3 +388,12 @@ def test_choices_that_cannot_be(changes, words):
     dimensions, bounds = {"t": 1.0, "gap": 0.2}, {"t": (0.1, 10.0), "gap": (0.1, 1.0)}
     with pytest.raises(ValueError, match=words):
         fm.tune(springs, {"mass": of("mass")}, dimensions, bounds, minimize="mass", choices=changes)
+
+
+def test_targets_beside_an_objective_are_wishes_whose_misses_are_told():
+    """-a/1 + ((a^2 - 4)/4)^2/2 has its minimum where a^3 - 4 a - 8 = 0."""
+    asked = {"size": lambda a: a, "bend": lambda a: a**2}
+    found = fm.tune(lambda a: a, asked, {"a": 1.0}, {"a": (0.1, 10.0)}, maximize="size", targets={"bend": 4.0})
+    wanted = np.roots([1.0, 0.0, -4.0, -8.0])[0].real
+    assert found.dimensions["a"] == pytest.approx(wanted, rel=1e-5)
+    assert f"bend misses by {100 * (wanted**2 / 4 - 1):.3g} %" in found.reason
