@@ -657,7 +657,8 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
 
         _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:])))
     if json_path == "-" or found is not None:
-        _tell(to_json(data) if json_path == "-" else text)
+        warnings = "".join(f"warning: {warning}\n" for warning in data.get("warnings", ()))
+        _tell(to_json(data) if json_path == "-" else f"{warnings}{text}")
     if data["status"] != "ok":
         _complain(f"{name}: {data['status']}: {data['message']}")
         raise typer.Exit(EXIT_FAILED)

@@ -26,6 +26,8 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
     if path.exists() and not path.is_file():
         path.write_bytes(content)
         return
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "There is no such folder", str(path.parent))
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".flexmb.")
     try:
         with os.fdopen(handle, "wb") as file:

@@ -429,6 +429,14 @@ def test_a_verdict_is_that_of_the_package(tmp_path):
     assert "larger EI (+0.506): percent of frequency 1 for one percent" in told
 
 
+def test_a_coordinate_by_its_number_is_shown_by_its_name(tmp_path):
+    path = tmp_path / "guide.dat"
+    path.write_text(mechanism_path("pf2db").read_text())
+    result = call("verdict", path, "--stroke", "3.1=1e-3")
+    assert result.exit_code == 1
+    assert "no coordinate or deformation '3.1' to drive. Did you mean '3.x'?" in result.stderr
+
+
 def test_a_verdict_that_cannot_be_has_a_status():
     result = call("verdict", mechanism_path("pf3dover"), "--stroke", "1e-3", "--json", "-")
     assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "overconstrained")

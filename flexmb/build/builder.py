@@ -533,8 +533,9 @@ class Builder(Description):
             component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
                 "ry" or "rz", a moment about that global axis at every state, or a motion about it.
             quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation,
-                which can move. "displacement", "velocity" or "acceleration" of one that is FIXED or PRESCRIBED, or of
-                a rotation that is fixed as a whole.
+                which can move: a stress resultant of the element, which acts against its deformation, as that of a
+                spring that is stretched. "displacement", "velocity" or "acceleration" of one that is FIXED or
+                PRESCRIBED, or of a rotation that is fixed as a whole.
             name: Its label; by default made of the other arguments.
             kind: "node" or "element", where both bear the name.
             local: Of a rotation in space: about the axis that turns with the node, the global one where its Euler

@@ -266,8 +266,11 @@ class Description:
         kind = self._kind_of(part)
         if letter:
             if component not in kind.components:
-                names = ", ".join(kind.components)
-                raise ModelError(f"Node '{part}' has no coordinate {shown(component)}. It has: {names}.")
+                own = self._kind_of(node)
+                turns = self._kind_of(self._rotation_name(node)).components if own.part == "position" else ()
+                names = ", ".join((*own.components, *turns))
+                more = " Name several nodes one after the other." if component in self.nodes else ""
+                raise ModelError(f"Node '{node}' has no coordinate {shown(component)}. It has: {names}.{more}")
             return part, kind.components.index(str(component)) + 1
         if number is None or not 1 <= number <= kind.size:
             raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")

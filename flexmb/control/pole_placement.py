@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import check_number
 from ..errors import ModelError, heard
 from ..linear.linearize import Linearization
-from ..model.model import Model
+from ..model.model import Model, as_model
 from .state_space import to_statespace
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def pid(
     plant: Any = model
     quantities = None
     if not isinstance(model, control.StateSpace):
+        model = model if isinstance(model, Linearization) else as_model(model, "control.pid")
         quantities = [signal.quantity for signal in model.labels.outputs]
         # What the one motion leaves out is not of interest here.
         with heard():

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_whole
+from ..arguments import check_whole, shown
 from ..compilation.by_meaning import jit
 from ..display import Result, Summary, counted, largest, short
 from ..errors import AnalysisError, clean
@@ -230,6 +230,10 @@ def tolerances(
     Source:
         First-order propagation of variance: sum of (da/dp s)^2; Monte Carlo.
     """
+    if not isinstance(deviations, Mapping):
+        raise TypeError(
+            f"Argument `deviations` must be a dictionary by name, as {{'t': 5e-6}}, not {shown(deviations)}."
+        )
     for name, deviation in deviations.items():
         if name not in dimensions:
             raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")

@@ -212,6 +212,12 @@ def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 
+def _place(model: Model, node: str, number: int) -> int:
+    """Place of a coordinate that is named by its number, as lines of input files do; -1 where there is none."""
+    own = model.labels.coordinates(node)
+    return int(own[number - 1]) if 0 < number <= len(own) else -1
+
+
 def _named(model: Model, name: str) -> tuple[str, int]:
     places = {}
     for kind in "ex":
@@ -219,7 +225,9 @@ def _named(model: Model, name: str) -> tuple[str, int]:
             if entry.kind not in ("norm", "internal"):
                 places[str(entry)] = places[name_of(entry)] = (kind, i)
     if name not in places:
-        near = difflib.get_close_matches(str(name), places, 1)
+        of, _, number = str(name).rpartition(".")
+        numbered = [s for s in places if number.isdigit() and places[s] == ("x", _place(model, of, int(number)))]
+        near = numbered[:1] or difflib.get_close_matches(str(name), places, 1)
         hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model)
         raise ModelError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
     return places[name]

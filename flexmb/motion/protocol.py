@@ -12,8 +12,9 @@ class MotionState(NamedTuple):
     """State that diffrax integrates.
 
     Attributes:
-        u: Positions, (n,) [m, rad, -].
-        w: Velocities, (n,) [1/s].
+        u: How far coordinates that move are from their undeformed values, in the order of the model, those that are
+            FIXED or PRESCRIBED left out; positions in extents of the mechanism, (n,) [-].
+        w: Their rates, (n,) [1/s].
         memory: What is carried along without being part of the state: the turn of angles past pi, or a guess for
             Newton's method, (k,).
     """

@@ -175,7 +175,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
         _check_clamps(r, faults)
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
-    _warn_of_stiffness_that_acts_on_nothing(r)
+    _warn_of_stiffness(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -420,11 +420,15 @@ def _connect_signals(r: Reading, faults: _Faults) -> None:
                 add()
 
 
-def _warn_of_stiffness_that_acts_on_nothing(r: Reading) -> None:
-    """ESTIFF and EDAMP of an element of which nothing is released change no answer."""
+def _warn_of_stiffness(r: Reading) -> None:
+    """ESTIFF and EDAMP of an element of which nothing is released change no answer; a beam with mass alone is limp."""
     for number, declared in r.elements.items():
         member = r.builder.members.get(str(number))
         given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in r.lines.get(number, {})]
+        free = member is not None and any(role in (Role.DEPENDENT, Role.DOF) for role in member.roles)
+        if free and "EM" in r.lines.get(number, {}) and declared.kind.stiffness and "ESTIFF" not in given:
+            text = f"element {number} has mass and gives way, but has no ESTIFF: it has no stiffness"
+            r.warnings.append((declared.statement, text))
         if given and member is not None and all(role is Role.FIXED for role in member.roles):
             numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
             text = (

@@ -524,3 +524,11 @@ def test_wrong_choices_are_named(study, line, words):
     study.write_text(CHOICES.replace("w = [0.018, 0.009]", line))
     with pytest.raises(fm.errors.StudyError, match=words):
         read_study(study).tune()
+
+
+@pytest.mark.parametrize("command", ["sweep", "tune"])
+def test_warnings_stand_before_the_answer(command, study):
+    study.write_text(STUDY.replace("w = 0.018\n", "w = 0.018\nq = 1\n"))
+    result = call(command, study)
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[0] == "warning: guide.dat: parameter 'q' is in no line"

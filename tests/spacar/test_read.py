@@ -231,6 +231,10 @@ WARNED = {
         BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%").replace("ESTIFF", "%"),
         "ESIG: deformation 1 of element 1 cannot give way, so that the value there has no effect",
     ),
+    "mass without stiffness": (
+        BAR.replace("ESTIFF 1 10", "EM 1 2"),
+        "text:2: PLTRUSS: element 1 has mass and gives way, but has no ESTIFF: it has no stiffness",
+    ),
     "stiffness of what is rigid": (
         BAR.replace("RLSE", "% ").replace("DYNX", "%"),
         "text:2: PLTRUSS: ESTIFF of element 1 changes nothing: the element is rigid; RLSE 1 1 lets it deform",
