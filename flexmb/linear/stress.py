@@ -618,8 +618,8 @@ def stress(
     if shapeless := without_shape(as_model(model, "stress")):
         raise ModelError(
             f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
-            " so no stress. Give it a section such as Rectangle (a spring of stiffness k and length L one of E = k L/area),"
-            " or ask for section_resultants."
+            " so no stress. Give it a section such as Rectangle (a spring of stiffness k and length L one of E = k"
+            " L/area), or ask for section_resultants."
         )
     names, places, inputs, result, several = _state(
         model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress"
