@@ -112,7 +112,7 @@ def factorise_blocks(
     whole = whole.at[every[1:], :, every[:-1]].add(jnp.moveaxis(back[..., 1:], 2, 0))
     whole = whole.at[every[:-1], :, every[1:]].add(jnp.moveaxis(joint[..., :-1], 2, 0))
     joints = jnp.linalg.inv(whole.reshape(parts * size, parts * size))
-    return BlockFactors(*kept, down[0], joints, jnp.sum(negative))
+    return BlockFactors(*kept, lower=down[0], joints=joints, negative=jnp.sum(negative))
 
 
 def _product(a: Inexact[Array, "b c parts"], b: Inexact[Array, "c *d parts"]):

@@ -135,13 +135,13 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
             elements, right = jax.tree.map(np.asarray, (linear.elements, linear.right))
-            found, code = _answer(elements, right, better=False)
+            z, code = _answer(elements, right, better=False)
             if estimates and code == RESULTS.singular_stiffness:
                 # What hangs has its stiffness from multipliers, of which nothing is known in the beginning.
                 estimates = False
                 s = s._replace(trial=s.trial._replace(multipliers=_estimated(elements, right[:, 0])))
                 continue
-            s = corrected(topology, parameters, target, s, linear, found, code, still)
+            s = corrected(topology, parameters, target, s, linear, z, code, still)
             # The last correction is too small to change a sign.
             unstable = bool(s.finished) and pivots_tell_unstable(elements, symmetric)
     else:
@@ -155,11 +155,11 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    found = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+    balance = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
     if unstable and symmetric:
-        elements = _tangent(topology, parameters, target, found.near, found)
+        elements = _tangent(topology, parameters, target, balance.near, balance)
         unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
-    return found._replace(unstable=unstable)
+    return balance._replace(unstable=unstable)
 
 
 # Its derivative is one solution with factors of the tangent at the state.

@@ -1,5 +1,7 @@
 """Whether an equilibrium is stable, and a word where it is not; on the host, of known numbers."""
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -48,7 +50,8 @@ def unstable_motions(
     else:
         if np.linalg.slogdet(k)[0] >= 0:
             return np.zeros((len(scale), 0))
-        every, motions = np.linalg.eig(k)
+        eigenvalues: Any = np.linalg.eig(k)
+        every, motions = eigenvalues
         real = np.abs(every.imag) < ROUND_OFF * np.max(np.abs(every))
         values, motions = every.real[real], motions.real[:, real]
     resisting = np.abs(np.einsum("ik,ij,jk->k", motions, k0, motions))
