@@ -1364,6 +1364,12 @@ FAULTS = [
     Fault("spacar/read.py", "if free and ", "if not free and ", "spacar/test_read.py -k test_warning"),
     Fault("design/stroke.py", "int(own[number - 1]) if", "int(own[-number]) if", "test_cli.py -k by_its_number"),
     Fault("cli.py", 'f"{warnings}{text}"', 'f"{text}"', "design/test_study.py -k warnings_stand"),
+    Fault(
+        "motion/moving_matrices.py",
+        "jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)",
+        "jnp.where(finite, RESULTS.successful, RESULTS.not_finite)",
+        "trajectory/test_vibrations.py -k without_mass",
+    ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",

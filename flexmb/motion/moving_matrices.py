@@ -111,7 +111,9 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     m0, k0, c0 = z.T @ by_x.mass @ z, dfe.T @ stiffness @ dfe, z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning)
     g0 = z.T @ (curvature - loads) @ z
     finite = jnp.all(jnp.isfinite(m0)) & jnp.all(jnp.isfinite(k0 + n0 + g0)) & jnp.all(jnp.isfinite(c0))
-    result = jnp.where(finite & at.regular, RESULTS.successful, RESULTS.singular_configuration)
+    # Without mass some motion has no acceleration, and none of what follows from it is known.
+    result = jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)
+    result = jnp.where(at.regular, result, RESULTS.singular_configuration)
     reactions = put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held])
     found = Matrices(
         M0=m0,

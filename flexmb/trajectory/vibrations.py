@@ -16,6 +16,7 @@ from ..compilation.record import Record
 from ..control.second_order_form import second_order
 from ..display import Result, States, Summary, largest, short
 from ..linear.linearize import Linearization, Matrices
+from ..linear.loose import without_mass
 from ..math.linear import factorise
 from ..mechanics.extent import sizes_of
 from ..model.model import Labels, Model
@@ -25,7 +26,7 @@ from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried
-from ..results import check
+from ..results import RESULTS, check
 from .about_motion import about, freedoms_of, released
 from .cubic import Spline, spline
 from .radau import march
@@ -266,7 +267,8 @@ def perturbation(
     lin = motion.linearizations()
     m = lin.matrices
     if is_concrete(m.result):
-        check(m.result.max(), True)
+        worst = int(np.max(np.asarray(m.result)))
+        check(worst, True, without_mass(model) if worst == RESULTS.singular_mass else "")
     force, inputs = -holding, jnp.zeros((len(t), 0))
     if u is not None:
         inputs = _as_inputs(u, len(t), len(model.labels.inputs))

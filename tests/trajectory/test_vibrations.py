@@ -197,3 +197,22 @@ def test_what_cannot_be_asked_says_so(swung):
             fm.trajectory.perturbation(swung, **keywords)
     with pytest.raises(TypeError, match="takes a Motion"):
         fm.trajectory.perturbation(arm())
+
+
+def test_a_motion_without_mass_is_named():
+    """A point mass on an arm without mass: the turn of the tip has none, which is no fault of the constraints."""
+    b = fm.Builder()
+    b.node("hub", (0, 0))
+    b.node("tip", (1.0, 0))
+    b.add(planar.beam, "hub", "tip", name="arm", section=fm.Rigidity(EA=1e6, EIy=40.0), released=(2, 3))
+    b.fix("hub", "x", "y")
+    b.mass("tip", 0.3)
+    b.inertia("hub", 1e-2)
+    b.dof("hub", "phi")
+    b.dof("arm", 2, 3)
+    b.input("hub", "phi")
+    law = fm.trajectory.septic(0.0, 0.5, 0.3)
+    plan = fm.trajectory.inverse_dynamics(b.build(), {"hub.phi": law}, np.linspace(0, 0.3, 7))
+    with pytest.raises(fm.AnalysisError, match="Motions without mass: tip.rotation.phi") as info:
+        fm.trajectory.perturbation(plan)
+    assert info.value.code == "singular_mass"
