@@ -52,7 +52,7 @@ WRONG = {
     "two roles": (lambda b: (beam(b), b.fix("A"), b.dof("A", "x")), r"'A' is fixed already and cannot be dof too"),
     "degree of freedom twice": (lambda b: (beam(b), b.dof("B", "x"), b.dof("B", "x")), r"B.x.* twice"),
     "label of nothing": (lambda b: (beam(b), b.build(dofs=["B.x", "leaf"])), r"'leaf' is no degree of freedom: say of"),
-    "label unknown": (lambda b: (beam(b), b.build(dofs=["B.q"])), r"'B.rotation' has no coordinate 'q'"),
+    "label unknown": (lambda b: (beam(b), b.build(dofs=["B.q"])), r"Node 'B' has no coordinate 'q'"),
     "label twice": (lambda b: (beam(b), b.build(dofs=["B.x", "B.x"])), r"`dofs` has 'B.x' twice"),
     "label as a word": (
         lambda b: (beam(b), b.build(dofs=("B", 1))),

@@ -293,7 +293,7 @@ def test_axes_are_those_of_a_rotation_in_space():
     b.node("A", (0, 0))
     b.node("B", (0.1, 0))
     b.add(planar.beam, "A", "B")
-    with pytest.raises(fm.ModelError, match=r"Node 'B.rotation' has no coordinate 'rz'. It has: phi"):
+    with pytest.raises(fm.ModelError, match=r"Node 'B' has no coordinate 'rz'. It has: x, y, phi"):
         b.input("B", "rz")
 
 
