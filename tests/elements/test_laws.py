@@ -213,7 +213,7 @@ def drawn(draw, element: Element) -> Drawn:
         value = draw(PROPERTIES[name](hints.get(name))) if there else None
         if name == "section" and element.inertia is None:
             value = dataclasses.replace(value, mass=0.0)
-        if name == "section" and not element.options.get("shear", True):
+        if isinstance(value, fm.Rigidity) and not element.options.get("shear", True):
             value = dataclasses.replace(value, shear_y=0.0, shear_z=0.0)
         numbers[name] = jax.tree.map(lambda leaf: np.asarray(leaf, float), value)
     sample = Drawn(element, x, ref, numbers)
