@@ -1273,7 +1273,10 @@ FAULTS = [
         "statics/test_stable.py -k counted",
     ),
     Fault(
-        "mechanics/levels.py", "frozenset(own) < other", "len(own) < len(other)", "statics/test_chain.py -k far_apart"
+        "mechanics/levels.py",
+        "any(mine < other for",
+        "any(len(mine) < len(other) for",
+        "statics/test_chain.py -k far_apart",
     ),
     Fault("statics/search.py", "(still | (s.tries > 0))", "(s.tries >= 0)", "statics/test_stable.py -k columns"),
     Fault(
@@ -1297,8 +1300,8 @@ FAULTS = [
     ),
     Fault(
         "statics/sparse.py",
-        "estimates = bool(topology.e.held.size)",
-        "estimates = False",
+        "hangs = code == RESULTS.singular_stiffness and",
+        "hangs = code == RESULTS.successful and",
         "statics/test_sparse.py -k rope",
     ),
     Fault(
@@ -1369,6 +1372,24 @@ FAULTS = [
         "jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)",
         "jnp.where(finite, RESULTS.successful, RESULTS.not_finite)",
         "trajectory/test_vibrations.py -k without_mass",
+    ),
+    Fault(
+        "statics/strained.py",
+        "np.abs(e) > ROUND_OFF * max(extent, 1.0)",
+        "np.abs(e) >= 0",
+        "motion/test_start.py -k as_a_whole",
+    ),
+    Fault(
+        "statics/sparse.py",
+        "hangs = (s.iterations == 0)",
+        "hangs = (s.iterations < 0)",
+        "statics/test_sparse.py -k inside_compiled",
+    ),
+    Fault(
+        "statics/stable.py",
+        "return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky",
+        "return jnp.all(jnp.isfinite(jnp.linalg.cholesky",
+        "statics/test_stable.py -k follow",
     ),
     Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
     Fault(

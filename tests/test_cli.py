@@ -435,6 +435,8 @@ def test_a_coordinate_by_its_number_is_shown_by_its_name(tmp_path):
     result = call("verdict", path, "--stroke", "3.1=1e-3")
     assert result.exit_code == 1
     assert "no coordinate or deformation '3.1' to drive. Did you mean '3.x'?" in result.stderr
+    for none in ("3.9", "3.\u00b2"):
+        assert "to drive. " in call("verdict", path, "--stroke", f"{none}=1e-3").stderr
 
 
 def test_a_verdict_that_cannot_be_has_a_status():

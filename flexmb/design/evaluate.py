@@ -3,6 +3,7 @@
 import contextlib
 import difflib
 import inspect
+import sysconfig
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -57,7 +58,10 @@ def told_of(build: Build) -> str:
 
 
 def _is_of_libraries(file: str) -> bool:
-    return file.startswith((str(Path(__file__).parents[1]), "<")) or "site-packages" in Path(file).parts
+    path, python = Path(file), sysconfig.get_paths()
+    folders = (Path(__file__).parents[1], python["stdlib"], python["platstdlib"])
+    installed = {"site-packages", "dist-packages"} & set(path.parts)
+    return file.startswith("<") or bool(installed) or any(path.is_relative_to(folder) for folder in folders)
 
 
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:

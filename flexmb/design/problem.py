@@ -75,7 +75,7 @@ class TuningProblem:
             residuals: Of the targets, (rows,) [-].
         """
         every = zip(self.targets.names, np.asarray(residuals), strict=True)
-        return [f"{name} misses by {100 * r:.3g} %" for name, r in every if abs(r) > MET]
+        return [f"{name} misses by {100 * r:.3g} %" for name, r in every if not abs(r) <= MET]
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
         """Constraints that are violated, and by how much.

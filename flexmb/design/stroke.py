@@ -226,8 +226,10 @@ def _named(model: Model, name: str) -> tuple[str, int]:
                 places[str(entry)] = places[name_of(entry)] = (kind, i)
     if name not in places:
         of, _, number = str(name).rpartition(".")
-        numbered = [s for s in places if number.isdigit() and places[s] == ("x", _place(model, of, int(number)))]
-        near = numbered[:1] or difflib.get_close_matches(str(name), places, 1)
+        place = _place(model, of, int(number)) if number.isdecimal() else -1
+        near = [said for said, (kind, i) in places.items() if (kind, i) == ("x", place)][:1]
+        if not number.isdecimal() or not model.labels.coordinates(of):
+            near = near or difflib.get_close_matches(str(name), places, 1)
         hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model)
         raise ModelError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
     return places[name]

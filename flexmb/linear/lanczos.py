@@ -199,7 +199,7 @@ class AllowedMotions:
         moved = factored.solve(np.vstack([basis / own[:n, None], np.zeros((rest, n - rest))]))[:n]
         flexible = basis.T @ (moved / own[:n, None])
         values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
-        if not values[0] > -INDEFINITE * values[-1]:
+        if len(values) and not values[0] > -INDEFINITE * values[-1]:
             raise np.linalg.LinAlgError("not positive definite")
         self.flexibility = turned * np.sqrt(np.maximum(values, 0.0))
 

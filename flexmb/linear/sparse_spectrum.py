@@ -215,6 +215,8 @@ def lowest_of_sparse(
             f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all. Ask for fewer,"
             " or give sparse=False and a model with degrees of freedom."
         )
+    if every <= 0:
+        return Lowest(np.zeros(0), np.zeros((n, 0)), np.zeros((total - n, 0)))
     at = _below_all(tangent, mass)
     if not mass.count_nonzero():
         return Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))

@@ -180,11 +180,17 @@ def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray
     groups = [own[own < n] for own in elements]
     groups = [own for own in groups if len(own)]
     of_each: list[list[frozenset[int]]] = [[] for _ in range(n)]
-    for own in map(frozenset, groups):
-        for i in own:
-            of_each[i].append(own)
-    # Elements within others, such as masses and norms, say nothing about the order.
-    wide = [own for own in groups if not any(frozenset(own) < other for other in of_each[own[0]])]
+    sets = [frozenset(own.tolist()) for own in groups]
+    for mine in sets:
+        for i in mine:
+            of_each[i].append(mine)
+    # Elements within others, such as masses and norms, say nothing about the order; whatever holds one holds its
+    # unknown that fewest elements have.
+    wide = []
+    for own, mine in zip(groups, sets, strict=True):
+        rarest = min(mine, key=lambda i: len(of_each[i]))
+        if not any(mine < other for other in of_each[rarest]):
+            wide.append(own)
     joined: list[list[int]] = [[] for _ in range(n)]
     for number, own in enumerate(wide):
         for i in own:

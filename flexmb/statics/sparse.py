@@ -100,6 +100,29 @@ def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Floa
     return factors.solve(np.concatenate([right[:n], np.zeros(len(right) - n)]))[n:]
 
 
+def _turned(elements: ElementMatrices, right: Float[np.ndarray, "r 2"], multipliers: Float[np.ndarray, "h"]):
+    """Solution of the linear equations of a turn, a code of RESULTS, and multipliers to try it with in place of none.
+
+    What hangs has its stiffness from multipliers, of which nothing is known where a load begins.
+    """
+    z, code = _answer(elements, right, better=False)
+    hangs = code == RESULTS.singular_stiffness and len(multipliers) and not np.any(multipliers)
+    return z, code, _estimated(elements, right[:, 0]) if hangs else np.zeros(len(multipliers))
+
+
+def _traced_turn(elements: ElementMatrices, right: Float[Array, "r 2"], multipliers: Float[Array, "h"]):
+    """The same inside compiled code."""
+    shapes = tuple(
+        jax.ShapeDtypeStruct(shape, kind)
+        for shape, kind in ((right.shape, float), ((), np.int32), (multipliers.shape, float))
+    )
+
+    def call(*arguments: Any):
+        return on_host_thread(_turned, *jax.tree.map(np.asarray, arguments))
+
+    return jax.pure_callback(call, shapes, elements, right, multipliers, vmap_method="sequential")
+
+
 def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: bool):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
@@ -131,15 +154,12 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
     if s is None or (known and int(s.result) != RESULTS.successful):
         s = start(topology, parameters)
     if known:
-        estimates = bool(topology.e.held.size)
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
             elements, right = jax.tree.map(np.asarray, (linear.elements, linear.right))
-            z, code = _answer(elements, right, better=False)
-            if estimates and code == RESULTS.singular_stiffness:
-                # What hangs has its stiffness from multipliers, of which nothing is known in the beginning.
-                estimates = False
-                s = s._replace(trial=s.trial._replace(multipliers=_estimated(elements, right[:, 0])))
+            z, code, estimated = _turned(elements, right, np.asarray(s.trial.multipliers))
+            if np.any(estimated):
+                s = s._replace(trial=s.trial._replace(multipliers=jnp.asarray(estimated)))
                 continue
             s = corrected(topology, parameters, target, s, linear, z, code, still)
             # The last correction is too small to change a sign.
@@ -148,8 +168,10 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
 
         def turn(s: Search) -> Search:
             linear, still = linear_equations(topology, parameters, target, s)
-            found = _traced_answer(linear.elements, linear.right, better=False)
-            return corrected(topology, parameters, target, s, linear, *found, still)
+            z, code, estimated = _traced_turn(linear.elements, linear.right, s.trial.multipliers)
+            again = s._replace(trial=s.trial._replace(multipliers=estimated), iterations=s.iterations + 1)
+            onward = corrected(topology, parameters, target, s, linear, z, code, still)
+            return jax.tree.map(lambda a, b: jnp.where(jnp.any(estimated != 0), a, b), again, onward)
 
         again = start(topology, parameters)
         found = s.result == RESULTS.successful

@@ -2,13 +2,15 @@
 
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..checks.mobility import shares
 from ..errors import warn
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Whole
+from ..math.linear import diagonal_of
 from ..math.sparse import negative_where_held
 from ..model.model import Model
 
@@ -57,6 +59,22 @@ def unstable_motions(
     resisting = np.abs(np.einsum("ik,ij,jk->k", motions, k0, motions))
     negative = values < -np.maximum(SHARE * resisting, ROUND_OFF * np.max(np.abs(values), initial=0.0))
     return scale[:, None] * motions[:, negative]
+
+
+def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool) -> Bool[Array, ""]:
+    """As :func:`unstable_motions`, whether there are any, in compiled code.
+
+    Args:
+        stiffness, structural, symmetric: As there.
+    """
+    own = jnp.sqrt(jnp.maximum(jnp.abs(diagonal_of(stiffness)), jnp.abs(diagonal_of(structural))))
+    scale = 1 / jnp.where(own > 0, own, 1.0)
+    scale = scale[:, None] * scale
+    if not symmetric:
+        return jnp.linalg.slogdet(stiffness * scale)[0] < 0
+    # Positive but for what is critical or round-off.
+    more = SHARE * structural * scale + ROUND_OFF * jnp.eye(own.shape[0])
+    return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky(stiffness * scale + more)))
 
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:

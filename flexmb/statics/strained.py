@@ -7,11 +7,14 @@ from ..checks.mobility import constraints, motions_of
 from ..display import listed, short
 from ..errors import warn
 from ..math.sparse import LARGE
+from ..mechanics.extent import sizes_of
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
 from ..model.model import Model
 
 # Elastic energy so many times as large as need be is pointed out: shapes that elements take by and by are within it.
 NEEDLESS = 30.0
+# Deformations below this share of the extent, or of a radian, are round-off.
+ROUND_OFF = 1e-12
 # Deformations that begin at zero and would relax most are named, so many of them.
 NAMED = 3
 
@@ -74,6 +77,9 @@ def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: st
         where: When it has them, as the begin of a sentence.
         remedy: What to do.
     """
+    # What round-off makes of turning far is no strain.
+    extent = np.max(np.asarray(sizes_of(model.topology, model.parameters)), initial=0.0)
+    e = np.where(np.abs(e) > ROUND_OFF * max(extent, 1.0), e, 0.0)
     dof = np.asarray(model.topology.e.dof)
     kept = np.concatenate([np.ones(len(model.topology.x.dof), bool), e[dof] != 0])
     found = None if np.all(kept) else needless_strain(model, e, kept)

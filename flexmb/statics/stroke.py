@@ -21,7 +21,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check
 from .equilibrium import Equilibrium, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
-from .stable import unstable_motions
+from .stable import is_negative
 
 
 class Equilibria(ByName, Result, Record):
@@ -113,16 +113,15 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
-        k0 = at.K0
-        looked_at = jax.lax.stop_gradient((k0 + at.G0, k0))
-        return begin, ((at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result), looked_at)
+        unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), not lacks_potential(topology))
+        return begin, ((at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result), unstable)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
-    _, (found, looked_at) = jax.lax.scan(onward, start, targets)
+    _, (found, unstable) = jax.lax.scan(onward, start, targets)
     codes = found[-1]
     failures = jnp.where(codes == RESULTS.critical_state, RESULTS.successful, codes)
     worst = jnp.where(jnp.any(failures != RESULTS.successful), jnp.max(failures), jnp.max(codes))
-    return found, worst.astype(jnp.int32), looked_at
+    return found, worst.astype(jnp.int32), unstable
 
 
 def equilibria(
@@ -181,25 +180,20 @@ def equilibria(
             f" (got {' and '.join(map(str, sorted(lengths))) or 'none'}). For one state there is fm.equilibrium."
         )
     factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
-    found, worst, looked_at = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
+    found, worst, unstable = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
     check(worst, throw)
     each: Any = (*found, model.labels)
-    if is_concrete((model, found, looked_at)):
-        _warn_of_unstable_ones(model, np.asarray(found[-1]), *map(np.asarray, looked_at))
+    if is_concrete((model, found, unstable)):
+        _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(found[-1]) == RESULTS.successful))
     return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
 
 
-def _warn_of_unstable_ones(model: Model, codes: np.ndarray, stiffness: np.ndarray, structural: np.ndarray) -> None:
+def _warn_of_unstable_ones(which: np.ndarray) -> None:
     """Warn of equilibria that were found and are not stable, by their numbers."""
-    symmetric = not lacks_potential(model.topology)
-    unstable = [
-        i
-        for i in np.flatnonzero(codes == RESULTS.successful)
-        if unstable_motions(stiffness[i], structural[i], symmetric).shape[1]
-    ]
-    if unstable:
+    unstable = np.flatnonzero(which)
+    if len(unstable):
         warn(
-            f"Of {len(codes)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
+            f"Of {len(which)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
             " stiffness is negative in some motion. No mechanism stays there by itself: fm.path finds where that begins"
             " and, with switch=True, follows the stable ones."
         )

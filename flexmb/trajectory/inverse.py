@@ -228,7 +228,7 @@ def inverse_dynamics(
 
 def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], times: Float[np.ndarray, "n_t"]) -> None:
     """Warn where deformations that are held make others stretch, at the time of the largest deformation."""
-    sizes = np.max(np.abs(e), axis=1)
+    sizes = np.max(np.abs(e), axis=1, initial=0.0)
     if np.all(np.isfinite(sizes)):
         farthest = int(np.argmax(sizes))
         remedy = (

@@ -1,6 +1,8 @@
 """Sweeps: the same numbers as one by one, failures beside the others, files, checkpoints, executors."""
 
+import contextlib
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from cases import design_cases, mechanisms
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.design.evaluate import _is_of_libraries
 
 T = mechanisms.THICKNESS
 
@@ -288,3 +291,11 @@ def test_what_needs_the_number_of_a_dimension_is_told_by_its_line(how):
     named = {"f": lambda model: float(fm.frequencies(model)[0])}
     with pytest.raises(TypeError, match=r"Answer 'f' asks for the number of a dimension in line \d+ of test_sweep.py"):
         fm.sensitivities(lambda height: mechanisms.planar_guide(T * height).build(), named, {"height": 1.0})
+
+
+def test_files_of_libraries_are_told_from_those_of_users():
+    package = Path(fm.__file__).parent
+    for file in (package / "errors.py", contextlib.__file__, np.__file__, "<string>"):
+        assert _is_of_libraries(str(file))
+    for file in (__file__, package.with_name("flexmb_designs") / "mine.py"):
+        assert not _is_of_libraries(str(file))

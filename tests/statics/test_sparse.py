@@ -368,3 +368,23 @@ def test_a_rope_of_rigid_links_hangs():
     exact = np.array([2.404825557695773, 5.520078110286311]) / (4 * np.pi) * np.sqrt(9.81)
     # Links are stiffer by some 1/n^2.
     np.testing.assert_allclose(fm.frequencies(model, count=2, sparse=True), exact, rtol=1e-3)
+
+
+def test_what_hangs_is_found_inside_compiled_code_too():
+    def ends(gravity):
+        b = fm.Builder()
+        for i in range(4):
+            b.node(f"n{i}", (0.03 * i, -0.4 * i))
+        for i in range(3):
+            b.add(planar.truss, f"n{i}", f"n{i + 1}", section=fm.Rigidity(mass=2.0), released=())
+        b.fix("n0", "x", "y")
+        b.gravity((0, -gravity))
+        found = fm.equilibrium(b.build(check=False), sparse=True)
+        return found.at("n3"), found.reaction("n0", "y")
+
+    # From a little aslant to straight down, under its weight of 2 kg/m.
+    length = 3 * np.hypot(0.03, 0.4)
+    for asked in (ends, jax.jit(ends)):
+        place, weight = asked(9.81)
+        np.testing.assert_allclose(place, (0.0, -length), atol=1e-9)
+        assert float(weight) == pytest.approx(2 * length * 9.81, rel=1e-9)
