@@ -1,4 +1,4 @@
-"""Whether an equilibrium is stable, and a word where it is not; on the host, of known numbers."""
+"""Whether an equilibrium is stable, and a word where it is not."""
 
 from typing import Any
 
