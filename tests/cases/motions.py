@@ -7,15 +7,15 @@ import flexmb as fm
 from flexmb import planar, spatial
 
 
-def pendulum() -> fm.Builder:
-    """D5: point mass on a rigid rod of 1 m, from rest at the horizontal."""
+def pendulum(place=(-1.0, 0), mass=1.0) -> fm.Builder:
+    """D5: point mass on a rigid rod of 1 m, from rest at the horizontal; or another, elsewhere."""
     b = fm.Builder()
     b.node("pivot", (0, 0))
-    b.node("mass", (-1.0, 0))
+    b.node("mass", place)
     b.rotation("rod")
     b.add(planar.rigid_beam, "pivot", "rod", "mass", name="arm")
     b.fix("pivot", "x", "y")
-    b.mass("mass", 1.0)
+    b.mass("mass", mass)
     b.gravity((0, -9.81))
     b.dof("rod", "phi")
     return b

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.signal
 from cases.mechanisms import planar_guide
-from cases.motions import sprung_mass
+from cases.motions import pendulum, sprung_mass
 
 import flexmb as fm
 from flexmb import planar
@@ -185,15 +185,7 @@ def test_a_pendulum_on_its_head():
     """A point mass on a rod: phi = T/(-m l^2 w^2 - m g l) on its head, which no one measures, and + m g l hanging."""
     hertz = np.array([0.5, 2.0])
     for height in (0.5, -0.5):
-        b = fm.Builder()
-        b.node("pivot", (0, 0))
-        b.node("ball", (0, height))
-        b.rotation("rod")
-        b.add(planar.rigid_beam, "pivot", "rod", "ball")
-        b.fix("pivot", "x", "y")
-        b.mass("ball", M)
-        b.gravity((0, -9.81))
-        b.dof("rod", "phi")
+        b = pendulum((0, height), M)
         b.input("rod", "phi")
         b.output("rod", "phi")
         with pytest.warns(fm.FlexmbWarning, match=UNSTABLE) if height > 0 else contextlib.nullcontext():

@@ -5,6 +5,7 @@ import warnings
 import jax
 import numpy as np
 import pytest
+from cases.motions import pendulum
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -142,16 +143,7 @@ def test_motions_are_counted_and_named():
 
 @pytest.mark.parametrize(("height", "unstable"), [(1.0, True), (-1.0, False)])
 def test_a_body_on_its_head(height, unstable):
-    b = fm.Builder()
-    b.node("pivot", (0, 0))
-    b.node("mass", (0, height))
-    b.rotation("rod")
-    b.add(planar.rigid_beam, "pivot", "rod", "mass")
-    b.fix("pivot", "x", "y")
-    b.mass("mass", 1.0)
-    b.gravity((0, -9.81))
-    b.dof("rod", "phi")
-    assert len(told(b.build())) == unstable
+    assert len(told(pendulum((0, height)).build())) == unstable
 
 
 def test_equilibria_that_follow_one_another():
