@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,13 @@ from .description import Description
 
 # What must be left of a candidate once those already chosen are taken out, of 1.
 INDEPENDENT = 1e-5
+# And where there are better ones to come.
+CLEARLY_INDEPENDENT = 1e-2
 CANNOT_MOVE = 1e-7
+# Deformations below this share of the largest have no part in a motion.
+NO_PART = 1e-6
+# Coefficients of a strain that the load at the ends of a beam brings about: a bending moment is linear along it.
+OF_END_LOADS = 2
 # Motions that nothing determines are told by name, of so many at most.
 MOST_TOLD = 100
 
@@ -50,8 +57,7 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
         for kind, of, component in builder.starts:
             builder.dof(of, component, kind=kind)
         started = with_roles(model, builder)
-        first, rest = independent_rows(named_rows(started, motions, found), len(builder.starts), CANNOT_MOVE)
-        x, e = choose(started, motions @ rest, motions.shape[1] - len(first), found)
+        x, e = choose(started, motions, named_rows(started, motions, found), found)
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
                 builder.dof(entries[i].of, entries[i].component, kind=kind)
@@ -141,17 +147,78 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
         return model
-    rows = named_rows(model, motions)
-    _, rest = independent_rows(rows, rows.shape[0], 0.0)
-    effects = constraints(model).jacobian[candidates] @ motions @ rest
-    chosen, _ = independent_rows(effects, missing, INDEPENDENT)
+    effects = constraints(model).jacobian[candidates] @ motions
+    chosen, _ = _independent(model, candidates, effects, named_rows(model, motions), missing)
     if len(chosen) < missing:
         return model
     builder = builder.copy()
     for i in sorted(chosen):
-        entry = model.labels.e[candidates[i]]
+        entry = model.labels.e[i]
         builder.dof(entry.of, entry.component, kind="element")
     return assemble(builder)
+
+
+def _independent(
+    model: Model, candidates: Sequence[int], effects: Any, named: Any, wanted: int
+) -> tuple[list[int], Any]:
+    """Deformations that determine a mechanism together with what is named, so that it bends where only that moves.
+
+    Degrees of freedom that are not said to move stay zero. Therefore those that little force would change the least
+    come first: of strain series the elongations and shears and what varies more than linearly along the beam, then
+    what has no part in the motions of what is named when elements share them evenly. This looks at the undeformed
+    geometry alone, not at stiffnesses, which may be traced.
+
+    Args:
+        model: Mechanism.
+        candidates: Indices of deformations, (m,).
+        effects: Their changes in each motion, (m, f).
+        named: Changes of what is named, (n, f).
+        wanted: How many to choose at most.
+
+    Returns:
+        Indices of the chosen deformations, and the projector (f, f) onto motions that neither they nor what is named
+        determine.
+    """
+    _, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
+    chosen: list[int] = []
+    if not isinstance(effects, np.ndarray):
+        tiers = [np.arange(len(candidates))]
+    else:
+        first = np.isin(candidates, _stiff_or_curved(model))
+        apart = ~first & ~_has_part(effects, first, named)
+        tiers = [np.flatnonzero(first), np.flatnonzero(apart), np.arange(len(candidates))]
+    for i, tier in enumerate(tiers):
+        least = INDEPENDENT if i == len(tiers) - 1 else CLEARLY_INDEPENDENT
+        own, left = independent_rows(effects[tier] @ rest, wanted - len(chosen), least)
+        chosen += [int(candidates[tier[k]]) for k in own]
+        rest = rest @ left
+    return chosen, rest
+
+
+def _stiff_or_curved(model: Model) -> np.ndarray:
+    """Coefficients of elongations and shears, and those of other strains beyond the linear ones; warping of ends."""
+    found = []
+    for block in model.topology.blocks:
+        element = block.element
+        own = [
+            n - 1
+            for i, field in enumerate(element.fields)
+            for n in field[0 if i in element.lengths else OF_END_LOADS :]
+        ]
+        own += [n - 1 for n in element.measured] if element.fields else []
+        found += np.asarray(block.e)[:, own].ravel().tolist()
+    return np.array(found, int)
+
+
+def _has_part(effects: np.ndarray, held: np.ndarray, named: np.ndarray) -> np.ndarray:
+    """Which deformations have a part in some motion of what is named that is shared evenly, some others held, (m,)."""
+    _, free = independent_rows(effects[held], effects.shape[1], CLEARLY_INDEPENDENT)
+    own, others = effects[~held] @ free, named @ free
+    n, f = others.shape
+    matrix = np.block([[own.T @ own, others.T], [others, np.zeros((n, n))]])
+    shares = np.linalg.lstsq(matrix, np.eye(f + n)[:, f:], rcond=NO_PART**2)[0][:f]
+    sizes = np.abs(effects @ free @ shares)
+    return np.any(sizes > NO_PART * np.max(sizes, axis=0, initial=0.0), axis=1)
 
 
 def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> Any:
@@ -160,7 +227,7 @@ def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> 
     return above(motions[np.asarray(model.topology.x.dof)], by_deformation)
 
 
-def choose(model: Model, motions: Any, wanted: int, found: Constraints | None = None) -> tuple[list[int], list[int]]:
+def choose(model: Model, motions: Any, named: Any, found: Constraints | None = None) -> tuple[list[int], list[int]]:
     """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
 
     Where there are so many that motions are sparse, all deformations that may change if they determine the mechanism,
@@ -169,21 +236,25 @@ def choose(model: Model, motions: Any, wanted: int, found: Constraints | None = 
     Args:
         model: Mechanism; what is DEPENDENT may be chosen.
         motions: Scaled motions to be determined, (n_x, f).
-        wanted: How many to choose.
+        named: Changes of what is named already, (n, f).
         found: Constraints of the model, where they are known.
     """
     topology = model.topology
     released = np.asarray(topology.e.dependent)
+    first, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
+    wanted = motions.shape[1] - len(first)
     # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
     effects = (found or constraints(model)).jacobian[released] @ motions
     if not isinstance(motions, np.ndarray):
+        effects = effects @ rest
         if effects.shape[0] == wanted == effects.shape[1] and determines(effects):
             return [], released.tolist()
-        released, effects = released[:0], effects[:0]
-    first, rest = independent_rows(effects, wanted, INDEPENDENT)
+        first = []
+    else:
+        first, rest = _independent(model, released.tolist(), effects, named, wanted)
     free = np.asarray(topology.x.dependent)
     second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
-    return [int(free[i]) for i in sorted(second)], [int(released[i]) for i in sorted(first)]
+    return [int(free[i]) for i in sorted(second)], sorted(first)
 
 
 def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:

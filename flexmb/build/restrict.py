@@ -174,8 +174,8 @@ def with_dofs(restricted: Model, model: Model) -> Topology:
     top, own = restricted.topology, model.topology
     effects = constraints(restricted).jacobian[np.asarray(own.e.dof)] @ motions
     rows = above(motions[np.asarray(own.x.dof)], effects)
-    chosen, rest = independent_rows(rows, motions.shape[1], CANNOT_MOVE)
-    more_x, more_e = choose(restricted, motions @ rest, motions.shape[1] - len(chosen))
+    chosen, _ = independent_rows(rows, motions.shape[1], CANNOT_MOVE)
+    more_x, more_e = choose(restricted, motions, rows)
     count = own.x.dof.shape[0]
     x_dof = [int(own.x.dof[i]) for i in sorted(chosen) if i < count] + more_x
     e_dof = [int(own.e.dof[i - count]) for i in sorted(chosen) if i >= count] + more_e

@@ -70,13 +70,17 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
     _refuse_left_out(kept, hertz)
     own = np.array(kept)
     values, shapes = found.values[own], found.motions[:, own]
-    forces = whole.B[0][elements.free]
+    # What all others follow at once: the inputs with those rates that they have, and the damping of what is kept.
+    by_p = [of * (whole.orders >= i).astype(float) for i, of in enumerate(whole.B)]
+    acting = jnp.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
     border = times(elements.mass, shapes, size=n_x)[elements.free]
-    right = jnp.concatenate([forces, jnp.zeros((h, forces.shape[1]))])
-    follows = spread(elements, solved(elements, right, border)[: forces.shape[0]])
-    d = whole.D.at[0].add(whole.C[0] @ follows)
+    right = jnp.concatenate([acting, jnp.zeros((h, acting.shape[1]))])
+    follows = spread(elements, solved(elements, right, border)[: acting.shape[0]])
+    n_u = len(whole.orders)
+    *at_once, by_rates = jnp.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
+    d, c = whole.D + jnp.stack(at_once), whole.C @ shapes
     parts: list[Any] = [jnp.eye(len(own)), between(elements.damping, shapes, shapes), jnp.diag(values)]
-    parts += [*(shapes.T @ of for of in whole.B), *(of @ shapes for of in whole.C), *d]
+    parts += [*(shapes.T @ of for of in whole.B), *c.at[1].add(by_rates), *d]
     form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
     return ByModes(form, whole, kept, hertz)
 

@@ -102,7 +102,8 @@ def _realised_at(
     kept = np.array([i for i in range(n_q) if i not in condensed], int)
     keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, n_u))
     if modes:
-        keep, direct = truncated(k, m, by_p[0], modes)
+        keep, left_out = truncated(k, m, modes)
+        direct = left_out(by_p[0])
     elif condensed:
         moved = response_without_mass(m, k, condensed, jnp.concatenate([by_p[0], k @ keep], axis=1))
         direct, keep = moved[:, :n_u], keep - moved[:, n_u:]
@@ -112,13 +113,19 @@ def _realised_at(
         # What follows at once follows a motion with its rates, too; rates of forces are not known.
         for i, of in ((1, c), (2, m)):
             by_p[i], through[i] = by_p[i] - of @ (direct * moves), through[i] + c_q[i] @ (direct * moves)
+            if modes:
+                # And what it meets then by damping and inertia, where the input has such a rate.
+                through[i] = through[i] + c_q[0] @ left_out(by_p[i] * (orders >= i).astype(float))
+        by_rates = c_q[0] @ left_out(c @ keep) if modes else 0.0
         by_p, c_q = [keep.T @ of for of in by_p], [of @ keep for of in c_q]
+        c_q[1] = c_q[1] - by_rates
         return _first_order(mass, damping, stiffness, by_p, c_q, through, orders)
     n = keep.shape[1]
     lower = factorise(mass).solve(jnp.concatenate([-stiffness, -damping, keep.T @ by_p[0]], axis=1))
     v_dot, pull = lower[:, : 2 * n], lower[:, 2 * n :]
     z_dot = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
-    row = jnp.concatenate([c_q[0] @ keep, c_q[1] @ keep], axis=1) + c_q[2] @ keep @ v_dot
+    rates = c_q[1] @ keep - (c_q[0] @ left_out(c @ keep) if modes else 0.0)
+    row = jnp.concatenate([c_q[0] @ keep, rates], axis=1) + c_q[2] @ keep @ v_dot
     found = StateMatrices(
         jnp.concatenate([z_dot, v_dot]),
         jnp.concatenate([jnp.zeros((n, n_u)), pull]),
@@ -222,13 +229,12 @@ def state_matrices(
             concrete numbers; under a trace all are taken to carry mass, and D is NaN where an output takes a rate of an
             input.
         modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes
-            [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest: the response at rest of
-            positions, deformations and stresses to forces is right, and that in the band nearly so; to a velocity or
-            acceleration of what is held it lacks the inertia of what is left out. Velocities and accelerations
-            of what follows would take rates of the inputs and are left out, so that these outputs are off by the share
-            of the flexibility at rest that is not that of the modes kept. Left out, too, is damping between modes
-            that are kept and others. Differentiable where the frequencies of modes that are kept differ from all
-            others.
+            [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest, to an acceleration of what is
+            held with the inertia that it moves: the response at rest of positions, deformations, stresses and reactions
+            is right, and that in the band nearly so. Velocities and accelerations of what follows would take rates of
+            the inputs and are left out, so that these outputs are off by the share of the flexibility at rest that is
+            not that of the modes kept. By damping what follows does not act back on the modes that are kept.
+            Differentiable where the frequencies of modes that are kept differ from all others.
         bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
         sparse: Modes by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where modes are to be kept.

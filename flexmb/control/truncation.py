@@ -1,6 +1,6 @@
 """A state space of the modes that matter: which they are, what follows them statically, and the error that is left."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax.numpy as jnp
@@ -88,18 +88,18 @@ def _numbered(modes: Any, count: int) -> tuple[int, ...]:
 
 
 def truncated(
-    k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], forces: Float[Array, "n_q n_u"], kept: tuple[int, ...]
-) -> tuple[Float[Array, "n_q k"], Float[Array, "n_q n_u"]]:
-    """Mode shapes that are kept, and the displacements by which all other motions follow inputs at once.
+    k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], kept: tuple[int, ...]
+) -> tuple[Float[Array, "n_q k"], Callable[[Float[Array, "n_q f"]], Float[Array, "n_q f"]]]:
+    """Mode shapes that are kept, and the displacements by which all other motions follow forces at once.
 
     Args:
         k: Stiffness, (n_q, n_q).
         m: Mass, (n_q, n_q).
-        forces: Of each input along the degrees of freedom, one a column, (n_q, n_u).
         kept: Numbers of the modes.
 
     Returns:
-        Mass-normalised shapes, (n_q, k), and displacements per input, (n_q, n_u).
+        Mass-normalised shapes, (n_q, k), and what makes of forces along the degrees of freedom, one a column,
+        (n_q, f), the displacements, (n_q, f).
 
     Source:
         THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move the modes that are kept, and plus what s takes
@@ -113,11 +113,16 @@ def truncated(
     # Motions without mass have infinite values and no shape: they are in the first term.
     massive = jnp.isfinite(values[others])
     rest = jnp.where(massive, values[others], 1.0)
-    direct = factorise(k + shift * m).solve(forces - inertia @ (keep.T @ forces))
-    # What is kept would swamp the rest by its round-off, where it has little stiffness.
-    direct = direct - keep @ (inertia.T @ direct)
+    factors = factorise(k + shift * m)
     share = jnp.where(massive, shift / (rest * (rest + shift)), 0.0)
-    return keep, direct + left @ ((left.T @ forces) * share[:, None])
+
+    def follows(forces: Float[Array, "n_q f"]):
+        direct = factors.solve(forces - inertia @ (keep.T @ forces))
+        # What is kept would swamp the rest by its round-off, where it has little stiffness.
+        direct = direct - keep @ (inertia.T @ direct)
+        return direct + left @ ((left.T @ forces) * share[:, None])
+
+    return keep, follows
 
 
 def error_of(

@@ -113,11 +113,12 @@ def _determinations(found: Count, things: list[dict[str, Any]]) -> list[Advice]:
         return given
     model = found.drawn
     motions, _ = motions_of(model)
-    taken, rest = independent_rows(named_rows(model, motions), model.topology.n_q, CANNOT_MOVE)
+    rows = named_rows(model, motions)
+    taken, rest = independent_rows(rows, model.topology.n_q, CANNOT_MOVE)
     left, wanted = motions @ rest, motions.shape[1] - len(taken)
     if wanted <= 0:
         return given
-    x, e = choose(model, left, wanted)
+    x, e = choose(model, motions, rows)
     more = [model.labels.x[i] for i in x] + [model.labels.e[i] for i in e]
     if len(more) == wanted and all(entry.kind in ("position", "rotation", "deformation") for entry in more):
         names = ", ".join(map(str, more))

@@ -174,14 +174,20 @@ def test_an_arm_on_a_hub_that_is_held_turned_far(angle):
     np.testing.assert_allclose(fm.simulate(model, [0.0, 1e-3]).at("k")[0], wanted, atol=1e-12)
 
 
-def spectral_guide(prescribed=False, dof=False):
-    """Two leaf springs by spectral beams, a stage that is 1 mm aside, its stiffness 24 EI/L^3 by hand."""
+# Degrees of freedom of a guide that leave but one coefficient of curvature to follow from the motion of its stage.
+STRETCHING = [f"left.e{i}" for i in (4, 5, 6, 7, 8, 10, 11, 12, 13)] + [f"right.e{i}" for i in (5, 6, 7, 8, 11, 12, 13)]
+# Elastic energy of the guide: stiffness 24 EI/L^3, 1 mm.
+BENT = 0.5 * 24 * 210e9 * 0.02 * 0.4e-3**3 / 12 / 0.1**3 * 1e-6
+
+
+def spectral_guide(prescribed=False, dof=False, element=planar.spectral_beam, dofs=()):
+    """Two leaf springs by spectral beams, a stage that is 1 mm aside."""
     leaf = fm.Rectangle(0.02, 0.4e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
     b = fm.Builder()
     for name, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.08, 0.1), "D": (0.08, 0)}.items():
         b.node(name, place)
-    b.add(planar.spectral_beam, "A", "B", section=leaf)
-    b.add(planar.spectral_beam, "D", "C", section=leaf)
+    b.add(element, "A", "B", name="left", section=leaf)
+    b.add(element, "D", "C", name="right", section=leaf)
     b.add(planar.rigid_body, "B", "C")
     for name in "AD":
         b.fix(name)
@@ -194,29 +200,47 @@ def spectral_guide(prescribed=False, dof=False):
         b.input("B", "x")
     else:
         b.start("B", "x", 1e-3)
-    return b.build()
+    return b.build(dofs=["B.x", *dofs] if dofs else "auto")
+
+
+@pytest.mark.parametrize(
+    ("element", "tolerance"),
+    # Strips are stiffer than beams near their clamps, by 1 / (1 - nu^2) at most.
+    [(planar.spectral_beam, 1e-3), (planar.leaf_spring, 0.11)],
+)
+def test_leaf_springs_bend_where_their_stage_is_put(element, tolerance):
+    """Found beside the stage's coordinate are degrees of freedom that may stay zero: stretches, and higher orders."""
+    model = spectral_guide(element=element)
+    assert float(fm.simulate(model, [0.0, 1e-5]).observe().energy[0]) == pytest.approx(BENT, rel=tolerance)
+    assert model.q_labels == spectral_guide(element=element, dof=True).q_labels
 
 
 def test_leaf_springs_that_stretch_at_the_start_are_told():
-    """Of ten strain coefficients eight are degrees of freedom, and zero where nothing else is said."""
-    energy = 0.5 * 24 * 210e9 * 0.02 * 0.4e-3**3 / 12 / 0.1**3 * 1e-6
-    model = spectral_guide()
+    """Where the degrees of freedom are named so that a single coefficient of curvature is left to follow."""
+    model = spectral_guide(dofs=STRETCHING)
     with pytest.warns(
         fm.FlexmbWarning, match=r"At the start elements hold 21\.\d+ J, of which (\S+) J would do"
     ) as heard:
         fm.simulate(model, [0.0, 1e-5])
     least = float(re.search(r"of which (\S+) J", str(heard[0].message))[1])
     # The estimate is one of small deformations, x/L = 0.01.
-    assert least == pytest.approx(energy, rel=1e-3)
+    assert least == pytest.approx(BENT, rel=1e-3)
     # What the message says to do.
     found = fm.simulate(model, [0.0, 1e-5], initial=fm.equilibrium(spectral_guide(prescribed=True)))
-    assert float(found.observe().energy[0]) == pytest.approx(energy, rel=1e-3)
+    assert float(found.observe().energy[0]) == pytest.approx(BENT, rel=1e-3)
 
 
 def test_leaf_springs_that_stretch_along_a_trajectory_are_told():
     law = fm.trajectory.septic(0.0, 1e-3, 0.1)
     with pytest.warns(fm.FlexmbWarning, match="At t = 0.1 s elements hold 21.* take cubic beams"):
-        fm.trajectory.inverse_dynamics(spectral_guide(dof=True), {"B.x": law}, np.linspace(0, 0.1, 5))
+        fm.trajectory.inverse_dynamics(spectral_guide(dof=True, dofs=STRETCHING), {"B.x": law}, np.linspace(0, 0.1, 5))
+
+
+def test_leaf_springs_bend_along_a_trajectory():
+    """The drive's force is the stiffness by hand times the way, where the stage rests at its end; x/L = 0.01."""
+    law = fm.trajectory.septic(0.0, 1e-3, 0.1)
+    found = fm.trajectory.inverse_dynamics(spectral_guide(dof=True), {"B.x": law}, np.linspace(0, 0.1, 5))
+    np.testing.assert_allclose(found.u0[-1], 2 * BENT / 1e-3, rtol=1e-3)
 
 
 def test_a_loop_that_is_turned_as_a_whole_holds_no_strain():
