@@ -232,9 +232,9 @@ def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], time
     if np.all(np.isfinite(sizes)):
         farthest = int(np.argmax(sizes))
         remedy = (
-            "A nominal motion holds all deformations that no law moves. Name no coefficients of spectral beams as degrees"
-            " of freedom: those found leave them free to bend. Or take cubic beams (planar.beam, spatial.beam), released"
-            " in bending alone."
+            "A nominal motion holds all deformations that no law moves. Name no coefficients of spectral beams as"
+            " degrees of freedom: those found leave them free to bend. Or take cubic beams (planar.beam,"
+            " spatial.beam), released in bending alone."
         )
         warn_of_needless_strain(model, e[farthest], f"At t = {short(times[farthest])} s", remedy)
 

@@ -4,6 +4,7 @@ import contextlib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 from cases import design_cases, mechanisms
@@ -261,6 +262,8 @@ def test_answers_of_large_mechanisms_in_sweeps_and_searches():
     target = {"frequency": 1.5 * float(expected[0])}
     found = fm.tune(cantilever, answers, {"thickness": 2e-4}, {"thickness": (1e-4, 1e-3)}, targets=target)
     assert found.dimensions["thickness"] == pytest.approx(3e-4, rel=5e-6)
+    slope = fm.jit(jax.grad(lambda thickness: answers["place"](cantilever(thickness))))(thickness[0])
+    np.testing.assert_allclose(slope, -3 * swept["place"][0] / thickness[0], rtol=1e-6)
 
 
 def cosine(height):

@@ -103,11 +103,11 @@ def test_steadiness_by_eigenvalues_of_stiffness_and_mass():
 
 
 def test_every_copy_of_a_repeated_pole_is_found():
-    """Thirty columns alike; iterations see one pair of each, but for what round-off shows them."""
-    for count in (40, 61):
-        found = np.abs(fm.poles(beck(10.0, beams=3, copies=30), count=count, sparse=True))
-        assert len(found) >= count
-        assert np.sum(np.abs(found / np.min(found) - 1) < 1e-9) == min(len(found), 60)
+    """Columns alike; iterations see one pair of each, but for what round-off shows them, of thirty nearly all."""
+    for copies, count in ((12, 24), (30, 61)):
+        found = np.abs(fm.poles(beck(10.0, beams=3, copies=copies), count=count, sparse=True))
+        assert len(found) >= min(count, 2 * copies)
+        assert np.sum(np.abs(found / np.min(found) - 1) < 1e-9) == min(len(found), 2 * copies)
 
 
 def test_derivatives_of_poles_are_those_of_dense_matrices():
