@@ -63,6 +63,10 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     b = jnp.stack([basis.T @ of for of in (system.B0, system.B1, system.B2)])
     c = jnp.stack([of @ basis for of in (system.C0, system.C1, system.C2)])
     d = jnp.stack([system.D0, system.D1, system.D2])
+    # What acts on motions without mass, or is seen of them, by less than this beside all is round-off: the squares of
+    # all add up to the flexibility at rest.
+    b = jnp.where(massive[:, None] | (jnp.abs(b) > NOTHING * jnp.linalg.norm(b, axis=1, keepdims=True)), b, 0.0)
+    c = jnp.where(massive | (jnp.abs(c) > NOTHING * jnp.linalg.norm(c, axis=2, keepdims=True)), c, 0.0)
     if any(orders):
         b, d, adrift, noted = _beside_what_follows(b, c, d, (stiffness, damping, mass), orders)
     else:

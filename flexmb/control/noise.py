@@ -31,7 +31,11 @@ SPREAD, BESIDE, WIDEST = 200, 80, 100.0
 # A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved
 # without bounds at rest. A pole below that other share of its end is none.
 FIRST, STILL = 1e-4, 1e-9
-
+# Where a spectrum at the begin of a band from 0 Hz, times that frequency, is more than this of the sum, it drifts.
+DRIFTS = 0.01
+# Without poles responses change by this share from one frequency to the next at most, but for what is fainter than that
+# share of the largest; so many are computed together, and so many there are at most.
+LITTLE, FAINT, PIECE, MOST = 0.02, 1e-6, 256, 20000
 # Eigenvectors are told apart whose inverse is no larger than this.
 TOLD = 1e6
 
@@ -227,6 +231,23 @@ def noise_budget(
         grid, widths = check_hertz(hertz), None
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
+    elif loop is not None and not by_states:
+        if not is_concrete(lin.matrices):
+            raise ValueError(
+                "Beside a controller that is a function of frequencies those of a `band` are chosen by concrete"
+                " numbers: give `hertz` under a trace."
+            )
+        grid, widths = _refined(lin, loop, entries, np.asarray(grid)), None
+    if by_states and not exact:
+        undamped = _undamped_within(poles, grid)
+        settles = settles & ~jnp.any(undamped)
+        if is_concrete(undamped) and np.any(undamped):
+            worst = abs(complex(np.asarray(poles)[np.asarray(undamped)][0])) / (2 * np.pi)
+            raise AnalysisError(
+                "unstable",
+                f"A resonance within the band, at {worst:.4g} Hz, has no damping, so that noise has no end there. Damp"
+                " it, as by fm.damped(model, ratio=0.01), or give a band without it.",
+            )
     densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
     plant = response_of(lin, grid, None, None, None, None).response
     gain = None if loop is None else loop.by_frequency(grid)
@@ -245,6 +266,8 @@ def noise_budget(
     found = NoiseBudget(grid, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
     if is_concrete(found):
         _tell_of_infinite(found)
+        if band is not None and _band(band)[0] == 0:
+            _tell_of_rest(found)
     return found
 
 
@@ -331,7 +354,7 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
     raise AnalysisError(
         "unstable",
         f"{what} does not come to rest: {how} has no damping, so that white noise has no end. Damp it, as by"
-        " fm.damped(model, ratio=0.01), or give a `band`.",
+        " fm.damped(model, ratio=0.01), or give a `band` without it.",
     )
 
 
@@ -344,6 +367,53 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
             " once, or makes it drift, or a resonance without damping is hit. Give a `band` within which to sum, or"
             " damp the resonance."
         )
+
+
+def _tell_of_rest(found: NoiseBudget) -> None:
+    """Warn where what grows without bounds towards 0 Hz is most of what a band from there adds up to."""
+    first = np.asarray(found.hertz)[0] * np.asarray(found.spectra)[0]
+    drifting = np.argwhere(first > DRIFTS * np.asarray(found.variances))
+    if len(drifting):
+        i, j = drifting[0]
+        warn(
+            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz, so that its root mean"
+            f" square is that from {short(found.hertz[0])} Hz, where the sum begins. Give the band a lowest frequency."
+        )
+
+
+def _undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bool[Array, "n"]:
+    """Which poles are resonances without damping within frequencies."""
+    sizes = jnp.abs(poles)
+    hertz, largest = jnp.imag(poles) / (2 * np.pi), jnp.max(sizes)
+    vibrates = (jnp.abs(jnp.real(poles)) <= DECAYS * largest) & (sizes > jnp.sqrt(GROWS) * largest)
+    return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
+
+
+def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: np.ndarray) -> np.ndarray:
+    """Frequencies that draw the responses of a loop whose poles are not known: halved until these change by little."""
+
+    def responses(hertz: np.ndarray):
+        # In pieces of one size, each compiled once.
+        many = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
+        found = []
+        for piece in many.reshape(-1, PIECE):
+            plant = response_of(lin, piece, None, None, None, None).response
+            of = closed_by_frequency(plant, loop.by_frequency(piece), (loop.measured, loop.driven), *entries)
+            found.append(np.asarray(of).reshape(PIECE, -1))
+        return np.concatenate(found)[: len(hertz)]
+
+    known = responses(grid)
+    while len(grid) < MOST:
+        # Across a resonance halfway between two frequencies their sizes are equal, but not their phases.
+        size = np.abs(known)
+        size = np.maximum(size[1:], size[:-1]) + FAINT * np.max(size, axis=0)
+        steps = np.max(np.abs(np.diff(known, axis=0)) / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
+        coarse = np.flatnonzero((steps > LITTLE) & (np.diff(grid) > 1e-9 * grid[1:]))
+        if not len(coarse):
+            break
+        more = np.sqrt(grid[coarse] * grid[coarse + 1])
+        grid, known = np.insert(grid, coarse + 1, more), np.insert(known, coarse + 1, responses(more), axis=0)
+    return grid
 
 
 @jit

@@ -15,14 +15,15 @@ from .state_space import to_statespace
 if TYPE_CHECKING:
     import control
 
-# A plant of one motion has an output without velocity where C B is below this share of what it would be.
-PLACED = 1e-6
+# The output of a plant of one motion is a position where the part by its rate is below this share of it, at the motion's
+# frequency; one whose square is below that share of what A has nothing that holds it.
+PLACED, FREE = 0.1, 1e-12
 
 
 def one_mass(plant: Any) -> tuple[float, float, float]:
     """Mass, damping and stiffness that an input finds at an output, of a state space of one motion.
 
-    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B.
+    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B, where C B = 0.
 
     Args:
         plant: ``control.StateSpace`` of two states, one input and one output that is a position. What follows at once
@@ -38,13 +39,31 @@ def one_mass(plant: Any) -> tuple[float, float, float]:
             " and `output` where there are several."
         )
     a, b, c = (np.asarray(part) for part in (plant.A, plant.B, plant.C))
-    velocity, inverse = (c @ b).item(), (c @ a @ b).item()
-    if abs(velocity) > PLACED * max(abs(inverse), abs((c @ a @ a @ b).item())) / max(np.linalg.norm(a, 2), 1e-300):
+    # y = (rate s + inverse)/(s^2 + ..) u: of modes that are left out, what damping makes of them is a rate, but small.
+    rate = (c @ b).item()
+    inverse = (c @ a @ b).item() - float(np.trace(a)) * rate
+    square, size = abs(float(np.linalg.det(a))), np.linalg.norm(a, 2)
+    fast = np.sqrt(square) if square > FREE * size**2 else size
+    if abs(rate) * fast > PLACED * abs(inverse):
         raise ModelError(f"Output '{plant.output_labels[0]}' is no position: name an `output` that is one.")
     if inverse == 0:
         raise ModelError(f"Input '{plant.input_labels[0]}' does not move output '{plant.output_labels[0]}'.")
     mass = 1 / inverse
     return mass, -mass * float(np.trace(a)), mass * float(np.linalg.det(a))
+
+
+def _moved(plant: Any) -> Any:
+    """The states of a plant that its input reaches: others stand for what other inputs move."""
+    import control
+
+    a, reached = np.asarray(plant.A) != 0, np.any(np.asarray(plant.B), axis=1)
+    for _ in range(len(a)):
+        reached = reached | np.any(a[:, reached], axis=1)
+    if not np.any(reached) or np.all(reached):
+        return plant
+    kept = np.ix_(reached, reached)
+    names: Any = {"inputs": plant.input_labels, "outputs": plant.output_labels}
+    return control.StateSpace(plant.A[kept], plant.B[reached], plant.C[:, reached], plant.D, **names)
 
 
 def pid(
@@ -107,7 +126,7 @@ def pid(
         raise ModelError(
             f"Output '{plant.output_labels[of]}' is a {quantities[of]}: name an `output` that is a position."
         )
-    m, d, k = one_mass(plant[of, to])
+    m, d, k = one_mass(_moved(plant[of, to]))
     w = 2 * np.pi * bandwidth
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:

@@ -103,8 +103,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         model: Mechanism about its equilibrium, its linearisation such as that by :func:`flexmb.damped`, or a state
             space of it such as ``fm.to_statespace(model, bandwidth=300.0)``.
         controller: System of python-control from the outputs to the inputs, continuous or sampled, connected by names
-            or in order as ``control`` of :func:`flexmb.simulate`. A sampled one sees the mechanism at its samples
-            and is held in between.
+            or in order as ``control`` of :func:`flexmb.simulate`. A sampled one sees the mechanism at its samples, an
+            acceleration or force with what it gave before, and is held in between.
         sign: What the controller sees: -1 reference - y, as with ``reference`` of :func:`flexmb.simulate`; 1 the
             outputs y themselves, as without.
 
@@ -134,7 +134,7 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
     whole: Any = control.ss(a, b @ spread, gather @ c, gather @ d @ spread, period or 0)
     if period:
-        plant = control.sample_system(plant, period, "zoh")
+        plant = _sampled(plant, period)
     opened, returned = plant * whole, whole * plant
     try:
         whole_error: Any = control.ss([], [], [], np.eye(len(outputs)))
@@ -144,7 +144,7 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
     values = np.asarray(loop.poles(), complex)
     if period:
         with np.errstate(divide="ignore"):
-            values = np.log(values) / period
+            values = np.log(values[values != 0]) / period
     values = values[np.lexsort((np.abs(np.imag(values)), -np.real(values)))]
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
@@ -158,6 +158,20 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             " phase at that frequency, or check the signs and the order of the signals."
         )
     return found
+
+
+def _sampled(plant: Any, period: float) -> Any:
+    """A plant at samples whose inputs are held in between: it is sampled before they change, by (14.40)."""
+    import control
+
+    whole: Any = control.sample_system(plant, period, "zoh")
+    passed = np.flatnonzero(np.any(whole.D, axis=0))
+    n, held = len(whole.A), len(passed)
+    if not held:
+        return whole
+    a = np.block([[whole.A, np.zeros((n, held))], [np.zeros((held, n + held))]])
+    b, c = np.vstack([whole.B, np.eye(whole.ninputs)[passed]]), np.hstack([whole.C, whole.D[:, passed]])
+    return control.ss(a, b, c, np.zeros_like(whole.D), period)
 
 
 def _margins(returned: Any, place: int, name: str, sign: int, period: float | None) -> Margins:

@@ -50,11 +50,15 @@ class Driven(Record):
         at: Indices of the coordinates or deformations; for "x" and "e" among the PRESCRIBED ones; for "temperature"
             rows and columns of that of the loads, (2, k).
         value: Function of time that gives one number for each; of a temperature one may serve all.
+        of_input: Number of the model's input that this is, or is the first part of.
+        given: Function of time that this input is.
     """
 
     quantity: str = static()
     at: Int[Array, "*k"]
     value: Callable[..., Any]
+    of_input: int | None = static(default=None)
+    given: Callable[..., Any] | None = None
 
 
 class Table(Record):

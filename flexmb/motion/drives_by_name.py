@@ -1,5 +1,6 @@
 """Loads, inputs and prescribed motion as functions of time, by the names that a user gives them."""
 
+import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -105,11 +106,15 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
         found.append(Driven(quantity, jax.device_put(np.array([place])), value))
     _check_inputs(model, inputs)
     weights, count = model.parameters.weights, 0
-    for signal in model.labels.inputs:
+    for number, signal in enumerate(model.labels.inputs):
         for place, term in enumerate(signal.terms, count):
             if signal.name in inputs:
                 weight = None if weights is None or not signal.parts else weights[0][place]
-                found.append(_input(signal, term, inputs[signal.name], weight))
+                own = _input(signal, term, inputs[signal.name], weight)
+                if place == count:
+                    whole = _function(f"Input '{signal.name}'", inputs[signal.name], 1)
+                    own = dataclasses.replace(own, of_input=number, given=whole)
+                found.append(own)
         count += len(signal.terms)
     if drives.increment is not None:
         own = model.parameters.increment

@@ -1,5 +1,7 @@
 """Controllers around one mass: limits, delays, samples, schedules, poles, margins; against SciPy and closed forms."""
 
+import contextlib
+import warnings
 from typing import Any
 
 import control
@@ -83,9 +85,35 @@ def test_bad_pid(given, kind, words):
 def test_plant_of_two_motions_has_no_pid():
     two = control.append(*[control.ss(control.tf([1], [1, 0, 0]))] * 2)
     with pytest.raises(fm.ModelError, match=r"4 states.*modes=1"):
-        fm.control.pid(control.ss(two.A, two.B[:, :1], two.C[:1], 0), 5.0)
+        fm.control.pid(control.ss(two.A, two.B @ np.ones((2, 1)), two.C[:1], 0), 5.0)
     with pytest.raises(fm.ModelError, match="is no position"):
         fm.control.pid(control.ss([[0.0, 1.0], [-3.0, -1.0]], [[0], [1.0]], [[0, 1.0]], 0), 5.0)
+
+
+def test_pid_beside_a_floor_that_moves():
+    """What another input moves is no motion of the plant, whose lowest mode is damped across those left out."""
+    b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
+    b.node("end", (0.5, 0.0))
+    b.add(planar.truss, "mass", "end", section=fm.Rigidity(EA=900.0))
+    b.fix("end", "y")
+    b.mass("end", 0.1 * MASS)
+    b.dof("end", "x")
+    b.input("foot", "x", "acceleration", name="floor")
+    b.input("mass", "x", name="force")
+    b.output("mass", "x", name="place")
+    model = b.build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fm.FlexmbWarning)
+        small = fm.to_statespace(model, modes=1)
+    found = fm.control.pid(small, 5.0, input="force", output="place")
+    same = fm.control.pid(model, 5.0, input="force", output="place")
+    np.testing.assert_allclose(found(1j), same(1j), rtol=1e-12)
+    # One mass of 1.1 MASS, to its flexibility beside the spring.
+    w, m = 2 * np.pi * 5.0, 1.1 * MASS
+    a3, a2 = np.real(np.polymul([1, 1.4 * w, w**2], np.polymul([1, 0.5 * w], [1, 4 * w])))[1:3]
+    filtered = m / (a3 * m - DAMPING)
+    derivative = m * filtered * a2 - DAMPING - STIFFNESS * filtered
+    np.testing.assert_allclose(same.D[0, 0], derivative / filtered, rtol=1e-2)
 
 
 def test_notch():
@@ -282,6 +310,25 @@ def test_a_sampled_loop_is_stable_as_long_as_its_poles_are_within_the_circle():
         # Opened, K h/m (1/(z - 1)): its gain margin at z = -1 is 2 m/(K h).
     with pytest.warns(fm.FlexmbWarning, match=r"of 5 Hz double every"):
         assert not fm.control.closed_loop(free, control.ss([], [], [], [[2.1 * MASS / h]], h)).stable
+
+
+@pytest.mark.parametrize("gain", [0.8, 3.0])
+def test_a_sampled_loop_feels_at_its_samples_what_it_gave_before(gain):
+    """A gain on an acceleration, held over h: it goes on by -K/m from sample to sample, as the motion shows."""
+    b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=1.0)
+    b.input("mass", "x", name="force")
+    b.output("mass", "x", "acceleration", name="a")
+    model, h = b.build(), 1e-4
+    sampled: Any = control.ss([], [], [], [[gain]], h)
+    with pytest.warns(fm.FlexmbWarning, match="unstable") if gain > 1 else contextlib.nullcontext():
+        found = fm.control.closed_loop(model, sampled)
+    assert found.stable is (gain < 1)
+    fastest = found.poles[np.argmax(np.abs(found.poles))]
+    # The spring adds h^2 k/m, the damper h d/m.
+    np.testing.assert_allclose(np.exp(fastest * h), -gain, rtol=2e-4)
+    u = fm.simulate(model, h * np.arange(9), control=sampled, reference=lambda t: 1e-3).u[:, 0]
+    steps = np.diff(u[:-1])
+    np.testing.assert_allclose(steps[1:] / steps[:-1], -gain, rtol=2e-3)
 
 
 def hanging() -> fm.Model:

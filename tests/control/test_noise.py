@@ -10,6 +10,7 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 from cases.mechanisms import planar_guide
+from cases.motions import sprung_mass
 
 import flexmb as fm
 from flexmb import planar
@@ -54,7 +55,8 @@ def test_white_noise_on_one_mass():
     assert "% push" in repr(found)
     # Within a band that has nearly all of it: what lies below the first frequency is missing.
     own = {"outputs": ["stretch", "speed"], "sources": {"floor": lambda f: FLOOR + 0 * f, "push": FORCE}}
-    banded = fm.control.noise_budget(model, band=(0, 1e3), **own)
+    with pytest.warns(fm.FlexmbWarning, match="'speed' by 'floor' grows towards 0 Hz.* from 0.0002"):
+        banded = fm.control.noise_budget(model, band=(0, 1e3), **own)
     assert banded.rms("stretch") == pytest.approx(float(found.rms("stretch")), rel=1e-4)
     assert banded.cumulative("stretch")[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
     # Up to the resonance: |H|^2 = m^2/|k - m w^2 + i d w|^2 of the floor, and without m^2 of the force.
@@ -70,6 +72,46 @@ def test_white_noise_on_one_mass():
     upper, lower = fm.plot.noise(banded, "stretch").axes
     assert lower.lines[-1].get_ydata()[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
     assert [text.get_text() for text in upper.get_legend().get_texts()] == ["floor", "push", "all"]
+
+
+@pytest.mark.parametrize("gain", [1e3, 1e5])
+def test_frequencies_beside_a_controller_that_is_a_function_of_them(gain):
+    """S/(4 d (k + g)) of a mass on a spring and a gain, whose resonance no pole of the mechanism tells."""
+    model = shaken()
+    own = {"sources": {"push": FORCE}, "measured": "tip", "driven": "push", "outputs": "tip"}
+    found = fm.control.noise_budget(model, band=(0.1, 1e3), controller=lambda f: gain + 0j * f, **own)
+    # Responses change by 2 % from each frequency to the next, and the trapezoidal rule is off by the square.
+    assert found.rms() ** 2 == pytest.approx(FORCE / (4 * D * (K + gain)), rel=1e-3)
+    with pytest.raises(ValueError, match="give `hertz` under a trace"):
+        jax.jit(lambda m: fm.control.noise_budget(m, band=(0.1, 1e3), controller=lambda f: gain + 0j * f, **own).rms())(
+            model
+        )
+
+
+def test_a_resonance_without_damping_in_a_band_is_refused():
+    b = sprung_mass(stiffness=K, damping=0.0, mass=M)
+    b.input("mass", "x", name="push")
+    b.output("mass", "x", name="tip")
+    model, w = b.build(), np.sqrt(K / M)
+    with pytest.raises(fm.AnalysisError, match=rf"at {w / (2 * np.pi):.4g} Hz, has no damping"):
+        fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.0, w))
+    above = fm.control.noise_budget(model, sources={"push": FORCE}, band=(w, 2 * w))
+    wanted = scipy.integrate.quad(lambda f: FORCE / (K - M * (2 * np.pi * f) ** 2) ** 2, w, 2 * w)[0]
+    assert above.rms("tip") ** 2 == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [49.0, 50.0, 64.0])
+def test_motions_without_mass_pass_on_nothing_by_round_off(stiffness):
+    """S/(4 d k) of a mass on a spring, whatever hangs on it without mass."""
+    b = sprung_mass(stiffness=K, damping=D, mass=M)
+    b.node("end", (0.5, 0.0))
+    b.add(planar.truss, "mass", "end", section=fm.Rigidity(EA=0.1 * stiffness))
+    b.fix("end", "y")
+    b.dof("end", "x")
+    b.input("mass", "x", name="push")
+    b.output("end", "x", name="tip")
+    found = fm.control.noise_budget(b.build(), sources={"push": FORCE})
+    assert found.rms("tip") ** 2 == pytest.approx(FORCE / (4 * D * K), rel=1e-9)
 
 
 def guide(thickness=5e-4):
