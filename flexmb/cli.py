@@ -420,6 +420,8 @@ def _verdict(
     limits = {}
     for text in limit or ():
         name, _, word = (part.strip() for part in text.rpartition("="))
+        if name in limits:
+            _refuse(f"flexmb verdict: --limit gives '{clean(name)}' twice; give it once.")
         limits[name] = _number("--limit", "NAME=NUMBER, such as force=2", word)
     _check_call("none", json_path, None, None, plot, model)
     _prepare_jax()

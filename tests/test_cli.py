@@ -303,6 +303,7 @@ MISUSED = {
     "verdict guide.dat": "flexmb verdict: Missing option '--stroke' (flexmb verdict --help).",
     "verdict guide.dat --stroke wide": "flexmb: --stroke takes [NAME=]NUMBER, such as 3.x=5e-3",
     "verdict guide.dat --stroke 1e-3 --limit force": "flexmb: --limit takes NAME=NUMBER, such as force=2",
+    "verdict guide.dat --stroke 1e-3 --limit force=4 --limit force=100": "--limit gives 'force' twice; give it once",
     "verdict guide.dat --stroke 3.x=-1": "Argument `stroke` must be positive",
     "verdict guide.dat --stroke 1e-3 --limit farce=1": "Limit of 'farce': there is no such curve. There are: force",
     "verdict guide.dat --stroke 1e-3 --plot page.gif": "--plot writes .png, .svg or .pdf, not 'page.gif'.",

@@ -18,6 +18,7 @@ from ..linear.linearize import Linearization
 from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
 from ..results import RESULTS
+from ..spacar.actions import RATES_IDLE
 from .mode import Found, Mode, Question
 from .parts import number
 
@@ -82,6 +83,10 @@ def _dofs(model: Model) -> list[dict[str, Any]]:
     return [*named("x", model.topology.x, model.labels.x), *named("e", model.topology.e, model.labels.e)]
 
 
+# Modes in which what is prescribed moves in time.
+OF_MOTION = (1, 4)
+
+
 def answer(
     builder: Builder,
     name: str,
@@ -110,7 +115,7 @@ def answer(
         Answer, also where the mechanism is not valid or the analysis failed.
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
-    data["warnings"] = list(warnings or [])
+    data["warnings"] = [text for text in warnings or [] if mode not in OF_MOTION or not text.endswith(RATES_IDLE)]
     # Of overflow on the way nothing is said: what is not finite in the end has a status.
     with heard() as said, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))

@@ -14,7 +14,7 @@ def _run(asked: Question) -> Found:
     lin = asked.linearized()
     refuse_negative_mass(lin)
     found = buckling(asked.model)
-    if not len(found.multipliers):
+    if not len(found.multipliers) and lin.matrices.symmetric:
         asked.warnings.append("No load acts in any motion: there is no load multiplier.")
     data = {
         **state_of(lin),

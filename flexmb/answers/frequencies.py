@@ -14,7 +14,9 @@ def _run(asked: Question) -> Found:
     if not lin.matrices.symmetric:
         silent = "The stiffness is unsymmetric (moments about fixed axes, follower loads): `poles` answers alone."
         asked.warnings.append(silent)
-        return Found({**state_of(lin), **poles_of(lin, always=True)})
+        # The keys of the answer all the same, as what is not finite is null.
+        none = dict.fromkeys(("eigenvalues", "frequencies_hz", "massless", "modes"))
+        return Found({**state_of(lin), **none, **poles_of(lin, always=True)})
     found = modes(lin)
     values, hertz = np.asarray(found.eigenvalues), np.asarray(found.frequencies)
     data = {
@@ -31,7 +33,7 @@ def _run(asked: Question) -> Found:
 
 def _table(data: dict[str, Any]) -> list[str]:
     lines = []
-    if "frequencies_hz" in data:
+    if data.get("frequencies_hz") is not None:
         pairs = list(zip(data["eigenvalues"], data["frequencies_hz"], strict=True))
         lines.append(f"natural frequencies [Hz] ({len(pairs)}, {data['massless']} motions without mass left out):")
         texts = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]

@@ -193,7 +193,8 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     error = settings.get("ERROR", {})
     extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
-    atol = error["absolute"] / extent if "absolute" in error else None
+    # Metres and radians alike; an integrator takes it as share of the extent, and in radians.
+    atol = error["absolute"] / max(extent, 1.0) if "absolute" in error else None
     driven = motions_of(model, settings) | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)
     asked.warnings += _idle_ways(asked)
     # That incremental loads are left out is said by the keywords of the file.

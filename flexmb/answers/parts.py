@@ -10,12 +10,16 @@ from ..compilation.compile import jit
 from ..linear.compliance import directional_compliance, rates_on_host
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
+from ..linear.spectrum import general_spectrum, is_real
+from ..linear.spectrum import poles_of as poles_of_matrices
 from ..linear.stress import stress, without_shape
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
+# A pole grows whose real part is above this share of the largest.
+GROWS = 1e-10
 # Rows and columns on the terminal.
 SHOWN_VALUES = 12
 
@@ -60,7 +64,24 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
 
 def state_of(lin: Linearization) -> dict[str, Any]:
     """What answers about a static equilibrium have in common."""
-    return {**configuration(lin), **matrices(lin), "stable": bool(_is_stable(_stiffness(lin)))}
+    return {**configuration(lin), **matrices(lin), "stable": _rests(lin)}
+
+
+def _rests(lin: Linearization) -> bool:
+    """Whether the state is stable: by its stiffness, and where that is unsymmetric also by motions that grow."""
+    stiffness, m = _stiffness(lin), lin.matrices
+    if m.symmetric:
+        return bool(_is_stable(stiffness))
+    damping = np.asarray(m.C0) + np.asarray(m.D0)
+    if np.any(damping):
+        found = poles_of_matrices(stiffness, damping, np.asarray(m.M0))
+        grows = np.any(found.real > GROWS * np.max(np.abs(found), initial=0.0))
+    else:
+        values = general_spectrum(stiffness, np.asarray(m.M0))[0]
+        values = values[np.isfinite(values)]
+        grows = not np.all(is_real(values) & (values.real > 0))
+    # A motion without mass loses its stability where the determinant changes sign.
+    return bool(np.linalg.slogdet(stiffness)[0] > 0 and not grows)
 
 
 def _stiffness(lin: Linearization) -> np.ndarray:

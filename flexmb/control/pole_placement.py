@@ -15,8 +15,8 @@ from .state_space import to_statespace
 if TYPE_CHECKING:
     import control
 
-# The output of a plant of one motion is a position where the part by its rate is below this share of it, at the motion's
-# frequency; one whose square is below that share of what A has nothing that holds it.
+# The output of a plant of one motion is a position where the part by its rate is below this share of it, at its
+# frequency; where the square of that is below the other share of A squared, nothing holds it.
 PLACED, FREE = 0.1, 1e-12
 
 

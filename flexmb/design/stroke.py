@@ -20,7 +20,7 @@ from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
 from ..math.linear import factorise
 from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
-from ..mechanics.loads import load_factors
+from ..mechanics.loads import lacks_potential, load_factors
 from ..mechanics.residual import state
 from ..model.model import Entry, Model
 from ..model.parameters import Loads, Parameters
@@ -155,7 +155,9 @@ def _let_go(
     still = state(structure, numbers, raised, held.x, near)
     again = dataclasses.replace(parameters, increment=more)
     grown = structure, dataclasses.replace(numbers, increment=more), still
-    margins = 1 + multipliers_of(*scaled_stiffness(topology, again, at, near, grown))
+    margins = 1 + multipliers_of(
+        *scaled_stiffness(topology, again, at, near, grown), unsymmetric=lacks_potential(topology)
+    )
     return _LetGo(found, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
 
 

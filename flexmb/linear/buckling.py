@@ -7,13 +7,13 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..arguments import check_flag, check_whole, is_concrete
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, is_positive_definite, pencil
 from ..mechanics.blocks import kernel
@@ -36,6 +36,9 @@ from .sparse_buckling import ROUND_OFF, sparse_modes, sparse_multipliers
 from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_multipliers import UNBOUNDED
 from .spectrum import is_real
+
+# An eigenvalue of an unsymmetric matrix is known where round-off moves it by less than this share.
+TOLD = 1e-3
 
 
 class Buckling(Shapes, Result, Record):
@@ -168,24 +171,44 @@ def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Arr
 
 
 def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Array, "n n"]):
-    """Values 1/lambda by descending magnitude, and vectors; those of a complex pair are zero."""
+    """Values 1/lambda by descending magnitude, zero for those not real, vectors, and the largest size of those."""
+    complex_ones = jnp.zeros(())
     if lacks_potential(topology):
         values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
-        values, vectors = jnp.where(is_real(values), values.real, 0.0), vectors.real
+        real = is_real(values) & _is_told(values, vectors)
+        complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(values)), initial=0.0)
+        values, vectors = jnp.where(real, values.real, 0.0), vectors.real
     else:
         values, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
     order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(values)))
-    return values[order], vectors[:, order]
+    return values[order], vectors[:, order], complex_ones
+
+
+def _is_told(values: Complex[Array, "n"], vectors: Complex[Array, "n n"]) -> Bool[Array, "n"]:
+    """Which eigenvalues of an unsymmetric matrix are known, (n,).
+
+    A load that follows may have no multipliers at all: of K^-1 G without an eigenvalue but zero round-off makes some,
+    by a root of it as high as the matrix has coordinates. The round-off of an eigenvalue is that of the matrix over
+    the cosine between its left and right vectors.
+    """
+    values, vectors = jax.lax.stop_gradient((values, vectors))
+    inverse = jnp.linalg.inv(vectors)
+    conditions = jnp.linalg.norm(vectors, axis=0) * jnp.linalg.norm(inverse, axis=1)
+    size = jnp.linalg.norm((vectors * values) @ inverse)
+    return len(values) * np.finfo(float).eps * size * conditions < TOLD * jnp.abs(values)
 
 
 @jit
-def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
+def multipliers_of(
+    k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""], *, unsymmetric: bool = False
+) -> Float[Array, "n"]:
     """Real load multipliers by magnitude, of a stiffness that stays and one that is scaled.
 
     Args:
         k: Stiffness that stays, regular, (n, n).
         g: Stiffness that is scaled, (n, n).
         noise: How large 1/lambda comes out where it is but round-off, () [-].
+        unsymmetric: Whether loads or laws have no potential.
 
     Returns:
         Lambda of det(k + lambda g) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
@@ -193,8 +216,13 @@ def multipliers_of(k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[
     Source:
         Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
     """
-    inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
-    real = jnp.isfinite(inverse.real) & is_real(inverse)
+    operator = factorise(k).solve(-g)
+    if unsymmetric:
+        inverse, vectors = jnp.linalg.eig(operator)
+        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(inverse, vectors)
+    else:
+        inverse = jnp.linalg.eigvals(operator)
+        real = jnp.isfinite(inverse.real) & is_real(inverse)
     found = bounded_of(jnp.where(real, inverse.real, 0.0), noise)
     return found[jnp.argsort(jnp.abs(found))]
 
@@ -205,7 +233,7 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
     tangent = m.x, m.e, jacobian, m.S, m.DFx
     noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))
-    return multipliers_of(m.K0, m.G0, noise)
+    return multipliers_of(m.K0, m.G0, noise, unsymmetric=lacks_potential(topology))
 
 
 @kernel
@@ -226,14 +254,15 @@ def _buckling_at(
 def _buckling_about(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"], result: Int[Array, ""]
 ):
-    """Multipliers, modes in the coordinates, and code of RESULTS."""
+    """Multipliers, modes in the coordinates, whether complex ones hide a lower load, and code of RESULTS."""
     k, g, noise = scaled_stiffness(topology, parameters, at, near)
     dfx = at.transfer.DFx
-    inverse, vectors = _inverse_multipliers(topology, k, g)
+    inverse, vectors, complex_ones = _inverse_multipliers(topology, k, g)
     multiplier = bounded_of(inverse, noise)
+    hidden = (complex_ones > noise) & (complex_ones > jnp.max(jnp.abs(inverse), initial=0.0))
     stable = is_positive_definite((k + k.T) / 2)
     result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
-    return multiplier, dfx @ vectors, result
+    return multiplier, dfx @ vectors, hidden, result
 
 
 def _asked(model: Model, function: str, throw: bool, where: Where):
@@ -244,11 +273,17 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     if where.at is None:
         increment = 0.0 if where.increment is None else where.increment
         target = load_factors_of(model, 1.0, increment, function)
-        multiplier, shapes, result = _buckling(model.topology, model.parameters, target)
+        multiplier, shapes, hidden, result = _buckling(model.topology, model.parameters, target)
     else:
         lin, factors = _on_path(model, where, function)
-        multiplier, shapes, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
+        multiplier, shapes, hidden, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
     check(result, throw)
+    if is_concrete(hidden) and hidden:
+        warn(
+            "Loads that follow, moments about fixed axes or laws without a potential act here, and the load multipliers"
+            " of smallest size are complex: before it buckles the mechanism may flutter, which no load multiplier"
+            " tells. Ask the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
+        )
     return multiplier, shapes, lin
 
 
@@ -293,6 +328,9 @@ def buckling_loads(
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
         NotImplementedError: A second derivative is asked of sparse factors.
+
+    Warns:
+        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).

@@ -22,7 +22,7 @@ from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
 from ..linear.stress import stress
 from ..mechanics.blocks import kernel
-from ..mechanics.loads import LoadFactors
+from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
@@ -150,7 +150,9 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
     factors = ramp.at(point.load)
     at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, factors, at, step.corrections, jnp.zeros((), jnp.int32))
-    multipliers = multipliers_of(*scaled_stiffness(topology, parameters, at, point.near))
+    multipliers = multipliers_of(
+        *scaled_stiffness(topology, parameters, at, point.near), unsymmetric=lacks_potential(topology)
+    )
     if not matrices.symmetric:
         return _Found(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
@@ -165,7 +167,9 @@ def _look_at(
     at = state(topology, parameters, factors, x, near)
     zero = jnp.zeros((), jnp.int32)
     matrices = matrices_at(topology, parameters, factors, at, zero, zero)
-    return matrices, multipliers_of(*scaled_stiffness(topology, parameters, at, near))
+    return matrices, multipliers_of(
+        *scaled_stiffness(topology, parameters, at, near), unsymmetric=lacks_potential(topology)
+    )
 
 
 @overload

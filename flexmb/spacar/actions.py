@@ -233,6 +233,10 @@ def force(r: Reading, s: Statement, p: Values) -> None:
     (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
 
 
+# Said of a line of which the modes of motion in time use all, and left out there.
+RATES_IDLE = "velocity and acceleration are for modes 1 and 4; static analyses do not use them"
+
+
 def motion(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
     kind, of, component = target(p)
@@ -243,7 +247,7 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
     if any(not known(rate) or rate != 0 for rate in rates):
-        r.warnings.append((s, "velocity and acceleration are for modes 1 and 4; static analyses do not use them"))
+        r.warnings.append((s, RATES_IDLE))
 
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:

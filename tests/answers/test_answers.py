@@ -52,3 +52,56 @@ def test_what_falls_has_no_frequency():
 
 def test_what_is_prescribed_with_an_acceleration():
     assert _uniformly_accelerated(2.0, 0.5, -1.0, 3.0) == 0.5 - 1.0 * 2.0 + 3.0 * 2.0**2 / 2
+
+
+def shaft(torque: float, damping: float = 0.0):
+    """A cantilever in space under an axial moment about a fixed axis, which has no potential."""
+    b = fm.Builder()
+    b.node("1", (0, 0, 0))
+    b.node("3", (0.1, 0, 0))
+    section = fm.Rigidity(EA=1e7, GIt=2.0, EIy=1.0, EIz=1.0, mass=1.0, Jx=1e-4, Jy=1e-4, Jz=1e-4)
+    given = fm.Damping(GIt=2 * damping, EIy=damping, EIz=damping) if damping else None
+    b.add(spatial.beam, "1", "3", name="1", section=section, y=(0, 1, 0), damping=given)
+    b.fix("1")
+    b.mass("3", 0.1)
+    b.moment("3", (torque, 0.0, 0.0))
+    return b
+
+
+def test_a_moment_about_a_fixed_axis_lets_motions_grow():
+    """Ziegler: whatever its size, without damping; the symmetric part of the stiffness is positive definite."""
+    unstable = answer(shaft(5.0), "shaft", 7, dofs="auto").data
+    assert (unstable["status"], unstable["stable"]) == ("ok", False)
+    assert max(re for re, _ in unstable["poles"]) > 1.0
+    assert all(unstable[key] is None for key in ("eigenvalues", "frequencies_hz", "massless", "modes"))
+    # Stiffness in proportion damps what is fast, so that a small moment makes nothing grow.
+    damped = answer(shaft(0.05, 1e-3), "shaft", 7, dofs="auto").data
+    assert max(re for re, _ in damped["poles"]) < 1e-6
+    assert damped["stable"]
+    buckled = answer(shaft(5.0), "shaft", 8, dofs="auto").data
+    assert (buckled["stable"], buckled["load_multipliers"]) == (False, [])
+    assert any("complex: before it buckles the mechanism may flutter" in text for text in buckled["warnings"])
+
+
+ROTOR = """PLRBEAM 2 3 4 5
+X 3 0 0
+X 5 0 {length}
+FIX 3
+DYNX 4 1
+END
+HALT
+XM 5 {mass}
+XF 4 1.0
+ERROR 1e-4 1e-6
+TIMESTEP 10 4
+END
+END
+"""
+
+
+def test_tolerances_of_angles_do_not_depend_on_the_size_of_a_mechanism():
+    """t^2/2 of a rotor of 1 kg m^2 under 1 N m: to 1e-4 rad in each of some steps, whatever its arm."""
+    for length in (1.0, 1e-3):
+        read = fm.read_spacar(ROTOR.format(length=length, mass=1 / length**2))
+        data = answer(read.builder, "rotor", 1, settings=read.settings, progress=False).data
+        assert data["x"]["4"][0] == pytest.approx(50.0, abs=0.05)

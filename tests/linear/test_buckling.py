@@ -141,3 +141,21 @@ def test_what_sparse_multipliers_refuse():
         fm.buckling_loads(column(4, sparse=True), sparse=True)
     with pytest.raises(fm.ModelError, match="few of the 3000 load"):
         fm.buckling_loads(column(1000, sparse=True), sparse=True, count=1000)
+
+
+@pytest.mark.parametrize("load", [1000.0, 2500.0])
+def test_a_load_that_follows_a_column_has_no_multiplier(load):
+    """A12, Beck's column: it flutters and never buckles, so that what eigenvalues there are round-off makes."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.05 * i, 0))
+    for i in range(2):
+        section = fm.Rigidity(EA=1e6, EIy=1.0, mass=1.0)
+        b.add(planar.spectral_beam(order=5), f"n{i}", f"n{i + 1}", section=section)
+    b.fix("n0")
+    b.force("n2", (-load, 0.0), follower=True)
+    model = b.build()
+    with pytest.warns(fm.FlexmbWarning, match=r"complex: before it buckles .*fm\.poles"):
+        assert not np.any(np.isfinite(fm.buckling_loads(model)))
+    with pytest.warns(fm.FlexmbWarning, match="complex"):
+        assert len(fm.buckling(model).multipliers) == 0
