@@ -21,10 +21,6 @@ INDEPENDENT = 1e-5
 # And where there are better ones to come.
 CLEARLY_INDEPENDENT = 1e-2
 CANNOT_MOVE = 1e-7
-# Deformations below this share of the largest have no part in a motion.
-NO_PART = 1e-6
-# Coefficients of a strain that the load at the ends of a beam brings about: a bending moment is linear along it.
-OF_END_LOADS = 2
 # Motions that nothing determines are told by name, of so many at most.
 MOST_TOLD = 100
 
@@ -163,10 +159,9 @@ def _independent(
 ) -> tuple[list[int], Any]:
     """Deformations that determine a mechanism together with what is named, so that it bends where only that moves.
 
-    Degrees of freedom that are not said to move stay zero. Therefore those that little force would change the least
-    come first: of strain series the elongations and shears and what varies more than linearly along the beam, then
-    what has no part in the motions of what is named when elements share them evenly. This looks at the undeformed
-    geometry alone, not at stiffnesses, which may be traced.
+    Degrees of freedom that are not said to move stay zero. Therefore elongations and shears of strain series come
+    first; of the rest those that what is named moves least are the most independent, what varies along a beam more
+    than linearly.
 
     Args:
         model: Mechanism.
@@ -184,9 +179,7 @@ def _independent(
     if not isinstance(effects, np.ndarray):
         tiers = [np.arange(len(candidates))]
     else:
-        first = np.isin(candidates, _stiff_or_curved(model))
-        apart = ~first & ~_has_part(effects, first, named)
-        tiers = [np.flatnonzero(first), np.flatnonzero(apart), np.arange(len(candidates))]
+        tiers = [np.flatnonzero(np.isin(candidates, _stretches(model))), np.arange(len(candidates))]
     for i, tier in enumerate(tiers):
         least = INDEPENDENT if i == len(tiers) - 1 else CLEARLY_INDEPENDENT
         own, left = independent_rows(effects[tier] @ rest, wanted - len(chosen), least)
@@ -195,30 +188,15 @@ def _independent(
     return chosen, rest
 
 
-def _stiff_or_curved(model: Model) -> np.ndarray:
-    """Coefficients of elongations and shears, and those of other strains beyond the linear ones; warping of ends."""
+def _stretches(model: Model) -> np.ndarray:
+    """Coefficients of elongations and shears, and the warping of ends."""
     found = []
     for block in model.topology.blocks:
-        element = block.element
-        own = [
-            n - 1
-            for i, field in enumerate(element.fields)
-            for n in field[0 if i in element.lengths else OF_END_LOADS :]
-        ]
-        own += [n - 1 for n in element.measured] if element.fields else []
+        fields = block.element.fields
+        own = [n - 1 for i in block.element.lengths if i < len(fields) for n in fields[i]]
+        own += [n - 1 for n in block.element.measured] if fields else []
         found += np.asarray(block.e)[:, own].ravel().tolist()
     return np.array(found, int)
-
-
-def _has_part(effects: np.ndarray, held: np.ndarray, named: np.ndarray) -> np.ndarray:
-    """Which deformations have a part in some motion of what is named that is shared evenly, some others held, (m,)."""
-    _, free = independent_rows(effects[held], effects.shape[1], CLEARLY_INDEPENDENT)
-    own, others = effects[~held] @ free, named @ free
-    n, f = others.shape
-    matrix = np.block([[own.T @ own, others.T], [others, np.zeros((n, n))]])
-    shares = np.linalg.lstsq(matrix, np.eye(f + n)[:, f:], rcond=NO_PART**2)[0][:f]
-    sizes = np.abs(effects @ free @ shares)
-    return np.any(sizes > NO_PART * np.max(sizes, axis=0, initial=0.0), axis=1)
 
 
 def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> Any:

@@ -37,7 +37,8 @@ class Drives(Record):
         increment: Factor of the incremental loads as function of time; zero unless given.
         jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known. Pulses are
             looked for, down to 1/10000 of the time, and no step passes over them; those that are shorter, or whose
-            numbers are traced by ``jax.jit``, have to be named.
+            numbers are traced by ``jax.jit``, have to be named. So has a jump by whose time a motion is to be
+            differentiated: that derivative is zero otherwise, under ``jax.jit`` without a word.
     """
 
     loads: Mapping[str, Callable] | None = None

@@ -179,7 +179,7 @@ def simulate(
         of_time = [one.value for one in driven]
         if loop.reference is not None and not isinstance(feedback, Sampled):
             of_time.append(captured(loop.reference, as_floats(0.0)))
-        stops = sudden_changes(of_time, np.asarray(times)[[0, -1]])
+        stops = sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
     problem = Problem(model.without_names(), driven, feedback, jumps, whence, order, still=still, stops=stops)
     if integrator.form == "tree":
         problem = dataclasses.replace(problem, tree=tree)

@@ -15,6 +15,8 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.compile import jit
 from ..compilation.program import Captured, has_effects, is_wave
+from ..display import short
+from ..errors import warn
 from .drive import has_table
 
 # Functions are looked at so often: what is over sooner has to be named as a jump.
@@ -22,11 +24,13 @@ PARTS = 10_000
 # Second differences over the range of a function, from which on it changes suddenly: so many times the usual one, and
 # no less than of what takes a seventh of the time, which no step misses.
 UNUSUAL, SHARP = 5.0, 1e-6
+# From one time to the next values jump by this share of their range.
+JUMP = 0.02
 # Changes so near to each other are one.
 TOGETHER = 64
 
 
-def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | None:
+def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = False) -> np.ndarray | None:
     """Begins and ends of sudden changes within a time, ascending; None where there are none.
 
     Functions whose numbers are traced are looked at outside ``jax.jit`` and ``jax.vmap`` only; tables not, whose times
@@ -35,18 +39,30 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray) -> np.ndarray | N
     Args:
         functions: Functions of time.
         span: Start and end, (2,) [s].
+        named: Whether the user has named jumps.
 
     Returns:
         (k,) [s], with k a power of two, so that few structures are compiled; filled up with infinity.
+
+    Warns:
+        FlexmbWarning: A function that is differentiated jumps.
     """
     looked_at = [f for f in functions if not has_table(f)]
     looked_at = [f for f in looked_at if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
-    looked_at = [f for f in map(_undifferentiated, looked_at) if is_concrete(f)]
-    if not looked_at or not span[0] < span[1]:
+    known = [_undifferentiated(f) for f in looked_at]
+    both = [(f, own) for f, own in zip(looked_at, known, strict=True) if is_concrete(own)]
+    if not both or not span[0] < span[1]:
         return None
-    times = np.linspace(span[0], span[1], PARTS + 1)
-    edges = np.unique([edge for f in looked_at for edge in _edges(np.asarray(_values(f, times)))]).astype(int)
-    edges = edges[(edges > 0) & (edges < PARTS)]
+    times, edges = np.linspace(span[0], span[1], PARTS + 1), np.zeros(0, int)
+    for f, own in both:
+        values = np.asarray(_values(own, times))
+        found = _edges(values)
+        edges = np.union1d(edges, found[(found > 0) & (found < PARTS)])
+        if len(found) and not named and not is_concrete(f) and (at := _jump(values)) is not None:
+            warn(
+                f"A function of time jumps at t = {short(times[at])} s, and its numbers are differentiated: the"
+                " derivative by the time of a jump is zero unless that is named, as in jumps=[t1]."
+            )
     if not len(edges):
         return None
     found = np.full(max(4, 2 ** int(np.ceil(np.log2(len(edges))))), np.inf)
@@ -67,6 +83,15 @@ def _undifferentiated(function: Any) -> Any:
 def _values(function: Any, times: Float[Array, "n"]) -> Float[Array, "n k"]:
     # One by one: a call of the host need not take many times at once.
     return jax.lax.map(lambda t: jnp.ravel(jnp.asarray(function(t), float)), times)
+
+
+def _jump(values: np.ndarray) -> int | None:
+    """Number of the time before the first of the values jump; None where none does."""
+    ranges = np.ptp(values, axis=0)
+    moved = ranges > 0
+    steps = np.max(np.abs(np.diff(values[:, moved], axis=0)) / ranges[moved], axis=1, initial=0.0)
+    at = int(np.argmax(steps))
+    return at if steps[at] > max(JUMP, UNUSUAL * float(np.median(steps))) else None
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import answer
 from flexmb.answers.motion import _uniformly_accelerated
+from flexmb.spacar.actions import RATES_IDLE
 
 
 def test_reactions_and_compliances_of_a_clamped_arm():
@@ -79,7 +80,7 @@ def test_a_moment_about_a_fixed_axis_lets_motions_grow():
     assert max(re for re, _ in damped["poles"]) < 1e-6
     assert damped["stable"]
     buckled = answer(shaft(5.0), "shaft", 8, dofs="auto").data
-    assert (buckled["stable"], buckled["load_multipliers"]) == (False, [])
+    assert not buckled["stable"]
     assert any("complex: before it buckles the mechanism may flutter" in text for text in buckled["warnings"])
 
 
@@ -103,5 +104,8 @@ def test_tolerances_of_angles_do_not_depend_on_the_size_of_a_mechanism():
     """t^2/2 of a rotor of 1 kg m^2 under 1 N m: to 1e-4 rad in each of some steps, whatever its arm."""
     for length in (1.0, 1e-3):
         read = fm.read_spacar(ROTOR.format(length=length, mass=1 / length**2))
-        data = answer(read.builder, "rotor", 1, settings=read.settings, progress=False).data
+        # What is said of lines that static modes do not use is not said of this one.
+        idle = [f"rotor:4: INPUTX: {RATES_IDLE}"]
+        data = answer(read.builder, "rotor", 1, idle, settings=read.settings, progress=False).data
+        assert data["warnings"] == []
         assert data["x"]["4"][0] == pytest.approx(50.0, abs=0.05)

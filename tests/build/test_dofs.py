@@ -1,11 +1,13 @@
 """Degrees of freedom of models of many coordinates, which are found part by part, and their mistakes."""
 
+import warnings
+
 import numpy as np
 import pytest
 from cases import mechanisms
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, spatial
 from flexmb.design.stroke import driven, unit_of_driven
 from flexmb.math import subspace
 
@@ -112,3 +114,43 @@ def test_deformations_of_a_chain_determine_it():
     assert many.topology.n_x > 600
     assert unit_of_driven(many, driven(many, "hinge.e1")) == "rad"
     assert unit_of_driven(many, driven(many, "beam 2.e1")) == "m"
+
+
+@pytest.mark.parametrize("element", [spatial.spectral_beam(order=4), spatial.leaf_spring(order=4)])
+def test_degrees_of_freedom_beside_the_stage_leave_leaf_springs_free_to_bend(element):
+    """A guide in space: to shift its stage two coefficients of the soft curvature of each leaf spring follow."""
+    leaf = fm.Rectangle(0.02, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    b = fm.Builder()
+    for name, place in {"A": (0, 0, 0), "B": (0, 0.1, 0), "C": (0.1, 0.1, 0), "D": (0.1, 0, 0)}.items():
+        b.node(name, place)
+    for name, ends in (("left", "AB"), ("right", "DC")):
+        b.add(element, *ends, name=name, section=leaf, y=(0, 0, 1))
+    b.add(spatial.beam, "B", "C")
+    b.fix("A")
+    b.fix("D")
+    b.mass("B", 0.1)
+    b.dof("B", "x")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fm.BeamTheoryWarning)
+        model = b.build()
+    found, (stretch, _, soft, _, *_) = set(model.q_labels), element.fields
+    for name in ("left", "right"):
+        assert found.isdisjoint(f"{name}.e{n}" for n in soft[:2])
+        assert found.issuperset(f"{name}.e{n}" for n in (*stretch, *soft[2:]))
+
+
+def test_degrees_of_freedom_beside_the_stage_of_arcs_are_what_varies_along_them():
+    """Of curved leaf springs all coefficients have a part in where their ends come."""
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0)}.items():
+        b.node(name, place)
+    section = fm.Rigidity(EA=1e6, EIy=1.0)
+    for name, ends in (("left", "AB"), ("right", "DC")):
+        b.add(planar.spectral_beam(order=5), *ends, name=name, section=section, curvature=15.0)
+    b.add(planar.rigid_body, "B", "C")
+    b.fix("A")
+    b.fix("D")
+    b.dof("B", "x")
+    stretch, bending = planar.spectral_beam(order=5).fields
+    wanted = {f"{name}.e{n}" for name in ("left", "right") for n in (*stretch, *bending[2:])}
+    assert wanted <= set(b.build().q_labels)

@@ -114,7 +114,8 @@ def arm_on_a_support(dofs: list[str], damped: bool) -> fm.Model:
     for i in range(5):
         b.node(f"n{i}", (0.1 * i, 0.0))
     for i in range(4):
-        damping = fm.Damping(EIy=2e-3) if damped else None
+        # Of two of them, so that what is left out feels what is kept.
+        damping = fm.Damping(EIy=2e-3) if damped and i < 2 else None
         b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=section, released=(2, 3), damping=damping)
     b.fix("n0", "x")
     b.fix("n0", "rotation")
@@ -146,7 +147,8 @@ def test_what_is_left_out_is_carried_along_whatever_the_degrees_of_freedom(dampe
             np.testing.assert_allclose(other, first, rtol=1e-9, atol=1e-11 * np.max(np.abs(first)))
     # At rest the whole mass is moved; the third mode is at 980 rad/s, and what is left out off by its square, twice.
     np.testing.assert_allclose(systems[1](1e-3j)[0, 0], 0.3 * 0.4 + 0.05 + 0.1, rtol=1e-8)
-    np.testing.assert_allclose(systems[0](20j)[:3], full(20j)[:3], rtol=1e-4)
+    # By damping what is left out does not act back.
+    np.testing.assert_allclose(systems[0](20j)[:3], full(20j)[:3], rtol=1e-3 if damped else 1e-4)
 
 
 def fine_guide() -> fm.Model:

@@ -9,6 +9,8 @@ import scipy.linalg
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.arguments import as_floats
+from flexmb.linear.buckling import multipliers_of
 from flexmb.mechanics.deformation import deformations, zero_near
 from flexmb.mechanics.loads import LoadFactors
 from flexmb.statics.sparse import balanced
@@ -159,3 +161,5 @@ def test_a_load_that_follows_a_column_has_no_multiplier(load):
         assert not np.any(np.isfinite(fm.buckling_loads(model)))
     with pytest.warns(fm.FlexmbWarning, match="complex"):
         assert len(fm.buckling(model).multipliers) == 0
+    lin = fm.linearize(model)
+    assert not np.any(np.isfinite(multipliers_of(lin.K0, lin.G0, as_floats(0.0), unsymmetric=True)))

@@ -84,6 +84,21 @@ def test_where_functions_change_suddenly():
     assert sudden_changes([fm.motion.Table(TIMES, TIMES)], span) is None
 
 
+def test_a_jump_by_whose_time_a_motion_is_differentiated_has_to_be_named():
+    """Its place is found, but as a number without a derivative."""
+
+    def looked_at(named, at, function=lambda t, at: jnp.where(t < at, 0.0, 5.0)):
+        own = captured(lambda t: function(t, at), as_floats(0.0))
+        return len(sudden_changes([own], np.array([0.0, 4.0]), named))
+
+    with pytest.warns(fm.FlexmbWarning, match=r"jumps at t = 1\.29\d* s, .* is zero unless that is named"):
+        jax.grad(lambda at: at * looked_at(False, at))(1.3)
+    # Named, not differentiated, or a bend alone.
+    jax.grad(lambda at: at * looked_at(True, at))(1.3)
+    looked_at(False, 1.3)
+    jax.grad(lambda at: at * looked_at(False, at, lambda t, at: 5 * jnp.maximum(t - at, 0.0)))(1.3)
+
+
 def test_waves_are_not_looked_at():
     def wave(f):
         return is_wave(captured(f, as_floats(0.0)))
