@@ -34,6 +34,8 @@ ROUND_OFF = 1e-13
 # the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
 # leaf spring is.
 CRITICAL = 1e-4
+# Where nothing is elastic, as of a pendulum, corrections are shortened to this size, and there are so many at most.
+LOOSE_CORRECTION, MOST_LOOSE = 0.5, 30
 
 
 class Begin(NamedTuple):
@@ -150,8 +152,11 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         still = jnp.array(False) if loaded else (s.iterations == 0) & _is_round_off(at, residual, sizes)
         change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
+        # Where nothing is elastic a smaller load makes no smaller correction.
+        loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (s.tries < MOST_LOOSE)
+        change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
         first = jnp.where(s.tries == 0, size, s.first)
-        bad = going & AT_LOAD.astray(size, s.before, s.tries)
+        bad = going & AT_LOAD.astray(size, s.before, s.tries) & ~loose
         done = going & near_enough(size, load, s.tries) & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.

@@ -176,3 +176,24 @@ def test_signs_of_a_stiffness(stiffness, structural, symmetric, count):
     if count:
         k = np.array(stiffness)
         assert found[:, 0] @ k @ found[:, 0] < 0
+
+
+@pytest.mark.parametrize(("first", "second"), [(80.0, 80.0), (60.0, -40.0)])
+def test_a_double_pendulum_hangs_down_from_wherever_it_is_drawn(first, second):
+    """Nothing is elastic, so that no smaller load leads there by smaller steps; two equal masses, sqrt(2 -+ sqrt 2)."""
+    b = fm.Builder()
+    place = np.zeros(2)
+    b.node("n0", place)
+    b.fix("n0")
+    for i, angle in enumerate(np.deg2rad([first, second])):
+        place = place + np.array([np.sin(angle), -np.cos(angle)])
+        b.node(f"n{i + 1}", place)
+        b.rotation(f"r{i}")
+        b.add(planar.rigid_beam, f"n{i}", f"r{i}", f"n{i + 1}", name=f"rod{i}")
+        b.dof(f"r{i}", "phi")
+        b.mass(f"n{i + 1}", 1.0)
+    b.gravity((0.0, -9.81))
+    model = b.build()
+    np.testing.assert_allclose(fm.equilibrium(model).at("n2"), [0.0, -2.0], atol=1e-9)
+    wanted = np.sqrt((2 + np.array([-1, 1]) * np.sqrt(2)) * 9.81) / (2 * np.pi)
+    np.testing.assert_allclose(fm.frequencies(model), wanted, rtol=1e-9)
