@@ -22,7 +22,7 @@ PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, sp
 # A stiffness that changes by less is not told of.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
-IN_LINE = np.radians(1.0)
+IN_LINE = np.radians(15.0)
 # From this width over thickness on a rectangle warps as a thin strip.
 STRIP = 3.0
 # Places in each smooth piece of a section that varies.

@@ -39,6 +39,17 @@ def test_a_strip_of_cubic_beams(count):
     assert all(part in told(spatial.beam, STRIP, count=count, clamped=True) for part in (SHEAR, TWO))
 
 
+def test_beams_along_an_arc_are_one_leaf_spring():
+    """Sixteen beams of 6 mm along a quarter of a circle of 64 mm; by themselves each would lack 4 % of its bending."""
+    b = fm.Builder()
+    for i, angle in enumerate(np.linspace(0, np.pi / 2, 17)):
+        b.node(f"n{i}", 0.064 * np.array([np.sin(angle), 1 - np.cos(angle)]))
+    for i in range(16):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rectangle(0.018, 0.7e-3, STEEL))
+    b.fix("n0")
+    b.build()
+
+
 def test_what_is_stated_is_not_told():
     whole = fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True, warping_length=0.1)
     assert told(spatial.beam, whole, count=2) == ""
