@@ -18,7 +18,7 @@ import flexmb as fm
 from flexmb.answers import answers
 from flexmb.answers.mode import Found
 from flexmb.errors import warn
-from flexmb.files import write_whole
+from flexmb.files import check_writable, write_whole
 from flexmb.mechanisms import mechanism_path, mechanisms
 
 ALWAYS = {"model", "mode", "flexmb", "status", "message", "warnings", "nx", "ne", "nxo", "neo", "ndof", "dofs"}
@@ -687,6 +687,12 @@ def test_what_is_no_file_and_what_is_a_link_stay_what_they_are(tmp_path):
     write_whole(pipe, b"through")
     assert os.read(reader, 100) == b"through"
     os.close(reader)
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    for tried in (check_writable, lambda path: write_whole(path, b"new")):
+        with pytest.raises(FileNotFoundError, match=r"There is no such folder: '.*/none'"):
+            tried(tmp_path / "none" / "a.fmu")
 
 
 def test_bad_file_names_line_and_keyword(tmp_path):

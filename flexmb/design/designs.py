@@ -166,7 +166,11 @@ def monte_carlo(
 def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
     """Dimensions of a dictionary and of keywords, none twice."""
     if given is not None and not isinstance(given, Mapping):
-        raise TypeError(f"Dimensions are given as a dictionary by name, or as keywords, not as {clean(repr(given))}.")
+        # How many designs of chance there are comes first.
+        raise TypeError(
+            f"Dimensions are given as a dictionary by name, or as keywords, not as {clean(repr(given))}; where a number"
+            " of designs is, it goes before them."
+        )
     twice = [name for name in named if name in (given or {})]
     if twice:
         raise TypeError(f"Dimension '{twice[0]}' is given twice: in the dictionary and as a keyword.")
