@@ -133,14 +133,13 @@ def test_vibrations_on_a_trajectory_against_the_nonlinear_motion(swung):
     np.testing.assert_allclose(seen.acceleration("tip", "y")[5:-5], rate[5:-5], atol=0.05 * np.max(np.abs(rate)))
 
 
-def test_inputs_of_a_motion_are_those_of_functions_and_of_a_controller():
+@pytest.mark.parametrize("controlled", [False, True])
+def test_inputs_of_a_motion_are_those_of_functions_and_of_a_controller(controlled):
     """Which of them drives a motion does not matter to what its inputs are."""
-    model, first = arm(), lambda t: 3.0 * jnp.sin(10 * t)
-    alone = fm.simulate(model, TIMES, inputs={"force hub.phi": first})
-    np.testing.assert_allclose(fm.trajectory.time_varying(alone).u0[:, 0], first(TIMES), rtol=1e-12, atol=1e-12)
-    both = fm.simulate(model, TIMES, inputs={"force hub.phi": first}, control=lambda t, y: jnp.array([0.2 * t]))
-    wanted = first(TIMES) + 0.2 * TIMES
-    np.testing.assert_allclose(fm.trajectory.time_varying(both).u0[:, 0], wanted, rtol=1e-12, atol=1e-12)
+    more = {"control": lambda t, y: jnp.array([0.2 * t])} if controlled else {}
+    found = fm.simulate(arm(), TIMES, inputs={"force hub.phi": lambda t: 3.0 * jnp.sin(10 * t)}, **more)
+    wanted = 3.0 * np.sin(10 * TIMES) + (0.2 * TIMES if controlled else 0.0)
+    np.testing.assert_allclose(fm.trajectory.time_varying(found).u0[:, 0], wanted, rtol=1e-12, atol=1e-12)
 
 
 def test_few_modes_and_what_is_left_out_at_rest(swung):
