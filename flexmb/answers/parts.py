@@ -74,10 +74,10 @@ def _rests(lin: Linearization) -> bool:
         return bool(_is_stable(stiffness))
     damping = np.asarray(m.C0) + np.asarray(m.D0)
     if np.any(damping):
-        found = poles_of_matrices(stiffness, damping, np.asarray(m.M0))
+        found: Any = poles_of_matrices(stiffness, damping, np.asarray(m.M0))
         grows = np.any(found.real > GROWS * np.max(np.abs(found), initial=0.0))
     else:
-        values = general_spectrum(stiffness, np.asarray(m.M0))[0]
+        values, _ = general_spectrum(stiffness, np.asarray(m.M0))
         values = values[np.isfinite(values)]
         grows = not np.all(is_real(values) & (values.real > 0))
     # A motion without mass loses its stability where the determinant changes sign.

@@ -216,6 +216,7 @@ def noise_budget(
     system, orders = plain(second_order(lin))
     entries = entering.inputs, entering.sensors
     places = None if loop is None else (loop.measured, loop.driven)
+    grid: Any
     whole, poles, settles, (grid, widths) = _loop(
         system,
         loop.matrices if loop is not None and by_states else None,
@@ -229,7 +230,7 @@ def noise_budget(
         _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
     if hertz is not None:
         grid, widths = check_hertz(hertz), None
-        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid)) < 0)):
+        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
         if not is_concrete(lin.matrices):
@@ -394,7 +395,7 @@ def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], g
 
     def responses(hertz: np.ndarray):
         # In pieces of one size, each compiled once.
-        many = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
+        many: Any = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
         found = []
         for piece in many.reshape(-1, PIECE):
             plant = response_of(lin, piece, None, None, None, None).response

@@ -101,6 +101,7 @@ def _realised_at(
     n_q, n_u = by_p[0].shape
     kept = np.array([i for i in range(n_q) if i not in condensed], int)
     keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, n_u))
+    left_out: Any = None
     if modes:
         keep, left_out = truncated(k, m, modes)
         direct = left_out(by_p[0])
@@ -109,14 +110,14 @@ def _realised_at(
         direct, keep = moved[:, :n_u], keep - moved[:, n_u:]
     mass, damping, stiffness = (keep.T @ of @ keep for of in (m, c, k))
     by_p[0], through[0] = by_p[0] - k @ direct, through[0] + c_q[0] @ direct
+    by_rates = 0.0 if left_out is None else c_q[0] @ left_out(c @ keep)
     if np.any(moves):
         # What follows at once follows a motion with its rates, too; rates of forces are not known.
         for i, of in ((1, c), (2, m)):
             by_p[i], through[i] = by_p[i] - of @ (direct * moves), through[i] + c_q[i] @ (direct * moves)
-            if modes:
+            if left_out is not None:
                 # And what it meets then by damping and inertia, where the input has such a rate.
                 through[i] = through[i] + c_q[0] @ left_out(by_p[i] * (orders >= i).astype(float))
-        by_rates = c_q[0] @ left_out(c @ keep) if modes else 0.0
         by_p, c_q = [keep.T @ of for of in by_p], [of @ keep for of in c_q]
         c_q[1] = c_q[1] - by_rates
         return _first_order(mass, damping, stiffness, by_p, c_q, through, orders)
@@ -124,8 +125,7 @@ def _realised_at(
     lower = factorise(mass).solve(jnp.concatenate([-stiffness, -damping, keep.T @ by_p[0]], axis=1))
     v_dot, pull = lower[:, : 2 * n], lower[:, 2 * n :]
     z_dot = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
-    rates = c_q[1] @ keep - (c_q[0] @ left_out(c @ keep) if modes else 0.0)
-    row = jnp.concatenate([c_q[0] @ keep, rates], axis=1) + c_q[2] @ keep @ v_dot
+    row = jnp.concatenate([c_q[0] @ keep, c_q[1] @ keep - by_rates], axis=1) + c_q[2] @ keep @ v_dot
     found = StateMatrices(
         jnp.concatenate([z_dot, v_dot]),
         jnp.concatenate([jnp.zeros((n, n_u)), pull]),
