@@ -2869,8 +2869,33 @@ FAULTS = [
         "if steps[at] < max(JUMP,",
         "motion/test_sudden.py -k to_be_named",
     ),
-    Fault("statics/solve.py", "s.tries) & ~loose", "s.tries)", "statics/test_stable.py -k double_pendulum"),
+    Fault("statics/solve.py", "bad = bad & ~loose", "pass", "statics/test_stable.py -k double_pendulum"),
     Fault("build/plain_beams.py", "np.radians(15.0)", "np.radians(1.0)", "build/test_plain_beams.py -k along_an_arc"),
+    Fault("statics/solve.py", "topology.n_q > 0 and not moved", "True", "statics/test_refusals.py -k crank"),
+    Fault(
+        "control/stability.py",
+        "abs(np.log(ends)) >= abs(",
+        "abs(np.log(ends)) >= 0 * abs(",
+        "control/test_loops.py -k sampled_loop_feels",
+    ),
+    Fault(
+        "control/noise.py",
+        "    if np.any(sharp):\n",
+        "    if False:\n",
+        "control/test_noise.py -k without_damping_that",
+    ),
+    Fault(
+        "control/noise.py",
+        "lin, grid = jax.lax.stop_gradient((lin, grid))",
+        "pass",
+        "control/test_noise.py -k is_traced",
+    ),
+    Fault(
+        "math/linear.py",
+        "* vectors.T, axis=1), vectors, conditions",
+        "* vectors, axis=1), vectors, conditions",
+        "linear/test_buckling.py -k unsymmetric",
+    ),
 ]
 
 if __name__ == "__main__":

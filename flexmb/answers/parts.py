@@ -18,8 +18,8 @@ from ..model.model import Entry, Labels
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
-# A pole grows whose real part is above this share of the largest.
-GROWS = 1e-10
+# A pole grows whose real part is above this share of its size, unless that is round-off beside the largest.
+GROWS, NOTHING = 1e-9, 1e-12
 # Rows and columns on the terminal.
 SHOWN_VALUES = 12
 
@@ -75,7 +75,8 @@ def _rests(lin: Linearization) -> bool:
     damping = np.asarray(m.C0) + np.asarray(m.D0)
     if np.any(damping):
         found: Any = poles_of_matrices(stiffness, damping, np.asarray(m.M0))
-        grows = np.any(found.real > GROWS * np.max(np.abs(found), initial=0.0))
+        sizes = np.abs(found)
+        grows = np.any((found.real > GROWS * sizes) & (sizes > NOTHING * np.max(sizes, initial=0.0)))
     else:
         values, _ = general_spectrum(stiffness, np.asarray(m.M0))
         values = values[np.isfinite(values)]

@@ -14,6 +14,7 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
 from ..linear.linearize import Linearization, ManyStates, Where, linearized
+from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
@@ -28,6 +29,8 @@ DECAYS, GROWS = 1e-13, 1e-10
 # Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is, of a curve
 # 1/(1 + x^2) to each an equal share; first tried out to x = WIDEST.
 SPREAD, BESIDE, WIDEST = 200, 80, 100.0
+# What moves freely has a pole of this share of the largest, by round-off.
+FREE = 1e-7
 # A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved
 # without bounds at rest. A pole below that other share of its end is none.
 FIRST, STILL = 1e-4, 1e-9
@@ -36,9 +39,8 @@ DRIFTS = 0.01
 # Without poles responses change by this share from one frequency to the next at most, but for what is fainter than that
 # share of the largest; so many are computed together, and so many there are at most.
 LITTLE, FAINT, PIECE, MOST = 0.02, 1e-6, 256, 20000
-# Eigenvectors are told apart whose inverse is no larger than this.
-TOLD = 1e6
-
+# Nor are they nearer to each other than this share.
+NARROWEST = 1e-9
 Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
 
 
@@ -177,15 +179,18 @@ def noise_budget(
         acceleration, or makes an output drift; under a trace also where the loop is not stable.
 
     Raises:
-        AnalysisError: unstable where the mechanism, or the loop, does not come to rest, so that its noise has no end;
+        AnalysisError: unstable where the mechanism, or the loop, does not come to rest, or has a resonance without
+            damping within the frequencies, so that its noise has no end;
             what the linearisation failed by.
         ModelError: Noise of a sensor that no controller reads; no outputs; an input that moves nothing.
         KeyError: A source, an output or an input that there is not.
         ValueError: No sources; a density that is negative or has another shape; neither ``hertz`` nor ``band`` where a
-            density is no number; a controller that does not fit.
+            density is no number; a controller that does not fit; a ``band`` beside one that is a function of
+            frequencies under ``jax.jit``.
 
     Warns:
-        FlexmbWarning: A root mean square is infinite.
+        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band begins; the loop of
+            a controller that is a function of frequencies is too sharp to be drawn.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).
@@ -233,12 +238,7 @@ def noise_budget(
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
-        if not is_concrete(lin.matrices):
-            raise ValueError(
-                "Beside a controller that is a function of frequencies those of a `band` are chosen by concrete"
-                " numbers: give `hertz` under a trace."
-            )
-        grid, widths = _refined(lin, loop, entries, np.asarray(grid)), None
+        grid, widths = _refined(lin, loop, entries, grid), None
     if by_states and not exact:
         undamped = _undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
@@ -386,12 +386,33 @@ def _undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> B
     """Which poles are resonances without damping within frequencies."""
     sizes = jnp.abs(poles)
     hertz, largest = jnp.imag(poles) / (2 * np.pi), jnp.max(sizes)
-    vibrates = (jnp.abs(jnp.real(poles)) <= DECAYS * largest) & (sizes > jnp.sqrt(GROWS) * largest)
+    vibrates = (jnp.abs(jnp.real(poles)) <= DECAYS * largest) & (sizes > FREE * largest)
     return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
 
 
-def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: np.ndarray) -> np.ndarray:
-    """Frequencies that draw the responses of a loop whose poles are not known: halved until these change by little."""
+def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:
+    """Frequencies that draw the responses of a loop whose poles are not known: halved until these change by little.
+
+    Raises:
+        ValueError: Numbers are traced by ``jax.jit``.
+
+    Warns:
+        FlexmbWarning: It takes too many.
+    """
+    # Those of ``jax.grad`` alone are concrete without their derivatives, which a frequency need not have.
+    lin, grid = jax.lax.stop_gradient((lin, grid))
+
+    def known_gain(hertz: Any) -> Any:
+        found = jax.lax.stop_gradient(loop.by_frequency(hertz))
+        if not is_concrete((found, lin, grid)):
+            raise ValueError(
+                "Beside a controller that is a function of frequencies those of a `band` are chosen by concrete"
+                " numbers: give `hertz` under jax.jit."
+            )
+        return found
+
+    known_gain(np.ones(1))
+    grid = np.asarray(grid)
 
     def responses(hertz: np.ndarray):
         # In pieces of one size, each compiled once.
@@ -399,21 +420,28 @@ def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], g
         found = []
         for piece in many.reshape(-1, PIECE):
             plant = response_of(lin, piece, None, None, None, None).response
-            of = closed_by_frequency(plant, loop.by_frequency(piece), (loop.measured, loop.driven), *entries)
+            of = closed_by_frequency(plant, known_gain(piece), (loop.measured, loop.driven), *entries)
             found.append(np.asarray(of).reshape(PIECE, -1))
         return np.concatenate(found)[: len(hertz)]
 
-    known = responses(grid)
-    while len(grid) < MOST:
+    known, sharp = responses(grid), True
+    while sharp and len(grid) < MOST:
         # Across a resonance halfway between two frequencies their sizes are equal, but not their phases.
         size = np.abs(known)
         size = np.maximum(size[1:], size[:-1]) + FAINT * np.max(size, axis=0)
         steps = np.max(np.abs(np.diff(known, axis=0)) / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
-        coarse = np.flatnonzero((steps > LITTLE) & (np.diff(grid) > 1e-9 * grid[1:]))
+        sharp = steps > LITTLE
+        coarse = np.flatnonzero(sharp & (np.diff(grid) > NARROWEST * grid[1:]))
         if not len(coarse):
             break
         more = np.sqrt(grid[coarse] * grid[coarse + 1])
         grid, known = np.insert(grid, coarse + 1, more), np.insert(known, coarse + 1, responses(more), axis=0)
+    if np.any(sharp):
+        warn(
+            f"The loop around a controller that is a function of frequencies is not drawn to the end by {len(grid)}"
+            " frequencies: it has a resonance without damping, or a long delay. The root mean square may be off; give"
+            " `hertz`, or damping."
+        )
     return grid
 
 
@@ -434,19 +462,9 @@ def _loop(
     that of the sum times the sharpness of a resonance.
     """
     whole = closed(energy_form(system, orders), matrices, places, *entries)
-    poles = _poles(whole.A)
+    poles, _, _ = general_eigen(whole.A)
     settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
     return whole, poles, settles, _grid(poles, *(band or (None, None)))
-
-
-def _poles(a: Float[Array, "n n"]) -> Complex[Array, "n"]:
-    """Eigenvalues; their derivatives are those of simple ones, and zero where vectors are not told apart."""
-    still = jax.lax.stop_gradient(a)
-    values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
-    inverse = jnp.linalg.inv(vectors)
-    told = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < TOLD)
-    moved = jnp.where(told, inverse, 0.0) @ (a - still).astype(complex)
-    return values + jnp.sum(moved * vectors.T, axis=1)
 
 
 @jit

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import control
 
 # The output of a plant of one motion is a position where the part by its rate is below this share of it, at its
-# frequency; where the square of that is below the other share of A squared, nothing holds it.
-PLACED, FREE = 0.1, 1e-12
+# frequency.
+PLACED = 0.1
 
 
 def one_mass(plant: Any) -> tuple[float, float, float]:
@@ -42,9 +42,8 @@ def one_mass(plant: Any) -> tuple[float, float, float]:
     # y = (rate s + inverse)/(s^2 + ..) u: of modes that are left out, what damping makes of them is a rate, but small.
     rate = (c @ b).item()
     inverse = (c @ a @ b).item() - float(np.trace(a)) * rate
-    square, size = abs(float(np.linalg.det(a))), np.linalg.norm(a, 2)
-    fast = np.sqrt(square) if square > FREE * size**2 else size
-    if abs(rate) * fast > PLACED * abs(inverse):
+    fast = max(np.sqrt(abs(float(np.linalg.det(a)))), abs(float(np.trace(a))))
+    if abs(rate) * fast > PLACED * abs(inverse) or (rate and not inverse):
         raise ModelError(f"Output '{plant.output_labels[0]}' is no position: name an `output` that is one.")
     if inverse == 0:
         raise ModelError(f"Input '{plant.input_labels[0]}' does not move output '{plant.output_labels[0]}'.")

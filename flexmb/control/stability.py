@@ -143,8 +143,7 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         raise ModelError(f"The loop passes on what it is given without delay, and has no solution: {fault}") from fault
     values = np.asarray(loop.poles(), complex)
     if period:
-        with np.errstate(divide="ignore"):
-            values = np.log(values[values != 0]) / period
+        values = np.log(values[values != 0]) / period
     values = values[np.lexsort((np.abs(np.imag(values)), -np.real(values)))]
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
@@ -189,6 +188,11 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     response = one(_laplace(2j * np.pi * hertz, period))
     data = control.frd(response, 2 * np.pi * hertz, smooth=True)
     gain, phase, modulus, gain_at, phase_at, modulus_at = (float(value) for value in control.stability_margins(data))
+    if period:
+        # At the highest frequency, where a response is real, there is no crossing of a phase.
+        ends = -1 / float(np.real(one(-1.0))) if np.real(one(-1.0)) < 0 else np.inf
+        if not abs(np.log(ends)) >= abs(np.log(gain)):
+            gain, gain_at = ends, np.pi / period
     distance = np.abs(1 + response)
     if not modulus <= np.min(distance):
         # At an end of the frequencies, where python-control looks for no smallest one.

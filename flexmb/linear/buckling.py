@@ -15,7 +15,7 @@ from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
 from ..errors import ModelError, warn
 from ..math.indices import put
-from ..math.linear import factorise, is_positive_definite, pencil
+from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
 from ..mechanics.extent import sizes_of
@@ -174,8 +174,8 @@ def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Ar
     """Values 1/lambda by descending magnitude, zero for those not real, vectors, and the largest size of those."""
     complex_ones = jnp.zeros(())
     if lacks_potential(topology):
-        values, vectors = jnp.linalg.eig(factorise(k).solve(-g))
-        real = is_real(values) & _is_told(values, vectors)
+        values, vectors, conditions = general_eigen(factorise(k).solve(-g))
+        real = is_real(values) & _is_told(values, vectors, conditions)
         complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(values)), initial=0.0)
         values, vectors = jnp.where(real, values.real, 0.0), vectors.real
     else:
@@ -184,17 +184,17 @@ def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Ar
     return values[order], vectors[:, order], complex_ones
 
 
-def _is_told(values: Complex[Array, "n"], vectors: Complex[Array, "n n"]) -> Bool[Array, "n"]:
+def _is_told(
+    values: Complex[Array, "n"], vectors: Complex[Array, "n n"], conditions: Float[Array, "n"]
+) -> Bool[Array, "n"]:
     """Which eigenvalues of an unsymmetric matrix are known, (n,).
 
     A load that follows may have no multipliers at all: of K^-1 G without an eigenvalue but zero round-off makes some,
-    by a root of it as high as the matrix has coordinates. The round-off of an eigenvalue is that of the matrix over
-    the cosine between its left and right vectors.
+    by a root of it as high as the matrix has coordinates. The round-off of an eigenvalue is that of the matrix times
+    its condition.
     """
-    values, vectors = jax.lax.stop_gradient((values, vectors))
-    inverse = jnp.linalg.inv(vectors)
-    conditions = jnp.linalg.norm(vectors, axis=0) * jnp.linalg.norm(inverse, axis=1)
-    size = jnp.linalg.norm((vectors * values) @ inverse)
+    values = jax.lax.stop_gradient(values)
+    size = jnp.linalg.norm((vectors * values) @ jnp.linalg.inv(vectors))
     return len(values) * np.finfo(float).eps * size * conditions < TOLD * jnp.abs(values)
 
 
@@ -218,8 +218,8 @@ def multipliers_of(
     """
     operator = factorise(k).solve(-g)
     if unsymmetric:
-        inverse, vectors = jnp.linalg.eig(operator)
-        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(inverse, vectors)
+        inverse, vectors, conditions = general_eigen(operator)
+        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(inverse, vectors, conditions)
     else:
         inverse = jnp.linalg.eigvals(operator)
         real = jnp.isfinite(inverse.real) & is_real(inverse)

@@ -6,12 +6,14 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Complex, Float, Int
 
 from .indices import TRUSTED, put
 
 # An eigenvalue is negative that is below minus this, where a diagonal is one: far above round-off.
 SEMIDEFINITE = 1e-9
+# Eigenvectors are told apart whose inverse is no larger than this.
+TOLD = 1e6
 # A product of matrices costs a call of a library, as long as so many multiplications.
 SMALL = 700
 
@@ -185,6 +187,25 @@ def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     # Within a cluster the vectors follow no rotation of their own, only the change of their norm.
     coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), -db / 2)
     return (mu, w), (diagonal_of(change), w @ coefficients)
+
+
+def general_eigen(
+    a: Float[Array, "n n"],
+) -> tuple[Complex[Array, "n"], Complex[Array, "n n"], Float[Array, "n"]]:
+    """Eigenvalues and vectors of a matrix that need not be symmetric.
+
+    Returns:
+        Values, (n,), of which the derivatives are those of simple ones, and zero where vectors are not told apart;
+        vectors as columns, (n, n), without derivatives; by how much each value is more sensitive to round-off than
+        those of a symmetric matrix, (n,), the norms of its left and its right vector over their product.
+    """
+    still = jax.lax.stop_gradient(a)
+    values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
+    inverse = jnp.linalg.inv(vectors)
+    conditions = jnp.linalg.norm(vectors, axis=0) * jnp.linalg.norm(inverse, axis=1)
+    told = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < TOLD)
+    moved = jnp.where(told, inverse, 0.0) @ (a - still).astype(complex)
+    return values + jnp.sum(moved * vectors.T, axis=1), vectors, conditions
 
 
 # Vectors are iterated together with as many more, so that the last one wanted converges too.

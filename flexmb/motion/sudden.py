@@ -61,7 +61,8 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = Fal
         if len(found) and not named and not is_concrete(f) and (at := _jump(values)) is not None:
             warn(
                 f"A function of time jumps at t = {short(times[at])} s, and its numbers are differentiated: the"
-                " derivative by the time of a jump is zero unless that is named, as in jumps=[t1]."
+                " derivative by the time of the jump, if that is one of them, is zero unless it is named, as in"
+                " jumps=[t1]."
             )
     if not len(edges):
         return None

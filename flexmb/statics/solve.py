@@ -131,6 +131,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
     sizes = sizes_of(topology, parameters)
     tracks = topology.counts_turns
     loaded = has_loads(topology, parameters)
+    # What is moved goes by steps, of which a pendulum's fall has no need.
+    moved = topology.x.prescribed.shape[0] + topology.e.prescribed.shape[0] > 0
+    falls = topology.n_q > 0 and not moved and parameters.loads.temperature is None
 
     def turn(s: _Search) -> _Search:
         going = ~s.finishing
@@ -152,11 +155,14 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         still = jnp.array(False) if loaded else (s.iterations == 0) & _is_round_off(at, residual, sizes)
         change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
-        # Where nothing is elastic a smaller load makes no smaller correction.
-        loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (s.tries < MOST_LOOSE)
-        change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
         first = jnp.where(s.tries == 0, size, s.first)
-        bad = going & AT_LOAD.astray(size, s.before, s.tries) & ~loose
+        bad = going & AT_LOAD.astray(size, s.before, s.tries)
+        if falls:
+            # Where nothing is elastic a smaller load makes no smaller correction. Tried once, at the whole load.
+            loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (s.tries < MOST_LOOSE)
+            loose = loose & (s.reached == 0) & (s.step == 1)
+            change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
+            bad = bad & ~loose
         done = going & near_enough(size, load, s.tries) & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.

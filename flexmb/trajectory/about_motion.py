@@ -64,7 +64,7 @@ def about(given: Any, function: str) -> About:
     u0 = motion.u if motion.u.shape[1] else jnp.zeros((count, inputs))
     for one in motion.driven:
         if one.given is not None:
-            own = jax.vmap(one.given)(motion.t)
+            own = jax.lax.map(one.given, motion.t)
             u0 = jnp.asarray(u0).at[:, one.of_input].add(jnp.reshape(own, (count,)))
     return About(motion, u0, jnp.zeros((count, motion.model.topology.n_q)))
 

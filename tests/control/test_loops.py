@@ -326,6 +326,8 @@ def test_a_sampled_loop_feels_at_its_samples_what_it_gave_before(gain):
     fastest = found.poles[np.argmax(np.abs(found.poles))]
     # The spring adds h^2 k/m, the damper h d/m.
     np.testing.assert_allclose(np.exp(fastest * h), -gain, rtol=2e-4)
+    # At the highest frequency, pi/h, it is unstable where the gain times 1/m is one.
+    np.testing.assert_allclose([found.margins[0].gain, found.margins[0].gain_hertz], [1 / gain, 0.5 / h], rtol=2e-4)
     u = fm.simulate(model, h * np.arange(9), control=sampled, reference=lambda t: 1e-3).u[:, 0]
     steps = np.diff(u[:-1])
     np.testing.assert_allclose(steps[1:] / steps[:-1], -gain, rtol=2e-3)

@@ -82,9 +82,30 @@ def test_frequencies_beside_a_controller_that_is_a_function_of_them(gain):
     found = fm.control.noise_budget(model, band=(0.1, 1e3), controller=lambda f: gain + 0j * f, **own)
     # Responses change by 2 % from each frequency to the next, and the trapezoidal rule is off by the square.
     assert found.rms() ** 2 == pytest.approx(FORCE / (4 * D * (K + gain)), rel=1e-3)
-    with pytest.raises(ValueError, match="give `hertz` under a trace"):
-        jax.jit(lambda m: fm.control.noise_budget(m, band=(0.1, 1e3), controller=lambda f: gain + 0j * f, **own).rms())(
-            model
+
+
+def test_a_gain_that_is_traced_in_a_function_of_frequencies():
+    """By closed form d(rms)/dg = -rms/(2 (k + g)); under jax.jit no frequencies are chosen."""
+    model = shaken()
+
+    def rms(gain):
+        own = {"sources": {"push": FORCE}, "measured": "tip", "driven": "push", "outputs": "tip"}
+        return fm.control.noise_budget(model, band=(0.1, 100), controller=lambda f: gain + 0j * f, **own).rms()
+
+    value, slope = jax.value_and_grad(rms)(1e3)
+    # As far as the rule that sums is exact.
+    assert slope == pytest.approx(-value / (2 * (K + 1e3)), rel=2e-3)
+    with pytest.raises(ValueError, match=r"give `hertz` under jax\.jit"):
+        jax.jit(rms)(1e3)
+
+
+def test_a_loop_without_damping_that_a_function_of_frequencies_closes_is_told():
+    b = sprung_mass(stiffness=K, damping=0.0, mass=M)
+    b.input("mass", "x", name="push")
+    b.output("mass", "x", name="tip")
+    with pytest.warns(fm.FlexmbWarning, match="resonance without damping, or a long delay"):
+        fm.control.noise_budget(
+            b.build(), sources={"push": FORCE}, band=(0.5, 10.0), controller=lambda f: 50.0 + 0j * f
         )
 
 

@@ -163,3 +163,24 @@ def test_a_load_that_follows_a_column_has_no_multiplier(load):
         assert len(fm.buckling(model).multipliers) == 0
     lin = fm.linearize(model)
     assert not np.any(np.isfinite(multipliers_of(lin.K0, lin.G0, as_floats(0.0), unsymmetric=True)))
+
+
+def test_derivative_of_a_multiplier_of_an_unsymmetric_stiffness():
+    """A column under a dead load, and a small one that follows: by central differences."""
+
+    def multiplier(bending):
+        b = fm.Builder()
+        for i in range(3):
+            b.node(f"n{i}", (0.5 * i, 0.0))
+        for i in range(2):
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e6, EIy=bending * (1 + i)))
+        b.fix("n0")
+        b.force("n2", (-1.0, 0.0))
+        b.force("n1", (-0.2, 0.0), follower=True)
+        return fm.buckling_loads(b.build())[0]
+
+    step = 1e-4
+    wanted = (multiplier(1.0 + step) - multiplier(1.0 - step)) / (2 * step)
+    # Multipliers are good to 1e-9 or so, over the step.
+    np.testing.assert_allclose(jax.jacfwd(multiplier)(1.0), wanted, rtol=1e-4)
+    np.testing.assert_allclose(jax.grad(multiplier)(1.0), wanted, rtol=1e-4)

@@ -408,3 +408,31 @@ def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found():
     b.force("D", (0, -0.1))
     with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
         fm.equilibrium(b.build())
+
+
+@pytest.mark.parametrize("turn", [120.0, 240.0, -90.0])
+def test_a_crank_that_is_driven_beyond_its_reach_is_refused(turn):
+    """A rigid four-bar of ground 1, crank 1, coupler 0.8, rocker 0.5, the crank drawn at 60 degrees.
+
+    Coupler and rocker reach as far as 1.3 between tip and ground, and no nearer than 0.3: angles of 2 arcsin of half
+    of these over one, 17 to 81 degrees.
+    """
+    crank = np.deg2rad(60.0)
+    b_at = np.array([np.cos(crank), np.sin(crank)])
+    # Tip and far ground are one apart: by the law of cosines from the ground along to the tip.
+    along = (1.0 + 0.5**2 - 0.8**2) / 2
+    toward = b_at - [1.0, 0.0]
+    c_at = [1.0, 0.0] + along * toward + np.sqrt(0.5**2 - along**2) * np.array([toward[1], -toward[0]])
+    b = fm.Builder()
+    for name, place in {"A": (0.0, 0.0), "B": b_at, "C": c_at, "D": (1.0, 0.0)}.items():
+        b.node(name, place)
+    for i in range(3):
+        b.rotation(f"r{i}")
+    for i, (p, q) in enumerate(("AB", "BC", "CD")):
+        b.add(planar.rigid_beam, p, f"r{i}", q, name=f"bar{i}")
+    b.fix("A")
+    b.fix("D")
+    b.prescribe("r0", "phi", np.deg2rad(turn))
+    b.mass("C", 1.0)
+    with pytest.raises(fm.AnalysisError):
+        fm.equilibrium(b.build())
