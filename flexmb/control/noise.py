@@ -424,15 +424,15 @@ def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], g
             found.append(np.asarray(of).reshape(PIECE, -1))
         return np.concatenate(found)[: len(hertz)]
 
-    known, sharp = responses(grid), True
-    while sharp and len(grid) < MOST:
+    known = responses(grid)
+    while True:
         # Across a resonance halfway between two frequencies their sizes are equal, but not their phases.
         size = np.abs(known)
         size = np.maximum(size[1:], size[:-1]) + FAINT * np.max(size, axis=0)
         steps = np.max(np.abs(np.diff(known, axis=0)) / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
         sharp = steps > LITTLE
         coarse = np.flatnonzero(sharp & (np.diff(grid) > NARROWEST * grid[1:]))
-        if not len(coarse):
+        if not len(coarse) or len(grid) >= MOST:
             break
         more = np.sqrt(grid[coarse] * grid[coarse + 1])
         grid, known = np.insert(grid, coarse + 1, more), np.insert(known, coarse + 1, responses(more), axis=0)

@@ -94,7 +94,7 @@ def test_a_gain_that_is_traced_in_a_function_of_frequencies():
 
     value, slope = jax.value_and_grad(rms)(1e3)
     # As far as the rule that sums is exact.
-    assert slope == pytest.approx(-value / (2 * (K + 1e3)), rel=2e-3)
+    assert float(slope) == pytest.approx(-float(value) / (2 * (K + 1e3)), rel=2e-3)
     with pytest.raises(ValueError, match=r"give `hertz` under jax\.jit"):
         jax.jit(rms)(1e3)
 
