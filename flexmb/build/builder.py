@@ -740,7 +740,8 @@ class Builder(Description):
         ]
         if self.dofs and strangers:
             raise ModelError(
-                f"Only degrees of freedom have start values, and {', '.join(strangers)} is none: name it with dof()."
+                f"Only degrees of freedom have start values, and {', '.join(strangers)}"
+                f" {'is none: name it' if len(strangers) == 1 else 'are none: name them'} with dof()."
             )
         if check:
             warn_of_idle(self)
