@@ -160,8 +160,8 @@ def _independent(
     """Deformations that determine a mechanism together with what is named, so that it bends where only that moves.
 
     Degrees of freedom that are not said to move stay zero. Therefore elongations and shears of strain series come
-    first; of the rest those that what is named moves least are the most independent, what varies along a beam more
-    than linearly.
+    first beside what is named; of the rest those that it moves least are the most independent, what varies along a
+    beam more than linearly. Where nothing is named the most independent ones serve designs alike in a sweep.
 
     Args:
         model: Mechanism.
@@ -176,7 +176,7 @@ def _independent(
     """
     _, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
     chosen: list[int] = []
-    if not isinstance(effects, np.ndarray):
+    if not isinstance(effects, np.ndarray) or not named.shape[0]:
         tiers = [np.arange(len(candidates))]
     else:
         tiers = [np.flatnonzero(np.isin(candidates, _stretches(model))), np.arange(len(candidates))]

@@ -154,3 +154,31 @@ def test_degrees_of_freedom_beside_the_stage_of_arcs_are_what_varies_along_them(
     stretch, bending = planar.spectral_beam(order=5).fields
     wanted = {f"{name}.e{n}" for name in ("left", "right") for n in (*stretch, *bending[2:])}
     assert wanted <= set(b.build().q_labels)
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_degrees_of_freedom_found_for_one_design_serve_others(named):
+    """A cross pivot of stiffness 8 EI/L (1 - 3 r + 3 r^2): where leaf springs cross in their middles some bend not."""
+    ratios, length, section = np.array([0.0, 0.3, 0.5, 1.0]), 0.05, fm.Rigidity(EA=1e6, EIy=0.1)
+
+    def pivot(ratio):
+        b = fm.Builder()
+        ends, angle = {}, np.pi / 4
+        for side, sign in (("l", 1.0), ("r", -1.0)):
+            along = np.array([sign * np.sin(angle), np.cos(angle)])
+            ends[side] = f"{side}0", f"{side}1"
+            b.node(ends[side][0], -ratio * length * along)
+            b.node(ends[side][1], (1 - ratio) * length * along)
+            b.add(planar.spectral_beam(order=4), *ends[side], name=side, section=section)
+            b.fix(ends[side][0])
+        b.add(planar.rigid_body, "l1", "r1")
+        b.mass("l1", 1.0)
+        if named:
+            b.dof("l1.rotation", "phi")
+        return b.build()
+
+    def stiffness(model):
+        return 1 / fm.compliance(model, "l1")[2, 2]
+
+    found = fm.sweep(pivot, {"k": stiffness}, {"ratio": ratios})["k"]
+    np.testing.assert_allclose(found, 8 * 0.1 / length * (1 - 3 * ratios + 3 * ratios**2), rtol=1e-3)
