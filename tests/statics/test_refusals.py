@@ -175,8 +175,9 @@ def test_what_has_no_elastic_stiffness_is_not_critical():
 def test_a_force_that_follows_its_column_has_no_static_buckling_load():
     # Beck's column flutters: statics finds no load, from the straight state or below any load.
     model = column(1.0, follower=True)
-    found = np.asarray(fm.buckling_loads(model))
-    assert not np.any(np.isfinite(found) & (np.abs(found) < 100))
+    with pytest.warns(fm.FlexmbWarning, match="complex: before it buckles"):
+        found = np.asarray(fm.buckling_loads(model))
+    assert not np.any(np.isfinite(found))
     assert np.all(np.abs(np.real(fm.poles(model))) < 1e-6)
     # Flutter at 20.05 EI/L^2 (closed form, Beck 1952): pairs of poles leave the axis.
     assert np.max(np.real(fm.poles(column(19.9, follower=True)))) < 1e-3
