@@ -22,6 +22,9 @@ from ..spacar.actions import RATES_IDLE
 from .mode import Found, Mode, Question
 from .parts import number
 
+# Modes in which what is prescribed moves in time.
+OF_MOTION = (1, 4)
+
 
 @functools.cache
 def modes() -> dict[int, Mode]:
@@ -81,10 +84,6 @@ def _dofs(model: Model) -> list[dict[str, Any]]:
             yield {"kind": kind, "of": number(entries[i].of), "component": entries[i].component}
 
     return [*named("x", model.topology.x, model.labels.x), *named("e", model.topology.e, model.labels.e)]
-
-
-# Modes in which what is prescribed moves in time.
-OF_MOTION = (1, 4)
 
 
 def answer(

@@ -143,8 +143,10 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
         return model
+    rows = named_rows(model, motions)
+    _, rest = independent_rows(rows, rows.shape[0], CANNOT_MOVE)
     effects = constraints(model).jacobian[candidates] @ motions
-    chosen, _ = _independent(model, candidates, effects, named_rows(model, motions), missing)
+    chosen, _ = _independent(model, candidates, effects, rest, missing, rows.shape[0] > 0)
     if len(chosen) < missing:
         return model
     builder = builder.copy()
@@ -155,7 +157,7 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
 
 
 def _independent(
-    model: Model, candidates: Sequence[int], effects: Any, named: Any, wanted: int
+    model: Model, candidates: Sequence[int], effects: Any, rest: Any, wanted: int, beside: bool
 ) -> tuple[list[int], Any]:
     """Deformations that determine a mechanism together with what is named, so that it bends where only that moves.
 
@@ -167,16 +169,16 @@ def _independent(
         model: Mechanism.
         candidates: Indices of deformations, (m,).
         effects: Their changes in each motion, (m, f).
-        named: Changes of what is named, (n, f).
+        rest: Projector onto motions that what is named does not determine, (f, f).
         wanted: How many to choose at most.
+        beside: Whether anything is named.
 
     Returns:
         Indices of the chosen deformations, and the projector (f, f) onto motions that neither they nor what is named
         determine.
     """
-    _, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
     chosen: list[int] = []
-    if not isinstance(effects, np.ndarray) or not named.shape[0]:
+    if not isinstance(effects, np.ndarray) or not beside:
         tiers = [np.arange(len(candidates))]
     else:
         tiers = [np.flatnonzero(np.isin(candidates, _stretches(model))), np.arange(len(candidates))]
@@ -229,7 +231,7 @@ def choose(model: Model, motions: Any, named: Any, found: Constraints | None = N
             return [], released.tolist()
         first = []
     else:
-        first, rest = _independent(model, released.tolist(), effects, named, wanted)
+        first, rest = _independent(model, released.tolist(), effects, rest, wanted, named.shape[0] > 0)
     free = np.asarray(topology.x.dependent)
     second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
     return [int(free[i]) for i in sorted(second)], sorted(first)

@@ -242,13 +242,8 @@ def noise_budget(
     if by_states and not exact:
         undamped = _undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
-        if is_concrete(undamped) and np.any(undamped):
-            worst = abs(complex(np.asarray(poles)[np.asarray(undamped)][0])) / (2 * np.pi)
-            raise AnalysisError(
-                "unstable",
-                f"A resonance within the band, at {worst:.4g} Hz, has no damping, so that noise has no end there. Damp"
-                " it, as by fm.damped(model, ratio=0.01), or give a band without it.",
-            )
+        if is_concrete(undamped):
+            _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
     densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
     plant = response_of(lin, grid, None, None, None, None).response
     gain = None if loop is None else loop.by_frequency(grid)
@@ -357,6 +352,20 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
         f"{what} does not come to rest: {how} has no damping, so that white noise has no end. Damp it, as by"
         " fm.damped(model, ratio=0.01), or give a `band` without it.",
     )
+
+
+def _refuse_undamped(poles: Any) -> None:
+    """Refuse resonances without damping within the frequencies.
+
+    Raises:
+        AnalysisError: unstable.
+    """
+    if len(poles):
+        raise AnalysisError(
+            "unstable",
+            f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping, so that noise has"
+            " no end there. Damp it, as by fm.damped(model, ratio=0.01), or give a band without it.",
+        )
 
 
 def _tell_of_infinite(found: NoiseBudget) -> None:

@@ -190,7 +190,8 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     gain, phase, modulus, gain_at, phase_at, modulus_at = (float(value) for value in control.stability_margins(data))
     if period:
         # At the highest frequency, where a response is real, there is no crossing of a phase.
-        ends = -1 / float(np.real(one(-1.0))) if np.real(one(-1.0)) < 0 else np.inf
+        last = float(np.real(one(-1.0)))
+        ends = -1 / last if last < 0 else np.inf
         if not abs(np.log(ends)) >= abs(np.log(gain)):
             gain, gain_at = ends, np.pi / period
     distance = np.abs(1 + response)

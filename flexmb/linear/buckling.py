@@ -174,8 +174,9 @@ def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Ar
     """Values 1/lambda by descending magnitude, zero for those not real, vectors, and the largest size of those."""
     complex_ones = jnp.zeros(())
     if lacks_potential(topology):
-        values, vectors, conditions = general_eigen(factorise(k).solve(-g))
-        real = is_real(values) & _is_told(values, vectors, conditions)
+        operator = factorise(k).solve(-g)
+        values, vectors, conditions = general_eigen(operator)
+        real = is_real(values) & _is_told(operator, values, conditions)
         complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(values)), initial=0.0)
         values, vectors = jnp.where(real, values.real, 0.0), vectors.real
     else:
@@ -185,7 +186,7 @@ def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Ar
 
 
 def _is_told(
-    values: Complex[Array, "n"], vectors: Complex[Array, "n n"], conditions: Float[Array, "n"]
+    operator: Float[Array, "n n"], values: Complex[Array, "n"], conditions: Float[Array, "n"]
 ) -> Bool[Array, "n"]:
     """Which eigenvalues of an unsymmetric matrix are known, (n,).
 
@@ -193,9 +194,8 @@ def _is_told(
     by a root of it as high as the matrix has coordinates. The round-off of an eigenvalue is that of the matrix times
     its condition.
     """
-    values = jax.lax.stop_gradient(values)
-    size = jnp.linalg.norm((vectors * values) @ jnp.linalg.inv(vectors))
-    return len(values) * np.finfo(float).eps * size * conditions < TOLD * jnp.abs(values)
+    operator, values = jax.lax.stop_gradient((operator, values))
+    return len(values) * np.finfo(float).eps * jnp.linalg.norm(operator) * conditions < TOLD * jnp.abs(values)
 
 
 @jit
@@ -218,8 +218,8 @@ def multipliers_of(
     """
     operator = factorise(k).solve(-g)
     if unsymmetric:
-        inverse, vectors, conditions = general_eigen(operator)
-        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(inverse, vectors, conditions)
+        inverse, _, conditions = general_eigen(operator)
+        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(operator, inverse, conditions)
     else:
         inverse = jnp.linalg.eigvals(operator)
         real = jnp.isfinite(inverse.real) & is_real(inverse)

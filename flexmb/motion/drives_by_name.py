@@ -108,14 +108,13 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     _check_inputs(model, inputs)
     weights, count = model.parameters.weights, 0
     for number, signal in enumerate(model.labels.inputs):
-        for place, term in enumerate(signal.terms, count):
-            if signal.name in inputs:
+        if signal.name in inputs:
+            whole = _function(f"Input '{signal.name}'", inputs[signal.name], 1)
+            parts = []
+            for place, term in enumerate(signal.terms, count):
                 weight = None if weights is None or not signal.parts else weights[0][place]
-                own = _input(signal, term, inputs[signal.name], weight)
-                if place == count:
-                    whole = _function(f"Input '{signal.name}'", inputs[signal.name], 1)
-                    own = dataclasses.replace(own, of_input=number, given=whole)
-                found.append(own)
+                parts.append(_input(term, whole, weight))
+            found += [dataclasses.replace(parts[0], of_input=number, given=whole), *parts[1:]]
         count += len(signal.terms)
     if drives.increment is not None:
         own = model.parameters.increment
@@ -171,10 +170,8 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
             raise ModelError(f"Input '{signal.name}' moves nothing, wherever the mechanism goes. Leave it out.")
 
 
-def _input(whole: Signal, signal: Signal, value: Any, weight: Any) -> Driven:
+def _input(signal: Signal, value: Any, weight: Any) -> Driven:
     """An input as a function of time, or one of the parts of an actuator, with its weight."""
-    what = f"Input '{whole.name}'"
-    value = _function(what, value, 1)
     if weight is not None and isinstance(value, Table):
         value = Table(value.times, weight * jnp.asarray(value.values, float))
     elif weight is not None:
