@@ -10,16 +10,13 @@ from ..compilation.compile import jit
 from ..linear.compliance import directional_compliance, rates_on_host
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
-from ..linear.spectrum import general_spectrum, is_real
-from ..linear.spectrum import poles_of as poles_of_matrices
+from ..linear.stability import without_growth
 from ..linear.stress import stress, without_shape
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels
 
 # A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
 LOOSE = 1e-12
-# A pole grows whose real part is above this share of its size, unless that is round-off beside the largest.
-GROWS, NOTHING = 1e-9, 1e-12
 # Rows and columns on the terminal.
 SHOWN_VALUES = 12
 
@@ -72,17 +69,9 @@ def _rests(lin: Linearization) -> bool:
     stiffness, m = _stiffness(lin), lin.matrices
     if m.symmetric:
         return bool(_is_stable(stiffness))
-    damping = np.asarray(m.C0) + np.asarray(m.D0)
-    if np.any(damping):
-        found: Any = poles_of_matrices(stiffness, damping, np.asarray(m.M0))
-        sizes = np.abs(found)
-        grows = np.any((found.real > GROWS * sizes) & (sizes > NOTHING * np.max(sizes, initial=0.0)))
-    else:
-        values, _ = general_spectrum(stiffness, np.asarray(m.M0))
-        values = values[np.isfinite(values)]
-        grows = not np.all(is_real(values) & (values.real > 0))
     # A motion without mass loses its stability where the determinant changes sign.
-    return bool(np.linalg.slogdet(stiffness)[0] > 0 and not grows)
+    held = np.linalg.slogdet(stiffness)[0] > 0
+    return bool(held and without_growth(stiffness, np.asarray(m.C0) + np.asarray(m.D0), np.asarray(m.M0)))
 
 
 def _stiffness(lin: Linearization) -> np.ndarray:

@@ -16,6 +16,7 @@ from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
+from .stability import any_grows
 
 # What an iteration leaves of a pole's motion beside it; where it is more, another shift is tried.
 TRUE = 1e-9
@@ -164,13 +165,18 @@ class _Undamped:
 
 
 def is_steady(elements: ElementMatrices) -> bool:
-    """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive."""
+    """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive.
+
+    Where anything is damped, whether the poles nearest to zero do not grow.
+    """
     import jax
 
-    whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
+    whole = Whole(jax.tree.map(np.asarray, elements))
     at = _ShiftedPoles(whole, 0.0)
     if not at.regular:
         return False
+    if whole.damping.count_nonzero():
+        return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE)
     if at.motions <= FEW:
         values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     else:

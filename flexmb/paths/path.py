@@ -19,7 +19,8 @@ from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.choice import is_large
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
-from ..linear.spectrum import general_spectrum, is_real, spectrum, to_frequency
+from ..linear.spectrum import general_spectrum, spectrum, to_frequency
+from ..linear.stability import without_growth
 from ..linear.stress import stress
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -53,7 +54,8 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
             infinite where a motion has no mass.
         multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
             unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
-        stable: Whether all eigenvalues are positive, (steps,).
+        stable: Whether all eigenvalues are positive, and without a potential real, or with damping too no pole grows,
+            (steps,).
         critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
             state could not be found itself.
         result: Code of RESULTS.
@@ -138,10 +140,12 @@ class _Found(NamedTuple):
 
 def _with_complex(found: _Found, step: Step) -> _Found:
     """The same with the eigenvalues of an unsymmetric stiffness, which may be complex."""
-    values, _ = general_spectrum(np.asarray(found.matrices.K), np.asarray(found.matrices.M0))
-    steady = is_real(values) & (values.real > 0)
+    of = found.matrices
+    stiffness, damping, mass = np.asarray(of.K), np.asarray(of.C0) + np.asarray(of.D0), np.asarray(of.M0)
+    values, _ = general_spectrum(stiffness, mass)
     # A motion without mass loses its stability where the determinant changes sign.
-    return found._replace(eigenvalues=values.real, stable=np.all(steady) & np.all(step.values > 0))
+    stable = np.all(step.values > 0) & without_growth(stiffness, damping, mass)
+    return found._replace(eigenvalues=values.real, stable=stable)
 
 
 @kernel

@@ -64,7 +64,8 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,); without a
             potential whether the determinant is, 1 or 0.
         stable: Whether all eigenvalues are positive, (steps,). Without a potential whether the determinant is, and the
-            eight eigenvalues of stiffness and mass that are nearest to zero are real and positive: flutter of these.
+            eight eigenvalues of stiffness and mass that are nearest to zero are real and positive, or with damping the
+            sixteen nearest poles do not grow: flutter of these.
         critical_points: Limit and bifurcation points in the order of the path.
         critical_states: The states there, in the same order; None where there are none.
         result: Code of RESULTS.

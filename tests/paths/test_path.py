@@ -549,3 +549,33 @@ def test_what_nothing_elastic_resists_is_named(what):
     # Round-off may tell it as the other.
     ends = fm.RESULTS.singular_stiffness, fm.RESULTS.not_converged, fm.RESULTS.max_steps
     assert fm.path(model, throw=False).result in ends
+
+
+def test_damping_takes_stability_of_a_load_that_follows():
+    """Ziegler's column (1952): bars of one length, masses 2 and 1, hinges of stiffness 1 and one small damping.
+
+    Without damping it flutters from P l = 7/2 - sqrt(2) = 2.086, with from 41/28 = 1.464, to the square of the damping
+    over two.
+    """
+
+    def stable(damping, sparse):
+        b = fm.Builder()
+        for i, name in enumerate(("foot", "knee", "tip")):
+            b.node(name, (float(i), 0.0))
+        b.rotation("lower")
+        b.add(planar.rigid_beam, "foot", "lower", "knee")
+        b.add(planar.rigid_body, "knee", "tip")
+        for p, q in (("foot.rotation", "lower"), ("lower", "knee.rotation")):
+            b.add(planar.hinge, p, q, stiffness=1.0, damping=damping)
+        b.mass("knee", 2.0)
+        b.mass("tip", 1.0)
+        b.fix("foot")
+        b.force("tip", (-2.5, 0.0), follower=True)
+        path = fm.path(b.build(check=not sparse), step=0.1, sparse=sparse)
+        return 2.5 * np.asarray(path.load_factor), np.asarray(path.stable)
+
+    for sparse in (False, True):
+        for damping, limit in ((0.0, 3.5 - np.sqrt(2)), (1e-3, 41 / 28)):
+            load, rests = stable(damping, sparse)
+            np.testing.assert_array_equal(rests, load < limit)
+            assert np.any((41 / 28 < load) & (load < 3.5 - np.sqrt(2)))

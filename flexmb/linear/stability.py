@@ -1,0 +1,38 @@
+"""Whether motions about a state grow, where its stiffness is unsymmetric so that its sign does not tell."""
+
+from typing import Any
+
+import numpy as np
+
+from .spectrum import general_spectrum, is_real, poles_of
+
+# A pole grows whose real part is above this share of its size, unless that is round-off beside the largest.
+GROWS, NOTHING = 1e-9, 1e-12
+
+
+def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
+    """Whether no motion about a state grows.
+
+    A motion without mass loses its stability where the determinant of the stiffness changes sign, which this does not
+    ask.
+
+    Args:
+        k, c, m: Whole stiffness K0 + N0 + G0, damping and mass, of known numbers, (n_q, n_q).
+
+    Raises:
+        AnalysisError: singular_stiffness.
+
+    Source:
+        THEORY.md 7, eq. (7.3): poles with a positive real part; without damping omega^2 that are not real and positive.
+    """
+    if np.any(c):
+        return not any_grows(poles_of(k, c, m))
+    values, _ = general_spectrum(k, m)
+    values = values[np.isfinite(values)]
+    return bool(np.all(is_real(values) & (values.real > 0)))
+
+
+def any_grows(poles: Any, share: float = GROWS) -> bool:
+    """Whether some pole has a real part above a share of its size that is no round-off beside the largest."""
+    sizes = np.abs(poles)
+    return bool(np.any((np.real(poles) > share * sizes) & (sizes > NOTHING * np.max(sizes, initial=0.0))))
