@@ -2803,10 +2803,23 @@ FAULTS = [
         "control/test_noise.py -k motions_without_mass",
     ),
     Fault(
-        "control/noise.py", "sharp = steps > LITTLE", "sharp = steps > 100", "control/test_noise.py -k function_of_them"
+        "control/noise_frequencies.py",
+        "sharp = steps > LITTLE",
+        "sharp = steps > 100",
+        "control/test_noise.py -k function_of_them",
     ),
-    Fault("control/noise.py", "hertz >= grid[0]", "hertz >= grid[-1]", "control/test_noise.py -k resonance_without"),
-    Fault("control/noise.py", "hertz <= grid[-1])", "hertz >= 0)", "control/test_noise.py -k resonance_without"),
+    Fault(
+        "control/noise_frequencies.py",
+        "hertz >= grid[0]",
+        "hertz >= grid[-1]",
+        "control/test_noise.py -k resonance_without",
+    ),
+    Fault(
+        "control/noise_frequencies.py",
+        "hertz <= grid[-1])",
+        "hertz >= 0)",
+        "control/test_noise.py -k resonance_without",
+    ),
     Fault("control/noise.py", "DRIFTS * np.asarray", "1e9 * np.asarray", "control/test_noise.py -k one_mass"),
     Fault(
         "control/pole_placement.py",
@@ -2851,10 +2864,17 @@ FAULTS = [
         "answers/test_answers.py -k fixed_axis",
     ),
     Fault(
-        "answers/parts.py",
-        "grows = np.any((found.real > GROWS",
-        "grows = not np.any((found.real > GROWS",
+        "linear/stability.py",
+        "return not any_grows(",
+        "return any_grows(",
         "answers/test_answers.py -k fixed_axis",
+    ),
+    Fault("linear/stability.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
+    Fault(
+        "linear/sparse_poles.py",
+        "    if whole.damping.count_nonzero():",
+        "    if False:",
+        "paths/test_path.py -k takes_stability",
     ),
     Fault("answers/motion.py", "/ max(extent, 1.0)", "/ extent", "answers/test_answers.py -k tolerances"),
     Fault("answers/answers.py", "if mode not in OF_MOTION or", "if True or", "answers/test_answers.py -k tolerances"),
@@ -2881,13 +2901,13 @@ FAULTS = [
         "control/test_loops.py -k sampled_loop_feels",
     ),
     Fault(
-        "control/noise.py",
+        "control/noise_frequencies.py",
         "    if np.any(sharp):\n",
         "    if False:\n",
         "control/test_noise.py -k without_damping_that",
     ),
     Fault(
-        "control/noise.py",
+        "control/noise_frequencies.py",
         "lin, grid = jax.lax.stop_gradient((lin, grid))",
         "pass",
         "control/test_noise.py -k is_traced",

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
@@ -20,27 +19,15 @@ from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, chosen, one_of, plain, response_of
+from .noise_frequencies import DECAYS, areas, frequencies, refined, undamped_within
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
 
-# A motion decays, or grows, whose pole has a real part beyond this share of the largest pole: round-off leaves less, of
-# a free motion, whose pole is double, its root.
-DECAYS, GROWS = 1e-13, 1e-10
-# Frequencies of a band: so many in equal ratios, and so many for each pole, spread as a resonance is, of a curve
-# 1/(1 + x^2) to each an equal share; first tried out to x = WIDEST.
-SPREAD, BESIDE, WIDEST = 200, 80, 100.0
-# What moves freely has a pole of this share of the largest, by round-off.
-FREE = 1e-7
-# A band from 0 Hz begins at this share of the slowest pole or of its end, since what is an acceleration has moved
-# without bounds at rest. A pole below that other share of its end is none.
-FIRST, STILL = 1e-4, 1e-9
+# A motion grows whose pole has a real part beyond this share of the largest pole: round-off leaves of a free motion,
+# whose pole is double, its root.
+GROWS = 1e-10
 # Where a spectrum at the begin of a band from 0 Hz, times that frequency, is more than this of the sum, it drifts.
 DRIFTS = 0.01
-# Without poles responses change by this share from one frequency to the next at most, but for what is fainter than that
-# share of the largest; so many are computed together, and so many there are at most.
-LITTLE, FAINT, PIECE, MOST = 0.02, 1e-6, 256, 20000
-# Nor are they nearer to each other than this share.
-NARROWEST = 1e-9
 Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
 
 
@@ -238,9 +225,9 @@ def noise_budget(
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
-        grid, widths = _refined(lin, loop, entries, grid), None
+        grid, widths = refined(lin, loop, entries, grid), None
     if by_states and not exact:
-        undamped = _undamped_within(poles, grid)
+        undamped = undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
         if is_concrete(undamped):
             _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
@@ -391,69 +378,6 @@ def _tell_of_rest(found: NoiseBudget) -> None:
         )
 
 
-def _undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bool[Array, "n"]:
-    """Which poles are resonances without damping within frequencies."""
-    sizes = jnp.abs(poles)
-    hertz, largest = jnp.imag(poles) / (2 * np.pi), jnp.max(sizes)
-    vibrates = (jnp.abs(jnp.real(poles)) <= DECAYS * largest) & (sizes > FREE * largest)
-    return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
-
-
-def _refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:
-    """Frequencies that draw the responses of a loop whose poles are not known: halved until these change by little.
-
-    Raises:
-        ValueError: Numbers are traced by ``jax.jit``.
-
-    Warns:
-        FlexmbWarning: It takes too many.
-    """
-    # Those of ``jax.grad`` alone are concrete without their derivatives, which a frequency need not have.
-    lin, grid = jax.lax.stop_gradient((lin, grid))
-
-    def known_gain(hertz: Any) -> Any:
-        found = jax.lax.stop_gradient(loop.by_frequency(hertz))
-        if not is_concrete((found, lin, grid)):
-            raise ValueError(
-                "Beside a controller that is a function of frequencies those of a `band` are chosen by concrete"
-                " numbers: give `hertz` under jax.jit."
-            )
-        return found
-
-    known_gain(np.ones(1))
-    grid = np.asarray(grid)
-
-    def responses(hertz: np.ndarray):
-        # In pieces of one size, each compiled once.
-        many: Any = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
-        found = []
-        for piece in many.reshape(-1, PIECE):
-            plant = response_of(lin, piece, None, None, None, None).response
-            of = closed_by_frequency(plant, known_gain(piece), (loop.measured, loop.driven), *entries)
-            found.append(np.asarray(of).reshape(PIECE, -1))
-        return np.concatenate(found)[: len(hertz)]
-
-    known = responses(grid)
-    while True:
-        # Across a resonance halfway between two frequencies their sizes are equal, but not their phases.
-        size = np.abs(known)
-        size = np.maximum(size[1:], size[:-1]) + FAINT * np.max(size, axis=0)
-        steps = np.max(np.abs(np.diff(known, axis=0)) / np.where(size > 0, size, 1.0), axis=1, initial=0.0)
-        sharp = steps > LITTLE
-        coarse = np.flatnonzero(sharp & (np.diff(grid) > NARROWEST * grid[1:]))
-        if not len(coarse) or len(grid) >= MOST:
-            break
-        more = np.sqrt(grid[coarse] * grid[coarse + 1])
-        grid, known = np.insert(grid, coarse + 1, more), np.insert(known, coarse + 1, responses(more), axis=0)
-    if np.any(sharp):
-        warn(
-            f"The loop around a controller that is a function of frequencies is not drawn to the end by {len(grid)}"
-            " frequencies: it has a resonance without damping, or a long delay. The root mean square may be off; give"
-            " `hertz`, or damping."
-        )
-    return grid
-
-
 @jit
 def _loop(
     system: SecondOrder,
@@ -473,7 +397,7 @@ def _loop(
     whole = closed(energy_form(system, orders), matrices, places, *entries)
     poles, _, _ = general_eigen(whole.A)
     settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
-    return whole, poles, settles, _grid(poles, *(band or (None, None)))
+    return whole, poles, settles, frequencies(poles, *(band or (None, None)))
 
 
 @jit
@@ -500,7 +424,7 @@ def _budget(
         parts = jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2
         below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
     else:
-        below = _areas(spectra * widths[:, None, None])
+        below = areas(spectra * widths[:, None, None])
     variances = below[-1] if whole is None else _white(whole, density[0, 0])[own]
     return spectra, below, jnp.where(settles, variances, jnp.inf)
 
@@ -514,49 +438,3 @@ def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n
     found = jnp.maximum(variances, 0.0) * densities / 2
     unbounded = (whole.rough | (whole.D != 0)) & (densities > 0)
     return jnp.where(unbounded, jnp.inf, found)
-
-
-def _grid(poles: Complex[Array, "n"], low: float | None, high: float | None) -> tuple[Any, Any]:
-    """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
-
-    They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE
-    by each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
-
-    Source:
-        THEORY.md 14, eq. (14.37).
-    """
-    sizes = jnp.abs(poles) / (2 * np.pi)
-    end = 3 * jnp.max(sizes) if high is None else jnp.asarray(high)
-    slowest = jnp.min(jnp.where(sizes > STILL * end, sizes, end))
-    first = slowest / 30 if low is None else jnp.asarray(low) if low else jnp.minimum(slowest, end) * FIRST
-    # Of each pair one.
-    upper = poles[jnp.argsort(-jnp.imag(poles))][: (len(poles) + 1) // 2]
-    place, width = jnp.imag(upper) / (2 * np.pi), jnp.abs(jnp.real(upper)) / (2 * np.pi)
-    width = jnp.maximum(width, STILL * end)
-    octaves = jnp.log(end / first)
-
-    def counted(f: Float[Array, "k"]):
-        phases = jnp.arctan((f[:, None] - place) / width) - jnp.arctan((first - place) / width)
-        return SPREAD * jnp.log(f / first) / octaves + BESIDE / np.pi * jnp.sum(phases, axis=1)
-
-    def rate(f: Float[Array, "k"]):
-        beside = width / (width**2 + (f[:, None] - place) ** 2)
-        return SPREAD / octaves / f + BESIDE / np.pi * jnp.sum(beside, axis=1)
-
-    beside = place[:, None] + width[:, None] * np.tan(np.linspace(-1, 1, BESIDE) * np.arctan(WIDEST))
-    even = first * (end / first) ** np.linspace(0, 1, SPREAD)
-    near = jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
-    ends = counted(end[None])[0] * np.linspace(0, 1, len(near))
-    found = jax.lax.stop_gradient(jnp.interp(ends, counted(near), near))
-    for _ in range(3):
-        # From fixed frequencies, so that the last step carries the whole derivative.
-        found = jax.lax.stop_gradient(found)
-        found = jnp.clip(found - (counted(found) - ends) / rate(found), first, end)
-    return found, (ends[1] - ends[0]) / rate(found)
-
-
-def _areas(values: Float[Array, "n y s"]) -> Float[Array, "n y s"]:
-    """What values at equal steps add up to from the first to each, by a parabola through each three of them."""
-    slopes = jnp.concatenate([values[1:2] - values[:1], (values[2:] - values[:-2]) / 2, values[-1:] - values[-2:-1]])
-    between = (values[1:] + values[:-1]) / 2 - (slopes[1:] - slopes[:-1]) / 12
-    return jnp.concatenate([jnp.zeros_like(values[:1]), jnp.cumsum(between, axis=0)])
