@@ -26,8 +26,8 @@ from ..mechanics.transfer import multipliers
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
-from ..statics.equilibrium import load_factors_of
+from ..results import RESULTS
+from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import held_values, solve_state
 from .choice import few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
@@ -277,7 +277,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     else:
         lin, factors = _on_path(model, where, function)
         multiplier, shapes, hidden, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
-    check(result, throw)
+    check_stiffness(model, result, throw)
     if is_concrete(hidden) and hidden:
         warn(
             "Loads that follow, moments about fixed axes or laws without a potential act here, and the load multipliers"

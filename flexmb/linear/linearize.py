@@ -23,7 +23,7 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, told
-from ..statics.equilibrium import load_factors_of
+from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
 from .sparse_linearize import SparseLinearization, sparse_linearization
 
@@ -525,7 +525,7 @@ def linearize(
 
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
     lin = Linearization(_matrices(model.topology, model.parameters, target), model)
-    check(lin.matrices.result, throw)
+    check_stiffness(model, lin.matrices.result, throw)
     return lin
 
 

@@ -20,7 +20,7 @@ from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check
-from ..statics.equilibrium import load_factors_of
+from ..statics.equilibrium import load_factors_of, without_stiffness
 from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
 from .loose import (
@@ -192,7 +192,7 @@ def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
             if code == RESULTS.singular_mass:
                 about = of_negative_mass(negative_mass(lin))
             else:
-                about = without_anything(lin)
+                about = without_anything(lin) or without_stiffness(lin.model)
         if code == RESULTS.lost_in_round_off:
             about = of_stiffest(model if isinstance(model, Model) else model.model)
     check(result, throw, about)

@@ -20,7 +20,8 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import check, told
+from ..results import told
+from ..statics.equilibrium import check_stiffness
 from ..statics.sparse import sparse_equilibrium
 from ..statics.tangent import by_deformations, element_matrices
 
@@ -158,7 +159,7 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
         AnalysisError: singular_configuration, singular_stiffness or not_converged.
     """
     found, _ = sparse_equilibrium(model.topology, model.parameters, target)
-    check(found[-1], throw)
+    check_stiffness(model, found[-1], throw)
     return about_state(model, target, *found)
 
 

@@ -407,8 +407,12 @@ def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found():
     b.add(planar.beam, "C", "D", section=section)
     b.fix("A")
     b.force("D", (0, -0.1))
-    with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
-        fm.equilibrium(b.build())
+    model = b.build()
+    for ask in (fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads):
+        with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
+            ask(model)
+    with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi"):
+        fm.linearize(b.build(check=False), sparse=True)
 
 
 @pytest.mark.parametrize("turn", [120.0, 240.0, -90.0])
