@@ -200,6 +200,8 @@ def _check_call(
         _refuse(f"flexmb: --save writes .npz or .mat, not '{clean(save)}'.")
     if plot is not None and plot.suffix not in (*PICTURES, ".html"):
         _refuse(f"flexmb: --plot writes .png, .svg, .pdf or .html, not '{clean(plot)}'.")
+    if log is not None and str(log) == "-":
+        _refuse("flexmb: --log writes a file, not '-': of the answers --json - alone goes to standard output.")
     given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
     taken = {} if source is None else {os.path.realpath(source): "the input file"}
     for option, path in given.items():

@@ -338,6 +338,7 @@ MISUSED = {
     "run guide.dat --mode 7 --json guide.dat": "--json would write over the input file: 'guide.dat'",
     "run guide.dat --mode 7 --log link.dat": "--log would write over the input file: 'link.dat'",
     "run guide.dat --mode 7 --log a.json --json ./a.json": "--log would write over --json: 'a.json'",
+    "run guide.dat --mode 7 --log -": "--log writes a file, not '-'",
     "run guide.dat --mode 7 --json /proc/a.json": "cannot write '/proc/a.json'",
     "run guide.dat --mode 7 --json /dev/full": "cannot write '/dev/full': No space left on device.",
     "run guide.dat --mode 7 --log /dev/full": "cannot write '/dev/full': No space left on device.",
