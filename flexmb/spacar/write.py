@@ -357,7 +357,9 @@ class _Writer:
             stiffness, mass = (
                 [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
             )
-            lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness else []
+            # Of a rigid body that has a mass alone it would be said to change nothing.
+            idle = all(role is Role.FIXED for role in m.roles) and all(map(is_zero, stiffness))
+            lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness and not idle else []
             heavy = not all(map(is_zero, mass)) or (mass and not stiffness)
             lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
         if alpha is not None and not kind.sized and m.element.thermal is not None:
