@@ -427,7 +427,7 @@ class Builder(Description):
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
     def gravity(self, acceleration: Sequence[float], *, increment: bool = False) -> None:
-        """Let gravity act on all mass.
+        """Let gravity act on all mass; a second call takes the place of the first.
 
         Args:
             acceleration: Components along the global axes [m/s^2].
@@ -439,7 +439,7 @@ class Builder(Description):
         self._load("gravity", increment)["all"] = acceleration
 
     def prestress(self, element: str, *values: float, increment: bool = False) -> None:
-        """Add constant stress resultants to those of an element's stiffness.
+        """Constant stress resultants beside those of an element's stiffness; a second call takes the first one's place.
 
         Args:
             element: Name of the element.
@@ -450,7 +450,7 @@ class Builder(Description):
         self._load("prestress", increment).update(self._values("Prestress", element, values))
 
     def strain(self, element: str, *values: float) -> None:
-        """Set the deformations at which an element is free of stress.
+        """Set the deformations at which an element is free of stress; a second call takes the place of the first.
 
         Args:
             element: Name of the element.
@@ -475,7 +475,8 @@ class Builder(Description):
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
         """Change the temperature of an element, which expands and, where one side is warmer, bends towards the other.
 
-        A free element is then without stress. Deformations that are FIXED expand too: a rigid beam gets longer.
+        A free element is then without stress. Deformations that are FIXED expand too: a rigid beam gets longer. A
+        second call takes the place of the first, its gradient too.
 
         Args:
             element: Name of the element; its material, its section or the rigid element itself states ``alpha``, the

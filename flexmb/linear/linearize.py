@@ -422,7 +422,40 @@ class Where(NamedTuple):
             raise ValueError(
                 f"Argument `at` of fm.{function} is of another model: {at.x.shape[-1]}, not {count} coordinates."
             )
+        check_state(at, model, function)
         return at
+
+
+def check_state(at: Any, model: Model, function: str) -> None:
+    """Refuse a state of another model, as far as its names or numbers that are known tell.
+
+    Loads and strains may differ: those of a path's steps and of its imperfections do.
+
+    Args:
+        at: What has ``labels``, and may have a ``model``.
+        model: What a function is asked about.
+        function: Its name.
+
+    Raises:
+        ValueError: Another model.
+    """
+    own = getattr(at, "model", None)
+    if own is model:
+        return
+    labels = model.labels
+    if (at.labels.x, at.labels.elements) != (labels.x, labels.elements):
+        raise ValueError(f"Argument `at` of fm.{function} is of another model: its nodes or elements have other names.")
+    if own is None:
+        return
+    numbers = [(one.parameters.reference, one.parameters.properties) for one in (own, model)]
+    if not is_concrete(numbers):
+        return
+    (one, shape), (other, wanted) = (jax.tree.flatten(of) for of in numbers)
+    if shape != wanted or any(not np.array_equal(*of, equal_nan=True) for of in zip(one, other, strict=True)):
+        raise ValueError(
+            f"Argument `at` of fm.{function} is of a model with other dimensions: ask about that model, or find the"
+            " state of this one."
+        )
 
 
 def linearized(

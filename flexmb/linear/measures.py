@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_numbers, is_concrete, numbers, shown
+from ..arguments import check_number, check_numbers, check_whole, is_concrete, numbers, shown
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
@@ -17,6 +17,7 @@ from ..results import RESULTS
 from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
 from .modes import Modes, check_spectrum, refuse_unsymmetric
+from .sparse_linearize import SparseLinearization
 from .spectrum import spectrum, to_frequency
 
 # Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
@@ -88,24 +89,38 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
 
     Args:
         one: Modes of a model.
-        other: Modes of the same model, or of one with other dimensions.
+        other: Modes of the same model, or of one with other dimensions or degrees of freedom.
 
     Returns:
-        (n, m) [-]: 1 for equal shapes, 0 for orthogonal ones, in the masses of the first.
+        (n, m) [-]: 1 for equal shapes, 0 for orthogonal ones, in the masses and the degrees of freedom of the first.
 
     Raises:
-        ValueError: The models have different numbers of degrees of freedom.
+        TypeError: They are no Modes, or such by sparse matrices.
+        ValueError: The models have other nodes or elements.
 
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
     """
-    for given in (one, other):
-        if not isinstance(given, Modes):
-            raise TypeError(f"fm.linear.mode_assurance takes Modes, of fm.modes(model), not a {type(given).__name__}.")
-    a, b, m = (np.asarray(v) for v in (one.q_shapes, other.q_shapes, one.lin.matrices.M0))
-    if a.shape[0] != b.shape[0]:
-        raise ValueError(f"The models differ: {a.shape[0]} and {b.shape[0]} degrees of freedom.")
+    a, b = (_shapes_in(one.lin.model if isinstance(one, Modes) else None, of, "mode_assurance") for of in (one, other))
+    m = np.asarray(one.lin.matrices.M0)
     return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))
+
+
+def _shapes_in(model: Model | None, modes: Any, function: str) -> Float[np.ndarray, "n_q n"]:
+    """Shapes of modes in the degrees of freedom of a model, whatever those of their own are."""
+    if not isinstance(modes, Modes):
+        raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not a {type(modes).__name__}.")
+    if isinstance(modes.lin, SparseLinearization):
+        raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices: give fm.modes(model, sparse=False).")
+    own, shapes = modes.lin.model, np.asarray(modes.q_shapes)
+    model = own if model is None else model
+    if (own.labels.x, own.labels.e) != (model.labels.x, model.labels.e):
+        raise ValueError(f"fm.linear.{function}: the models differ, their nodes or elements have other names.")
+    if own.q_labels == model.q_labels:
+        return shapes
+    x, e = (np.asarray(of.dof) for of in (model.topology.x, model.topology.e))
+    m = modes.lin.matrices
+    return np.concatenate([np.asarray(m.DFx)[x], np.asarray(m.DFe)[e]]) @ shapes
 
 
 def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
@@ -113,14 +128,14 @@ def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
 
     Args:
         one: Modes of a model.
-        other: Modes of the same model under another load, or of one with other dimensions.
+        other: Modes of the same model under another load, or of one with other dimensions or degrees of freedom.
 
     Returns:
         (n,) [-]: number, from 0, of the mode in ``other`` that continues each mode of ``one``; -1 where ``other`` has
         fewer.
 
     Raises:
-        ValueError: The models have different numbers of degrees of freedom.
+        TypeError, ValueError: As of :func:`mode_assurance`.
 
     Source:
         Assignment of the largest sum of :func:`mode_assurance` (Kuhn 1955).
@@ -134,7 +149,9 @@ def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
     return found
 
 
-def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = True) -> Float[Array, ""]:
+def frequency_like(
+    model: Model, shape: Modes | Float[Array, "n_q"], number: int | None = None, *, throw: bool = True
+) -> Float[Array, ""]:
     """Frequency of the mode that looks most like a given one, through crossings.
 
     Where other modes have the same frequency, the shape's part in their common space is the mode, and the derivative is
@@ -142,14 +159,17 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        shape: In the degrees of freedom, such as ``fm.modes(start).q_shapes[:, 1]``, (n_q,).
+        shape: Modes of a design such as ``fm.modes(start)``, whatever their degrees of freedom; or one in those of the
+            model, (n_q,), which fits where they are named: those that are found may be others in another design.
+        number: Of the mode, from 0, where Modes are given.
         throw: Raise where the equilibrium or the eigenproblem fails.
 
     Returns:
         () [Hz]; negative where the motion grows.
 
     Raises:
-        ValueError: The shape has another number of entries than the model has degrees of freedom.
+        ValueError: The shape has another number of entries than the model has degrees of freedom; no mode of that
+            number, or none named; Modes of a model with other nodes or elements.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
 
     Source:
@@ -157,6 +177,16 @@ def frequency_like(model: Model, shape: Float[Array, "n_q"], *, throw: bool = Tr
     """
     warn_of_increment(as_determined(model, "frequency_like"), "frequency_like")
     refuse_unsymmetric(not lacks_potential(model.topology))
+    if isinstance(shape, Modes):
+        modes, shape = shape, _shapes_in(model, shape, "frequency_like")
+        if number is None or not check_whole("number", number, 0) < shape.shape[1]:
+            raise ValueError(
+                f"Argument `number` of fm.linear.frequency_like must be that of one of the {len(modes.frequencies)} modes,"
+                f" from 0, but is {shown(number)}."
+            )
+        shape = shape[:, number]
+    elif number is not None:
+        raise ValueError("Argument `number` of fm.linear.frequency_like goes with Modes, not with numbers.")
     check_numbers("Argument `shape`", shape)
     if np.shape(shape) != (model.topology.n_q,):
         raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(shape)}.")

@@ -26,7 +26,7 @@ from ..model.topology import Block, Topology
 from ..results import told
 from ..statics.choice import by_sparse
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
-from .linearize import Linearization, ManyStates, Where
+from .linearize import Linearization, ManyStates, Where, check_state
 from .sparse_linearize import SparseLinearization
 
 # What is looked at beside a break, of an element's length.
@@ -515,6 +515,7 @@ def _state(
             f"Argument `at` must be a state of this model with {model.topology.n_x} coordinates, but x has shape"
             f" {at.x.shape}. Of what is linearised along a motion give lin.at_time(number), or the motion itself."
         )
+    check_state(at, model, function)
     places = _places(model, points)
     stressed = at.stressed() if several else (at.x, at.sigma, at.felt, at.e)
     inputs: Any = (model.topology, model.parameters, *stressed, places, rows)
