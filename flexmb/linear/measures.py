@@ -181,8 +181,8 @@ def frequency_like(
         modes, shape = shape, _shapes_in(model, shape, "frequency_like")
         if number is None or not check_whole("number", number, 0) < shape.shape[1]:
             raise ValueError(
-                f"Argument `number` of fm.linear.frequency_like must be that of one of the {len(modes.frequencies)} modes,"
-                f" from 0, but is {shown(number)}."
+                "Argument `number` of fm.linear.frequency_like must be that of one of the"
+                f" {len(modes.frequencies)} modes, from 0, but is {shown(number)}."
             )
         shape = shape[:, number]
     elif number is not None:

@@ -156,6 +156,7 @@ def _by_diffrax(
     import diffrax
 
     from .collocation import carried_from
+    from .kinks import kinks_of
     from .projected import Projected
     from .radau import Radau
     from .rosenbrock import Rodas5P, Rosenbrock
@@ -180,6 +181,7 @@ def _by_diffrax(
             force_dtmin=False,
             moved=moved,
             states=equations.states,
+            kinks=kinks_of(equations),
         )
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)

@@ -1,17 +1,22 @@
 """Step size control by the displacements of a motion."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import diffrax
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import optimistix as optx
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
+from .kinks import SHARE, Kinks
 from .protocol import MotionState
 from .step_size import FAR, greatest
 from .step_size import LARGE as LARGE
+
+# Steps are no shorter than so many times the round-off of the time.
+ROUND_OFF = 1e-14
 
 
 class DisplacementController(diffrax.PIDController):
@@ -25,10 +30,13 @@ class DisplacementController(diffrax.PIDController):
 
     A motion that comes a hundred million extents or radians far is stopped: it runs away.
 
+    Where it is told of kinks, a step across one is refused and its half tried, until what is left of it is short.
+
     Attributes:
         norm: Of the errors over their tolerances.
         moved: Greatest displacement before the start (extents, radians).
         states: Number of states of a controller, the last of the velocities.
+        kinks: What finds a kink within a step, or None.
 
     Source:
         Hairer, Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.4; measures derived here.
@@ -37,11 +45,12 @@ class DisplacementController(diffrax.PIDController):
     norm: Callable[[Any], Any] = optx.max_norm
     moved: Float[Array, ""] | float = 0.0
     states: int = eqx.field(static=True, default=0)
+    kinks: Kinks | None = None
 
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        return found[0], (found[1], greatest(self.moved, y0))
+        return found[0], (found[1], greatest(self.moved, y0), _Search(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)))
 
     def adapt_step_size(
         self,
@@ -55,7 +64,7 @@ class DisplacementController(diffrax.PIDController):
         controller_state: Any,
     ) -> Any:
         """Whether to keep a step, and the next one."""
-        state, before = controller_state
+        before_step, before, search = controller_state
         after = greatest(before, y1_candidate)
         n = y0.u.shape[0]
         mechanism = jnp.arange(n) < n - self.states
@@ -65,8 +74,50 @@ class DisplacementController(diffrax.PIDController):
         error_u, error_w = (jnp.where(jnp.isfinite(error), error, jnp.inf) for error in (error_u, error_w))
         measured = MotionState(error_u, error_w, jnp.zeros_like(y_error.memory))
         begin, end = (MotionState(jnp.broadcast_to(after, (n,)), y.w, y.memory) for y in (y0, y1_candidate))
-        keep, *found, state, result = super().adapt_step_size(t0, t1, begin, end, args, measured, error_order, state)
+        keep, next_t0, next_t1, made_jump, state, result = super().adapt_step_size(
+            t0, t1, begin, end, args, measured, error_order, before_step
+        )
+        if self.kinks is not None:
+            kink = keep & self.kinks.within((t0, t1), (y0, y1_candidate))
+            refused, next_t1, search = _halved(search, t0, t1, keep, kink, next_t1)
+            keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
+            state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
         away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
-        return keep, *found, (state, jnp.where(keep, after, before)), result
+        return keep, next_t0, next_t1, made_jump, (state, jnp.where(keep, after, before), search), result
+
+
+class _Search(NamedTuple):
+    """Search for a kink: a time by which it has passed, none sought where that is over, and the step first refused."""
+
+    by: Float[Array, ""]
+    length: Float[Array, ""]
+
+
+def _halved(
+    search: _Search,
+    t0: Float[Array, ""],
+    t1: Float[Array, ""],
+    kept: Bool[Array, ""],
+    kink: Bool[Array, ""],
+    next_t1: Float[Array, ""],
+) -> tuple[Bool[Array, ""], Float[Array, ""], _Search]:
+    """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
+
+    Args:
+        kept: Whether its error would be small enough.
+        kink: Whether there is a kink within.
+        next_t1: End of the next step by its error.
+    """
+    seeking, h = search.by > t0, t1 - t0
+    length = jnp.where(seeking, search.length, h)
+    short = jnp.maximum(SHARE * length, ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
+    refused = kink & (h > short)
+    by = jnp.where(refused, t1, search.by)
+    begin = jnp.where(refused, t0, t1)
+    rest = by - begin
+    onwards = begin + jnp.where(rest > short, rest / 2, rest)
+    # Behind the kink steps are as long as before.
+    after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
+    return refused, jnp.where(kept, after, next_t1), _Search(by, length)

@@ -1,0 +1,88 @@
+"""Steps across a kink of a law or a controller: found, so that they can be shortened where a derivative is asked for.
+
+A step of a Runge-Kutta method across a kink has an error within its tolerance, but one that depends steeply on where in
+the step the kink lies; as derivatives are those of the steps, they would be wrong by the root of the tolerance.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..compilation.record import Record
+from ..mechanics.stress_resultants import is_nonlinear, nonlinear_stress, strain_of
+from .controlled_form import ControlledForm
+from .coordinates_form import CoordinatesForm
+from .element_forces import deformed
+from .protocol import MotionState
+
+# A step is looked at in so many parts.
+PARTS = 4
+# What has no kink is nearly a parabola: third differences below this share of the second ones, or these below that
+# share of the first.
+BENT, CURVED = 0.4, 1e-3
+# What changes by less than this share of it is round-off.
+CHANGED = 1e-9
+# A step across a kink is at last this share of the one that was refused.
+SHARE = 1e-6
+
+
+class Kinks(Record):
+    """Finds kinks of laws, energies, dissipations and controllers.
+
+    Attributes:
+        equations: Equations of motion, with ``form`` in all coordinates or such themselves.
+    """
+
+    equations: Any
+
+    def within(
+        self, times: tuple[Float[Array, ""], Float[Array, ""]], states: tuple[MotionState, MotionState]
+    ) -> Bool[Array, ""]:
+        """Whether there is a kink within a step.
+
+        Args:
+            times: Its begin and end [s].
+            states: There.
+        """
+        t0, t1, begin, end, own = jax.lax.stop_gradient((*times, *states, self.equations))
+
+        def between(share: Float[Array, ""]):
+            # The memory counts turns, by deformations near by.
+            state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
+            return _forces(own, t0 + share * (t1 - t0), state)
+
+        return _is_kinked(jax.vmap(between)(np.linspace(0.0, 1.0, PARTS + 1)))
+
+
+def kinks_of(equations: Any) -> Kinks | None:
+    """What finds kinks of some equations, None where no law and no controller has any."""
+    form = _all_coordinates(equations)
+    if form is None or not (is_nonlinear(form.topology) or isinstance(equations, ControlledForm)):
+        return None
+    return Kinks(equations)
+
+
+def _all_coordinates(equations: Any) -> CoordinatesForm | None:
+    form = equations if isinstance(equations, CoordinatesForm) else getattr(equations, "form", None)
+    return form if isinstance(form, CoordinatesForm) else None
+
+
+def _forces(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
+    """Inputs by a controller, and stress resultants of laws, energies and dissipations."""
+    form: Any = _all_coordinates(equations)
+    at = equations.whole_motion(t, state)
+    if not is_nonlinear(form.topology):
+        return at.u
+    e, jacobian = deformed(form.elements, at.x, at.near)
+    strain = strain_of(form.topology, form.parameters, form.drive(t).loads, e)
+    return jnp.concatenate([at.u, nonlinear_stress(form.topology, form.parameters, strain, jacobian @ at.xd)])
+
+
+def _is_kinked(values: Float[Array, "places k"]) -> Bool[Array, ""]:
+    """Whether some function has a kink, by its values at equal distances."""
+    first, second, third = (jnp.max(jnp.abs(jnp.diff(values, n, axis=0)), axis=0) for n in (1, 2, 3))
+    changes = first > CHANGED * jnp.max(jnp.abs(values), axis=0)
+    return jnp.any(changes & (second > CURVED * first) & (third > BENT * second))

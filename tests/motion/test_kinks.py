@@ -1,0 +1,90 @@
+"""Derivatives of motions across kinks of laws and controllers, by closed forms."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+from flexmb.motion.kinks import _is_kinked
+
+
+END = 0.8
+
+
+def stop(e, ed, *, gap, k):
+    return -k * jnp.maximum(-e - gap, 0.0)
+
+
+def cart(speed, mass):
+    b = fm.Builder()
+    b.node("wall", (0.0, 0.0))
+    b.node("cart", (1.0, 0.0))
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.mass("cart", mass)
+    b.dof("cart", "x")
+    b.start("cart", "x", 0.0, velocity=-speed)
+    return b
+
+
+def test_derivatives_across_a_stop():
+    """Flight, half a period on the spring of the stop, flight back; kinks are found to a millionth of a step."""
+
+    def place(p):
+        speed, gap, k, mass = p
+        b = cart(speed, mass)
+        b.add(planar.spring_damper(stop), "wall", "cart", name="stop", gap=gap, k=k)
+        return fm.simulate(b.build(), np.array([0.0, 0.5])).at("cart")[-1, 0]
+
+    def by_hand(p):
+        speed, gap, k, mass = p
+        return 1 - gap + speed * (0.5 - gap / speed - jnp.pi * jnp.sqrt(mass / k))
+
+    found = fm.jit(jax.value_and_grad(place))
+    for gap in (0.1, 0.103):
+        p = jnp.array([1.0, gap, 1e4, 2.0])
+        value, slopes = found(p)
+        # The tolerance of the steps is 1e-5 of the greatest displacement.
+        assert value == pytest.approx(float(by_hand(p)), abs=1e-5)
+        np.testing.assert_allclose(slopes, jax.grad(by_hand)(p), rtol=2e-5)
+
+
+def test_derivatives_across_the_limit_of_a_controller():
+    """A spring by an actuator of bounded force: that is constant until 0.72 s, and on the other side from 0.83 s."""
+    limit, k, mass, start = 2.0, 50.0, 2.0, 0.3
+
+    def place(p):
+        limit, k = p
+        b = cart(0.0, mass)
+        b.start("cart", "x", start)
+        b.input("cart", "x", name="drive")
+        b.output("cart", "x", name="where")
+
+        def control(t, y):
+            return jnp.clip(-k * y, -limit, limit)
+
+        return fm.simulate(b.build(), np.array([0.0, END]), control=control).at("cart")[-1, 0]
+
+    def by_hand(p):
+        limit, k = p
+        there, rate = limit / k, jnp.sqrt(k / mass)
+        after = jnp.sqrt(2 * mass * (start - there) / limit)
+        phase = rate * (END - after)
+        return 1 + there * jnp.cos(phase) - limit * after / mass / rate * jnp.sin(phase)
+
+    p = jnp.array([limit, k])
+    value, slopes = fm.jit(jax.value_and_grad(place))(p)
+    assert value == pytest.approx(float(by_hand(p)), abs=1e-5)
+    np.testing.assert_allclose(slopes, jax.grad(by_hand)(p), rtol=1e-4)
+
+
+@pytest.mark.parametrize("place", [0.01, 0.3, 0.5, 0.74, 0.95])
+def test_what_bends_smoothly_has_no_kink(place):
+    at = np.linspace(0.0, 1.0, 5)[:, None]
+    # Of a step that resolves it, and round-off.
+    for smooth in (np.sin(0.3 * at + place), at**2, 1e3 + 1e-13 * np.cos(100 * at), 0 * at, 5 * at):
+        assert not _is_kinked(jnp.asarray(smooth))
+    for kinked in (np.maximum(at - place, 0.0), np.abs(at - place), at + 0.1 * np.maximum(at - place, 0) + 7):
+        assert _is_kinked(jnp.asarray(kinked))
