@@ -2869,6 +2869,18 @@ FAULTS = [
         "return any_grows(",
         "answers/test_answers.py -k fixed_axis",
     ),
+    # Kinks of laws and controllers.
+    Fault(
+        "motion/step_control.py",
+        "refused = kink & (h > short)",
+        "refused = kink & False",
+        "motion/test_kinks.py -k stop",
+    ),
+    Fault("motion/kinks.py", "SHARE = 1e-6", "SHARE = 1e-1", "motion/test_kinks.py -k stop"),
+    Fault("motion/kinks.py", "or isinstance(equations, ControlledForm)", "or False", "motion/test_kinks.py -k limit"),
+    Fault("motion/kinks.py", "second > CURVED * first", "second > 0 * first", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "third > BENT * second", "third > 0 * second", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "first > CHANGED *", "first > 0 *", "motion/test_kinks.py -k smoothly"),
     Fault("linear/stability.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
     Fault(
         "linear/sparse_poles.py",
