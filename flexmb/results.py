@@ -115,6 +115,12 @@ class RESULTS(enum.IntEnum):
         " thousands of beams in a row take fewer. Degrees of freedom that are deformations, as build() finds them, lose"
         " fewer digits than positions.",
     )
+    unstable_state = (
+        17,
+        "The equilibrium was found, but it is not stable: its stiffness is negative in some motion, so that no"
+        " mechanism stays there by itself. Lower the load, or follow the way to a stable state by fm.path(model,"
+        " switch=True).",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"
@@ -146,6 +152,11 @@ class RESULTS(enum.IntEnum):
         "The memory does not suffice for the factors of the equations. Use fewer elements, such as spectral beams in"
         " place of many short ones, or a machine with more memory.",
     )
+
+
+# Outcomes that have an answer, from the best on: at a critical state that has no derivative, in an unstable one no
+# mechanism stays.
+ANSWERED = (RESULTS.successful, RESULTS.critical_state, RESULTS.unstable_state)
 
 
 def told(result: Any) -> str:
@@ -181,7 +192,7 @@ def collected() -> Iterator[list[Any]]:
 def check(result: Any, throw: bool, about: str = "") -> None:
     """Raise the text of a result that is a failure; under a trace it is collected; nothing with ``throw=False``.
 
-    A critical state is a success with a warning for whom differentiates.
+    A critical state is a success with a warning for whom differentiates, an unstable one with a warning for all.
 
     Args:
         result: Integer code, () or a batch of them.
@@ -199,20 +210,55 @@ def check(result: Any, throw: bool, about: str = "") -> None:
     if not throw:
         return
     if isinstance(result, jax.core.Tracer):
-        _collect(result)
+        collect(result)
         return
     codes = np.asarray(result)
     # One code is what nearly all are, and takes no operations on arrays.
     batch = codes.ndim > 0
-    worst = int(np.max(np.where(codes == RESULTS.critical_state, RESULTS.successful, codes)) if batch else codes)
-    if worst not in (RESULTS.successful, RESULTS.critical_state):
+    worst = int(np.max(np.where(np.isin(codes, ANSWERED), RESULTS.successful, codes)) if batch else codes)
+    if worst not in ANSWERED:
         member = RESULTS(worst)
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
 
 
-def _collect(result: Any) -> None:
+def collects() -> bool:
+    """Whether codes are collected here."""
     import jax.extend.core
 
     collector = _CODES.get()
-    if collector is not None and jax.extend.core.get_opaque_trace_state() == collector[0]:
+    return collector is not None and jax.extend.core.get_opaque_trace_state() == collector[0]
+
+
+def collect(result: Any) -> None:
+    """Add a code, () or a batch of them, where codes are collected.
+
+    Args:
+        result: Code, which may be traced.
+    """
+    collector = _CODES.get()
+    if collector is not None and collects():
         collector[1].append(result)
+
+
+def worst_of(codes: list[Any]) -> Any:
+    """The first failure among collected codes; without any the worst outcome that has an answer.
+
+    Args:
+        codes: As :func:`collected`, each () or a batch.
+
+    Returns:
+        () [-], int32.
+    """
+    import jax.numpy as jnp
+
+    found: Any = jnp.zeros((), jnp.int32)
+    grade = found
+    for code in codes:
+        own = jnp.ravel(jnp.asarray(code, jnp.int32))
+        graded = jnp.full_like(own, len(ANSWERED))
+        for i, one in enumerate(ANSWERED):
+            graded = jnp.where(own == int(one), i, graded)
+        worst = jnp.argmax(graded)
+        worse = graded[worst] > grade
+        found, grade = jnp.where(worse, own[worst], found), jnp.where(worse, graded[worst], grade)
+    return found

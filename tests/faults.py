@@ -2869,6 +2869,23 @@ FAULTS = [
         "return any_grows(",
         "answers/test_answers.py -k fixed_axis",
     ),
+    # Designs in unstable states.
+    Fault(
+        "results.py",
+        "worse = graded[worst] > grade",
+        "worse = graded[worst] < grade",
+        "design/test_unstable.py -k worse",
+    ),
+    Fault("statics/stroke.py", "jnp.where(jnp.any(unstable)", "jnp.where(jnp.all(unstable)", "design/test_unstable.py"),
+    Fault("linear/compliance.py", "not is_concrete(found) and", "is_concrete(found) and", "design/test_unstable.py"),
+    Fault("statics/stable.py", "symmetric) & found", "symmetric) & False", "design/test_unstable.py -k sweep"),
+    Fault("design/tune.py", "if best.unit.tobytes() in", "if best.unit in", "design/test_unstable.py -k optima"),
+    Fault(
+        "design/sensitivities.py",
+        "if result is RESULTS.unstable_state:",
+        "if result is RESULTS.critical_state:",
+        "design/test_unstable.py -k optima",
+    ),
     # Kinks of laws and controllers.
     Fault(
         "motion/step_control.py",

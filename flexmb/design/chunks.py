@@ -12,15 +12,12 @@ import numpy as np
 from ..build.carry import carried
 from ..compilation.by_meaning import jit
 from ..compilation.threads import cores, each
-from ..results import RESULTS
+from ..results import ANSWERED, RESULTS
 from .evaluate import Build, build_once, evaluate, evaluate_concretely
 from .possible import refusal
 
 # Answers by name, (designs, ...), and codes, (designs,).
 Values = tuple[dict[str, np.ndarray], np.ndarray]
-
-# A state without derivative is an answer all the same.
-ANSWERED = (RESULTS.successful, RESULTS.critical_state)
 
 
 class Task(NamedTuple):
@@ -216,7 +213,7 @@ def gathered(
     codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
     for rows, (_, own) in parts:
         codes[rows] = own
-    failed = ~np.isin(codes, [int(c) for c in ANSWERED])
+    failed = ~np.isin(codes, ANSWERED)
     for name in names:
         # A chunk of which no design was answered does not know the shape.
         known = [(rows, values[name]) for rows, (values, _) in parts if name in values]

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float, Int
 from ..build.carry import carried, recorded
 from ..errors import AnalysisError, ModelError, SpacarError, clean
 from ..model.model import Model
-from ..results import RESULTS, collected
+from ..results import ANSWERED, RESULTS, collected, worst_of
 
 Build = Callable[..., Any]
 Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, Callable[[Any], Any]]
@@ -224,13 +224,13 @@ def evaluate(
         for name, function in answers.items():
             with traceable(f"Answer '{name}'"):
                 values[name] = _real(name, function(made))
-    code: Any = jnp.zeros((), jnp.int32)
-    for other in codes:
-        code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)
+    code = worst_of(codes)
     undefined = jnp.array(False)
     for value in values.values():
         undefined |= jnp.any(jnp.isnan(value))
-    return values, jnp.where((code == RESULTS.successful) & undefined, RESULTS.not_finite, code).astype(jnp.int32)
+    for one in ANSWERED:
+        code = jnp.where((code == int(one)) & undefined, RESULTS.not_finite, code)
+    return values, code.astype(jnp.int32)
 
 
 def evaluate_concretely(

@@ -11,8 +11,8 @@ from jaxtyping import Array, Float
 from ..arguments import check_whole, shown
 from ..compilation.by_meaning import jit
 from ..display import Result, Summary, counted, largest, short
-from ..errors import AnalysisError, clean
-from ..results import RESULTS, check
+from ..errors import AnalysisError, clean, warn
+from ..results import ANSWERED, RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import sweep
@@ -119,12 +119,14 @@ def sensitivities(
         raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {clean(repr(mode))}.")
     values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
     result = RESULTS(int(code))
-    if result is RESULTS.successful and not np.all(np.isfinite(slopes)):
+    if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(np.isfinite(slopes)):
         result = RESULTS.not_finite
     if throw and result is RESULTS.critical_state:
         # No failure where no derivative is asked for.
         raise AnalysisError(result.name, result.message)
     check(int(result), throw, "It is about the sensitivities of " + ", ".join(functions) + ".")
+    if result is RESULTS.unstable_state:
+        warn(f"{result.message} It is about the sensitivities of {', '.join(functions)}.")
     values, slopes = np.asarray(values), np.asarray(slopes)
     with np.errstate(divide="ignore", invalid="ignore"):
         table = slopes * point / values[:, None]
@@ -251,7 +253,7 @@ def tolerances(
         return first_order
     drawn = np.random.default_rng(check_whole("seed", seed, 0)).standard_normal((samples, len(spread)))
     ran = sweep(build, answers, layout.stacked(layout.join(dimensions) + spread * drawn))
-    good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[ran.codes == 0]
+    good = np.concatenate([v.reshape(samples, -1) for v in ran.answers.values()], axis=1)[np.isin(ran.codes, ANSWERED)]
     if len(good) < 2:
         raise ValueError(f"Fewer than two of {samples} samples could be computed: {ran.failures()}")
     return dataclasses.replace(

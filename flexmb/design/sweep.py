@@ -12,11 +12,12 @@ import numpy as np
 from .. import __version__
 from ..arguments import check_whole
 from ..compilation.identity import identity
-from ..errors import clean
+from ..errors import clean, warn
 from ..model.model import Model
 from ..progress import reporting
+from ..results import ANSWERED, RESULTS
 from .checkpoint import Checkpoint, refusal
-from .chunks import ANSWERED, Task, Values, Worker, gathered, part_of
+from .chunks import Task, Values, Worker, gathered, part_of
 from .designs import Designs
 from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
 from .swept import Sweep
@@ -116,6 +117,12 @@ def sweep(
             if report is not None:
                 report(done, designs.count)
     found, codes = gathered(designs.count, list(functions), parts)
+    unstable = np.flatnonzero(codes == RESULTS.unstable_state)
+    if len(unstable):
+        warn(
+            f"Of {designs.count} designs {len(unstable)} are at an equilibrium that is not stable (unstable_state in"
+            f" `codes`), the first of them number {unstable[0]}: no mechanism stays there by itself."
+        )
     return Sweep(designs, found, codes, dict(units or {}))
 
 
@@ -148,7 +155,7 @@ def _check_stored(
     today, again = gathered(designs.count, names, [(rows, values)])
     if not np.array_equal(again[rows], codes[rows]):
         raise refusal(kept.path, "belongs to another sweep: designs that it holds fail otherwise today")
-    good = rows[np.isin(codes[rows], [int(c) for c in ANSWERED])]
+    good = rows[np.isin(codes[rows], ANSWERED)]
     for name in names:
         before, now = known[name], today[name]
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))

@@ -11,8 +11,7 @@ import numpy as np
 from ..display import Result, Summary, span
 from ..errors import clean, warn
 from ..files import save_arrays
-from ..results import RESULTS
-from .chunks import ANSWERED
+from ..results import ANSWERED, RESULTS
 from .designs import Designs
 from .front import nondominated
 from .labelled import pandas, xarray
@@ -121,7 +120,7 @@ class Sweep(Result):
             twice = next(name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i]))
             raise ValueError(f"'{clean(twice)}' is asked for twice: once is enough.")
         costs = np.stack([self.column(n) * (1 if sense == "minimize" else -1) for n, sense in pairs], axis=1)
-        known = np.flatnonzero(np.isin(self.codes, [int(c) for c in ANSWERED]) & ~np.any(np.isnan(costs), axis=1))
+        known = np.flatnonzero(np.isin(self.codes, ANSWERED) & ~np.any(np.isnan(costs), axis=1))
         if not len(known):
             raise ValueError(f"There is no front: not one of the {len(self.codes)} designs has an answer.")
         rows = known[nondominated(costs[known])]

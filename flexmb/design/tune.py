@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_whole
 from ..compilation.by_meaning import jit
-from ..errors import AnalysisError, clean
+from ..errors import AnalysisError, clean, warn
 from ..progress import reporting
 from ..results import RESULTS
 from .choices import Options, combinations, options_of
@@ -259,12 +259,21 @@ def _searched(
     limit = 2 * q.tolerance
     best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
     found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    if best.unit.tobytes() in kernel.unstable:
+        warn(
+            "The design that was found is at an equilibrium that is not stable: its stiffness is negative in some"
+            " motion, so that no mechanism stays there by itself. Keep such designs out by a limit, as of"
+            " fm.buckling_loads(model)[0] or of a frequency, which is negative there."
+        )
     curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
     return dataclasses.replace(found, curves=curves), ignored, at_start[0]
 
 
 class _Kernel:
-    """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays."""
+    """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays.
+
+    An unstable state has an answer; ``unstable`` are the designs at such.
+    """
 
     def __init__(
         self, of_unit: Callable[..., Any], refused: Callable[..., Any], start: np.ndarray, asked: np.ndarray, m: int
@@ -276,6 +285,7 @@ class _Kernel:
             return values[asked], (values, code)
 
         self.asked, self.start, self.refused, self.m = asked, start, refused, m
+        self.unstable: set[bytes] = set()
         function = differentiate(twice, has_aux=True)
         self.one, self.several = jit(function), jit(jax.vmap(function))
 
@@ -292,6 +302,9 @@ class _Kernel:
         # The start, which can be built, stands in for a design that cannot: numbers without sense may take long.
         own, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
         values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
+        unstable = codes == RESULTS.unstable_state
+        self.unstable |= {unit.tobytes() for unit in units[unstable]}
+        codes = np.where(unstable, RESULTS.successful, codes)
         slopes = np.zeros((*values.shape, units.shape[1]))
         slopes[:, self.asked] = own
         values[refused], slopes[refused] = np.nan, np.nan

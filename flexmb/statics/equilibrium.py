@@ -27,7 +27,7 @@ from .chain import is_long_chain
 from .choice import by_sparse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
-from .stable import unstable_motions, warn_of_unstable
+from .stable import collect_unstable, unstable_motions, warn_of_unstable
 
 # Failures of which a motion without stiffness may be the reason.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
@@ -178,6 +178,8 @@ def equilibrium(
             motions = unstable_motions(stiffness, structural, not lacks_potential(model.topology))
             if motions.shape[1]:
                 warn_of_unstable(model, np.asarray(to_x) @ motions)
+    elif throw and not sparse:
+        collect_unstable(*looked_at[:2], not lacks_potential(model.topology))
     return solved
 
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
@@ -13,6 +14,7 @@ from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import diagonal_of
 from ..math.sparse import negative_where_held
 from ..model.model import Model
+from ..results import RESULTS, collect, collects
 
 # A stiffness is negative below this share of the structural stiffness in the same motion, or, where nothing elastic
 # resists, below this share of the largest: nearer to zero a state is critical, or the sign is one of round-off.
@@ -75,6 +77,20 @@ def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"],
     # Positive but for what is critical or round-off.
     more = SHARE * structural * scale + ROUND_OFF * jnp.eye(own.shape[0])
     return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky(stiffness * scale + more)))
+
+
+def collect_unstable(
+    stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool, found: Any = True
+) -> None:
+    """Add the code of an unstable state where codes are collected, as of designs that are traced.
+
+    Args:
+        stiffness, structural, symmetric: As of :func:`unstable_motions`.
+        found: Whether there is a state.
+    """
+    if collects():
+        unstable = is_negative(*jax.lax.stop_gradient((stiffness, structural)), symmetric) & found
+        collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:

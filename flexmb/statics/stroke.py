@@ -18,7 +18,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS
+from ..results import RESULTS, collect
 from .equilibrium import Equilibrium, check_stiffness, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
@@ -185,6 +185,8 @@ def equilibria(
     each: Any = (*found, model.labels)
     if is_concrete((model, found, unstable)):
         _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(found[-1]) == RESULTS.successful))
+    elif throw:
+        collect(jnp.where(jnp.any(unstable), RESULTS.unstable_state, RESULTS.successful))
     return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
 
 

@@ -17,7 +17,7 @@ from ..linear.linearize import linearize
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..plot.geometry import names_of
-from ..results import RESULTS, check, collected
+from ..results import RESULTS, check, collected, worst_of
 from .building import build, free_names, numbers_of, structure
 from .content import Document
 from .live_answers import Answers
@@ -101,7 +101,9 @@ class Ways:
             del self._closures[kind]
             return {**told, "status": "computing", "words": []}
         if not np.all(np.isfinite(slopes)):
-            message = RESULTS.critical_state.message if int(code) else "It has no derivative here."
+            message = (
+                RESULTS.critical_state.message if int(code) == RESULTS.critical_state else "It has no derivative here."
+            )
             return {**told, "status": "failed", "message": message, "words": []}
         by_field = dict(zip(closure.addresses, slopes.tolist(), strict=True))
         by_name = self._by_name(document, by_field)
@@ -193,10 +195,7 @@ def _closure(document: Document, found: Answers, answer: Answer, numbers: Mappin
     def of_parameters(own: Parameters):
         with collected() as codes:
             value = answer(linearize(dataclasses.replace(like, parameters=own), increment=increment))
-        code: Any = jnp.zeros((), jnp.int32)
-        for other in codes:
-            code = jnp.where(code == RESULTS.successful, jnp.max(jnp.asarray(other, jnp.int32)), code)
-        return value, code
+        return value, worst_of(codes)
 
     def both(flat: Any):
         own, pull = jax.vjp(parameters, flat)
