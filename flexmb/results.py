@@ -121,6 +121,12 @@ class RESULTS(enum.IntEnum):
         " mechanism stays there by itself. Lower the load, or follow the way to a stable state by fm.path(model,"
         " switch=True).",
     )
+    other_clamps = (
+        18,
+        "Ends of leaf springs are clamped otherwise in this design than in the first one, whose structure all designs"
+        " have: a part beside one is three times as thick and was not, or is no more, or a fold passed 5 degrees. Say"
+        " with `clamped` what holds for all, or begin with a design on the same side.",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"

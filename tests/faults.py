@@ -1746,7 +1746,12 @@ FAULTS = [
     Fault("elements/spatial.py", "coupling / l0", "coupling", "elements/test_warping.py -k by_the_closed_form"),
     Fault("elements/spatial.py", "section.rigidity().Jw * ", "", "elements/test_warping.py -k inertia_of_warping"),
     Fault("elements/sections.py", "(w * t) ** 3 / 144", "(w * t) ** 3 / 12", "elements/test_warping.py -k fold_shares"),
-    Fault("build/clamps.py", "found[1] or untwisted", "found[1]", "elements/test_warping.py -k what_restrains"),
+    Fault(
+        "build/clamps.py",
+        "found.restrained or untwisted",
+        "found.restrained",
+        "elements/test_warping.py -k what_restrains",
+    ),
     Fault("build/clamps.py", "if number not in member.element.measured", "", "elements/test_warping.py -k keeps_flat"),
     Fault("spacar/kinds.py", 'found["clamped"] = False', "pass", "spacar/test_beamw.py -k closed_form"),
     Fault(
@@ -1828,7 +1833,7 @@ FAULTS = [
     ),
     Fault(
         "design/swept.py",
-        "np.isin(self.codes, [int(c) for c in ANSWERED]) & ",
+        "np.isin(self.codes, ANSWERED) & ",
         "",
         "design/test_sweep.py -k front",
     ),
@@ -2679,8 +2684,8 @@ FAULTS = [
     ),
     Fault(
         "results.py",
-        "np.max(np.where(codes == RESULTS.critical_state",
-        "np.min(np.where(codes == RESULTS.critical_state",
+        "np.max(np.where(np.isin(codes, ANSWERED)",
+        "np.min(np.where(np.isin(codes, ANSWERED)",
         "test_errors.py -k worst_of_a_batch",
     ),
     # Matrices of elements, held in one way by statics, paths, modes and responses.
@@ -2886,6 +2891,11 @@ FAULTS = [
         "if result is RESULTS.critical_state:",
         "design/test_unstable.py -k optima",
     ),
+    # Designs whose leaf springs are clamped otherwise.
+    Fault("build/clamps.py", "ratio >= THICK * by", "ratio >= 100 * by", "design/test_other_clamps.py -k sweep"),
+    Fault("build/clamps.py", "cosine < np.cos(FOLD) * by", "cosine < 0 * by", "design/test_other_clamps.py -k sweep"),
+    Fault("design/chunks.py", "codes == RESULTS.other_clamps", "codes == 99", "design/test_other_clamps.py -k sweep"),
+    Fault("design/tune.py", "np.any(codes == RESULTS.other_clamps)", "False", "design/test_other_clamps.py -k search"),
     # Kinks of laws and controllers.
     Fault(
         "motion/step_control.py",

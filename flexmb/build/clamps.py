@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
+import operator
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
@@ -15,12 +18,15 @@ from ..elements.spectral_spatial import FIELDS
 from ..errors import ModelError, warn
 from ..model.model import Model
 from ..model.roles import HELD, Role
+from ..results import RESULTS, collect
 from .description import Description, Member
 
 # A part so many times as thick as a leaf spring clamps it.
 THICK = 3.0
 # Leaf springs that meet at a larger angle are a fold [rad].
 FOLD = np.radians(5.0)
+# Of designs that are traced, what is as near to these is on either side.
+ROUND_OFF = 1e-9
 # Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
 TWIST = 2
 
@@ -31,6 +37,21 @@ class End(NamedTuple):
     leaf: str
     rotation: str
     number: int
+
+
+class Bounds(NamedTuple):
+    """Whether an end is flat and restrained, traced: surely, and by round-off perhaps."""
+
+    surely: tuple[Any, Any]
+    maybe: tuple[Any, Any]
+
+
+class Found(NamedTuple):
+    """Whether an end is kept flat, whether its warping is restrained, and what a traced design would say."""
+
+    flat: bool
+    restrained: bool
+    traced: Bounds | None = None
 
 
 class _Unknown(Exception):
@@ -61,22 +82,35 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     if not leaves:
         return builder
     twin, joined = builder.copy(), elements_at(builder)
+    nodes: dict[str, list[tuple[tuple[Any, Any], tuple[bool, bool] | None, bool]]] = {}
     for name in leaves:
         member = twin.members[name]
         given = member.properties["clamped"]
         flat, restrained = [], []
         untwisted = _is_untwisted(member)
         for end in _ends(name, member):
+            was = None
             if given is not None:
-                found = bool(given[end.number]), bool(given[end.number])
+                found = Found(bool(given[end.number]), bool(given[end.number]))
             else:
-                found = is_clamped(builder, end, joined, as_before(before, end))
-            flat.append(found[0])
-            restrained.append(found[1] or untwisted)
+                was = as_before(before, end)
+                found = is_clamped(builder, end, joined, was)
+            flat.append(found.flat)
+            restrained.append(found.restrained or untwisted)
+            if was is not None and found.traced is not None and member.element.fields:
+                _tell_of_others(was[0], [(found.traced.surely[0], found.traced.maybe[0])])
+            shared = parts_of(member, "warping")[end.number : end.number + 1]
+            for warping in shared:
+                own = (found.traced.surely[1], found.traced.maybe[1]) if found.traced else (restrained[-1],) * 2
+                nodes.setdefault(warping, []).append((own, was, found.traced is not None))
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, joined[warping], is_restrained, given is not None and not untwisted)
+    for ends in nodes.values():
+        was = next((was for _, was, _ in ends if was is not None), None)
+        if was is not None and any(is_traced for *_, is_traced in ends):
+            _tell_of_others(was[1], [own for own, *_ in ends])
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
@@ -144,7 +178,7 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
 
 def is_clamped(
     builder: Description, end: End, joined: dict[str, list[str]], before: tuple[bool, bool] | None = None
-) -> tuple[bool, bool]:
+) -> Found:
     """Whether an end is kept flat, and whether its warping is restrained.
 
     Args:
@@ -156,8 +190,9 @@ def is_clamped(
     rotation = builder.nodes[end.rotation]
     # Three of four Euler parameters that are held hold the fourth.
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
-        return True, True
+        return Found(True, True)
     flat = restrained = False
+    traced = []
     # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
     others = {name: builder.members[name] for name in joined[end.rotation] if name != end.leaf}
     for name, other in sorted(others.items(), key=lambda item: item[1].properties.get("section") is not None):
@@ -167,14 +202,55 @@ def is_clamped(
             found = _by(builder, end, name, other)
         except _Unknown as reason:
             if before is not None:
-                return before
+                traced.append(other)
+                continue
             raise ModelError(
                 f"Element '{end.leaf}': whether '{name}' clamps its {('first', 'last')[end.number]} end cannot be"
                 f" found, since {reason}. Say it with clamped=(True or False of the first end, of the last), in a file"
                 " with CLAMP."
             ) from None
         flat, restrained = flat or found[0], restrained or found[1]
-    return flat, restrained
+    if not traced or (flat and restrained):
+        return Found(flat, restrained)
+    return Found(*before or (False, False), _bounds(builder, end, traced, (flat, restrained)))
+
+
+def _bounds(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> Bounds | None:
+    """Whether an end is clamped by what is traced too, or None where that has no sizes.
+
+    Args:
+        others: What is traced.
+        known: Whether what is not keeps it flat and restrains its warping.
+    """
+    leaf, surely, maybe = builder.members[end.leaf], known, known
+    for other in others:
+        number = parts_of(other, "rotation").index(end.rotation)
+        thin, thick = _sides(builder, leaf, end.number), _sides(builder, other, number)
+        if thin is None or thick is None:
+            return None
+        ratio = jnp.min(jnp.stack(thick)) / jnp.min(jnp.stack(thin))
+        folds: Any = (False, False)
+        if "clamped" in other.properties:
+            axes = zip(*(axes_of(builder, of, jnp) for of in (leaf, other)), strict=True)
+            cosine = jnp.min(jnp.abs(jnp.stack([one @ another for one, another in axes])))
+            folds = [cosine < np.cos(FOLD) * by for by in (1 - ROUND_OFF, 1 + ROUND_OFF)]
+        clamps = [ratio >= THICK * by for by in (1 + ROUND_OFF, 1 - ROUND_OFF)]
+        surely, maybe = (
+            (of[0] | thicker | folded, of[1] | thicker)
+            for of, thicker, folded in zip((surely, maybe), clamps, folds, strict=True)
+        )
+    return Bounds(surely, maybe)
+
+
+def _tell_of_others(was: bool, found: list[tuple[Any, Any]]) -> None:
+    """Add a code, where codes are collected, if what decides between clamped and not decides otherwise than before.
+
+    Args:
+        was: Whether it was clamped.
+        found: Of each end that clamps it, whether it surely does and whether it may.
+    """
+    clamped = functools.reduce(operator.or_, [one[0 if not was else 1] for one in found])
+    collect(jnp.where(jnp.asarray(clamped) == was, RESULTS.successful, RESULTS.other_clamps))
 
 
 def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool, bool]:
@@ -224,10 +300,12 @@ def _is_thick(builder: Description, leaf: Member, end: int, other: Member, numbe
     """Whether another element is so thick at one of its ends that it clamps an end of a leaf spring."""
     if _alike(leaf.properties["section"], other.properties["section"]):
         return False
-    thin, thick = _thickness(builder, leaf, end), _thickness(builder, other, number)
+    thin, thick = _sides(builder, leaf, end), _sides(builder, other, number)
+    if thin is None or thick is None:
+        raise _Unknown("its section is given by numbers and has no thickness")
     if not is_concrete((thin, thick)):
         raise _Unknown("it depends on how thick they are, and these numbers are traced")
-    return bool(np.asarray(thick) >= THICK * np.asarray(thin))
+    return bool(min(map(np.asarray, thick)) >= THICK * min(map(np.asarray, thin)))
 
 
 def _alike(one: Section, other: Section) -> bool:
@@ -240,17 +318,15 @@ def _alike(one: Section, other: Section) -> bool:
     return own == others
 
 
-def _thickness(builder: Description, member: Member, end: int) -> Any:
-    """Smallest side of a section at an end of an element."""
+def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
+    """Sides of a section at an end of an element, None where it has none."""
     given: Section = member.properties["section"]
     # Known numbers stay so where something else of the mechanism is traced.
     with jax.ensure_compile_time_eval() if is_concrete(given) else contextlib.nullcontext():
         section = given.at(float(end), _length(builder, member))
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
-    if not sides:
-        raise _Unknown("its section is given by numbers and has no thickness")
-    return min(map(np.asarray, sides)) if is_concrete(sides) else sides
+    return sides or None
 
 
 def _length(builder: Description, member: Member) -> Any:
@@ -258,16 +334,16 @@ def _length(builder: Description, member: Member) -> Any:
     return float(np.linalg.norm(np.subtract(q, p))) if is_concrete((p, q)) else 1.0
 
 
-def axes_of(builder: Description, member: Member) -> Any:
-    """Unit vectors along a leaf spring and across it, along its width."""
+def axes_of(builder: Description, member: Member, library: Any = np) -> Any:
+    """Unit vectors along a leaf spring and across it, along its width; with NumPy what is traced as it is given."""
     p, q = (builder.nodes[node].start for node in parts_of(member, "position"))
     y = member.properties.get("y")
-    if not is_concrete((p, q, y)):
+    if library is np and not is_concrete((p, q, y)):
         return p, q, y
-    p, q = np.asarray(p, float), np.asarray(q, float)
+    p, q = library.asarray(p, float), library.asarray(q, float)
     if p.size == 2:
-        return (q - p) / np.linalg.norm(q - p), np.ones(1)
-    along = (q - p) / np.linalg.norm(q - p)
-    y = np.arange(3.0) == np.argmin(np.abs(along)) if y is None else np.asarray(y, float)
+        return (q - p) / library.linalg.norm(q - p), np.ones(1)
+    along = (q - p) / library.linalg.norm(q - p)
+    y = np.arange(3.0) == library.argmin(library.abs(along)) if y is None else library.asarray(y, float)
     across = y - (y @ along) * along
-    return along, across / np.linalg.norm(across)
+    return along, across / library.linalg.norm(across)

@@ -136,15 +136,36 @@ def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
 
 
 class _Compiled:
-    """Designs in one compiled program, each thread with an equal number of them."""
+    """Designs in one compiled program, each thread with an equal number of them.
+
+    Those whose leaf springs are clamped otherwise than those of the example have another structure: they are computed
+    by a program of their own.
+    """
 
     def __init__(self, task: Task, example: dict[str, np.ndarray], threads: int):
+        self.task, self.others = task, None
         models = build_once(task.build, example)
         self.program = jit(_mapped(task.build, task.functions, models, task.together))
         self.refused = refusal(task.build, models, example)
         self.example, self.threads, self.is_compiled = example, threads, False
 
     def __call__(self, part: Chunk) -> Values:
+        values, codes = self._computed(part)
+        rows = np.flatnonzero(codes == RESULTS.other_clamps)
+        if len(rows):
+            example = {name: array[rows[0]] for name, array in part.designs.items()}
+            if all(np.array_equal(array, self.example[name]) for name, array in example.items()):
+                return values, codes
+            self.others = _Compiled(self.task, example, self.threads) if self.others is None else self.others
+            own, codes[rows] = self.others(part_of(part.designs, rows, len(next(iter(part.designs.values())))))
+            for name, array in own.items():
+                if array.shape[1:] != values[name].shape[1:]:
+                    raise ValueError(one_shape(name, array.shape[1:], values[name].shape[1:]))
+                values[name] = values[name].copy()
+                values[name][rows] = array
+        return values, codes
+
+    def _computed(self, part: Chunk) -> Values:
         refused = self.refused(part.designs)
         # A design that can be built stands in for one that cannot: numbers without sense may take long.
         designs = {n: np.where(_like(refused, a), self.example[n], a) for n, a in part.designs.items()}

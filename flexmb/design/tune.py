@@ -259,6 +259,12 @@ def _searched(
     limit = 2 * q.tolerance
     best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
     found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    if kernel.left_out:
+        warn(
+            "The search has left out designs whose leaf springs are clamped otherwise than at the start, beside a part"
+            " that is three times as thick or at a fold of 5 degrees. Start on the other side to search there, or say"
+            " `clamped`."
+        )
     if best.unit.tobytes() in kernel.unstable:
         warn(
             "The design that was found is at an equilibrium that is not stable: its stiffness is negative in some"
@@ -272,7 +278,8 @@ def _searched(
 class _Kernel:
     """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays.
 
-    An unstable state has an answer; ``unstable`` are the designs at such.
+    An unstable state has an answer; ``unstable`` are the designs at such. Designs whose leaf springs are clamped
+    otherwise than at the start have none; ``left_out`` says whether there were any.
     """
 
     def __init__(
@@ -286,6 +293,7 @@ class _Kernel:
 
         self.asked, self.start, self.refused, self.m = asked, start, refused, m
         self.unstable: set[bytes] = set()
+        self.left_out = False
         function = differentiate(twice, has_aux=True)
         self.one, self.several = jit(function), jit(jax.vmap(function))
 
@@ -302,6 +310,7 @@ class _Kernel:
         # The start, which can be built, stands in for a design that cannot: numbers without sense may take long.
         own, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
         values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
+        self.left_out |= bool(np.any(codes == RESULTS.other_clamps))
         unstable = codes == RESULTS.unstable_state
         self.unstable |= {unit.tobytes() for unit in units[unstable]}
         codes = np.where(unstable, RESULTS.successful, codes)
