@@ -1,5 +1,6 @@
 """Sweeps and searches over designs whose leaf springs are clamped in some and not in others: as each is built alone."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -14,7 +15,7 @@ def stepped(thick, turn=0.0):
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
     b.node("step", (0.0, 0.0, 0.03))
-    b.node("top", (0.0, 0.03 * np.sin(turn), 0.03 + 0.03 * np.cos(turn)))
+    b.node("top", (0.0, 0.03 * jnp.sin(turn), 0.03 + 0.03 * jnp.cos(turn)))
     for i, (p, q, t) in enumerate((("foot", "step", 0.5e-3), ("step", "top", thick))):
         section = fm.Rectangle(30e-3, t, MATERIAL)
         b.add(spatial.leaf_spring(order=2), p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))
