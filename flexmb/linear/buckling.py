@@ -37,6 +37,8 @@ from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_multipliers import UNBOUNDED
 from .spectrum import is_real
 
+# Loads that move a mechanism by more than this before it buckles (extents, radians) are told.
+FAR = 0.3
 # An eigenvalue of an unsymmetric matrix is known where round-off moves it by less than this share.
 TOLD = 1e-3
 
@@ -254,7 +256,7 @@ def _buckling_at(
 def _buckling_about(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"], result: Int[Array, ""]
 ):
-    """Multipliers, modes in the coordinates, whether complex ones hide a lower load, and code of RESULTS."""
+    """Multipliers, modes in the coordinates, whether complex ones hide a lower load, how far loads move, and code."""
     k, g, noise = scaled_stiffness(topology, parameters, at, near)
     dfx = at.transfer.DFx
     inverse, vectors, complex_ones = _inverse_multipliers(topology, k, g)
@@ -262,7 +264,33 @@ def _buckling_about(
     hidden = (complex_ones > noise) & (complex_ones > jnp.max(jnp.abs(inverse), initial=0.0))
     stable = is_positive_definite((k + k.T) / 2)
     result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
-    return multiplier, dfx @ vectors, hidden, result
+    return multiplier, dfx @ vectors, hidden, _moved_by_loads(topology, parameters, at, near), result
+
+
+def _moved_by_loads(
+    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
+) -> Float[Array, ""]:
+    """How far what is scaled moves the mechanism at a multiplier of one, at most, () [extents, rad]."""
+    if parameters.increment is not None:
+        _, _, dx = curvature_of_increment(topology, parameters, at, near)
+    elif topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]:
+        # A stroke is no load.
+        return jnp.zeros(())
+    else:
+        dx = at.x - parameters.reference
+    moved = jax.lax.stop_gradient(jnp.abs(dx) / sizes_of(topology, parameters))
+    return jnp.max(moved, initial=0.0)
+
+
+def _warn_of_moving(multiplier: Array, moved: Array) -> None:
+    """Warn where the loads have moved the mechanism far when it is to buckle."""
+    lowest = np.min(np.abs(np.asarray(multiplier)), initial=np.inf)
+    if np.isfinite(lowest) and lowest * float(moved) > FAR:
+        warn(
+            f"Before it buckles, at the load multiplier {lowest:.4g} in size, these loads have moved the mechanism by"
+            f" {lowest * float(moved):.2g} of its extent, or radians, which linear buckling takes to be nothing: it may"
+            " be far off. Follow the path (fm.path, mode 10)."
+        )
 
 
 def _asked(model: Model, function: str, throw: bool, where: Where):
@@ -273,10 +301,12 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     if where.at is None:
         increment = 0.0 if where.increment is None else where.increment
         target = load_factors_of(model, 1.0, increment, function)
-        multiplier, shapes, hidden, result = _buckling(model.topology, model.parameters, target)
+        multiplier, shapes, hidden, moved, result = _buckling(model.topology, model.parameters, target)
     else:
         lin, factors = _on_path(model, where, function)
-        multiplier, shapes, hidden, result = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
+        multiplier, shapes, hidden, moved, result = _buckling_at(
+            model.topology, model.parameters, factors, lin.x, lin.e
+        )
     check_stiffness(model, result, throw)
     if is_concrete(hidden) and hidden:
         warn(
@@ -284,6 +314,8 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
             " of smallest size are complex: before it buckles the mechanism may flutter, which no load multiplier"
             " tells. Ask the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
         )
+    if is_concrete((multiplier, moved, result)) and int(result) == RESULTS.successful:
+        _warn_of_moving(multiplier, moved)
     return multiplier, shapes, lin
 
 
@@ -330,7 +362,8 @@ def buckling_loads(
         NotImplementedError: A second derivative is asked of sparse factors.
 
     Warns:
-        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex.
+        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or dense
+            matrices tell that the loads move the mechanism far before it buckles.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).

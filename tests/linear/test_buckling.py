@@ -1,5 +1,6 @@
 """Load multipliers: under a preload, and by sparse factors."""
 
+import contextlib
 from typing import Any
 
 import jax
@@ -18,6 +19,7 @@ from flexmb.statics.tangent import assemble, elastic_stress
 
 
 @pytest.mark.parametrize("preload", [(0.0, 0.5), (0.3, 1.0)])
+@pytest.mark.filterwarnings("ignore:Before it buckles")
 def test_multipliers_under_a_preload_are_those_of_the_balance(preload):
     # What the increment adds to all stresses is the derivative of the balance by its factor, here by differences
     # of equilibria in all coordinates (1e-5: truncation 1e-9), and no choice of degrees of freedom changes it.
@@ -89,6 +91,7 @@ def column(beams, load=(-1.0, 0.0), preload=None, bending=1.0, gravity=None, spa
     ],
     ids=["pressed", "bent, of held elongation", "with a preload"],
 )
+@pytest.mark.filterwarnings("ignore:Before it buckles")
 def test_modes_by_sparse_factors_are_those_of_dense_matrices(case):
     # Round-off of a stiffness ratio of 1e6 in the dense path.
     wanted = fm.buckling(column(10, **case), count=4)
@@ -120,6 +123,7 @@ def test_modes_of_a_thousand_beams():
     [{"load": (-0.5, 0.3)}, {"load": (-1.0, 0.1), "preload": (0.3, 1.0), "released": (2, 3)}],
     ids=["all loads", "increment"],
 )
+@pytest.mark.filterwarnings("ignore:Before it buckles")
 def test_derivative_of_a_multiplier_by_sparse_factors(case):
     def second(bending, sparse=True):
         model = column(4, bending=bending, gravity=(0.0, -0.2), sparse=True, **case)
@@ -184,3 +188,19 @@ def test_derivative_of_a_multiplier_of_an_unsymmetric_stiffness():
     # Multipliers are good to 1e-9 or so, over the step.
     np.testing.assert_allclose(jax.jacfwd(multiplier)(1.0), wanted, rtol=1e-4)
     np.testing.assert_allclose(jax.grad(multiplier)(1.0), wanted, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("increment", "moves"), [(False, True), (True, True), (True, False), (False, False)])
+def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, moves):
+    """A force across a column bends it long before it buckles, one along it does not."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.5 * i, 0.0))
+    for i in range(2):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e5, EIy=1.0))
+    b.fix("n0")
+    b.force("n2", (-0.1, 0.1 * moves), increment=increment)
+    with pytest.warns(fm.FlexmbWarning, match="Before") if moves else contextlib.nullcontext():
+        loads = fm.buckling_loads(b.build())
+    # Euler's column of length 1, by two beams; the force across it bends it at first already.
+    assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)

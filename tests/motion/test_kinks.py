@@ -9,7 +9,6 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.motion.kinks import _is_kinked
 
-
 END = 0.8
 
 
