@@ -46,7 +46,7 @@ class Bounds(NamedTuple):
     maybe: tuple[Any, Any]
 
 
-class Found(NamedTuple):
+class Clamped(NamedTuple):
     """Whether an end is kept flat, whether its warping is restrained, and what a traced design would say."""
 
     flat: bool
@@ -91,7 +91,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         for end in _ends(name, member):
             was = None
             if given is not None:
-                found = Found(bool(given[end.number]), bool(given[end.number]))
+                found = Clamped(bool(given[end.number]), bool(given[end.number]))
             else:
                 was = as_before(before, end)
                 found = is_clamped(builder, end, joined, was)
@@ -178,7 +178,7 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
 
 def is_clamped(
     builder: Description, end: End, joined: dict[str, list[str]], before: tuple[bool, bool] | None = None
-) -> Found:
+) -> Clamped:
     """Whether an end is kept flat, and whether its warping is restrained.
 
     Args:
@@ -190,7 +190,7 @@ def is_clamped(
     rotation = builder.nodes[end.rotation]
     # Three of four Euler parameters that are held hold the fourth.
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
-        return Found(True, True)
+        return Clamped(True, True)
     flat = restrained = False
     traced = []
     # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
@@ -211,8 +211,8 @@ def is_clamped(
             ) from None
         flat, restrained = flat or found[0], restrained or found[1]
     if not traced or (flat and restrained):
-        return Found(flat, restrained)
-    return Found(*before or (False, False), _bounds(builder, end, traced, (flat, restrained)))
+        return Clamped(flat, restrained)
+    return Clamped(*before or (False, False), _bounds(builder, end, traced, (flat, restrained)))
 
 
 def _bounds(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> Bounds | None:

@@ -50,7 +50,7 @@ class DisplacementController(diffrax.PIDController):
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        return found[0], (found[1], greatest(self.moved, y0), _Search(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)))
+        return found[0], (found[1], greatest(self.moved, y0), _KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)))
 
     def adapt_step_size(
         self,
@@ -88,7 +88,7 @@ class DisplacementController(diffrax.PIDController):
         return keep, next_t0, next_t1, made_jump, (state, jnp.where(keep, after, before), search), result
 
 
-class _Search(NamedTuple):
+class _KinkSearch(NamedTuple):
     """Search for a kink: a time by which it has passed, none sought where that is over, and the step first refused."""
 
     by: Float[Array, ""]
@@ -96,13 +96,13 @@ class _Search(NamedTuple):
 
 
 def _halved(
-    search: _Search,
+    search: _KinkSearch,
     t0: Float[Array, ""],
     t1: Float[Array, ""],
     kept: Bool[Array, ""],
     kink: Bool[Array, ""],
     next_t1: Float[Array, ""],
-) -> tuple[Bool[Array, ""], Float[Array, ""], _Search]:
+) -> tuple[Bool[Array, ""], Float[Array, ""], _KinkSearch]:
     """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
 
     Args:
@@ -120,4 +120,4 @@ def _halved(
     onwards = begin + jnp.where(rest > short, rest / 2, rest)
     # Behind the kink steps are as long as before.
     after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
-    return refused, jnp.where(kept, after, next_t1), _Search(by, length)
+    return refused, jnp.where(kept, after, next_t1), _KinkSearch(by, length)
