@@ -215,6 +215,8 @@ def _by_diffrax(
     result = jnp.where(solution.result == ok.internal_error, RESULTS.ran_away, result)
     if integrator.event is not None:
         result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
+        # What ends at once has its start all the same.
+        states = jax.tree.map(lambda row, own: jnp.where((times <= t0)[:, None], own, row), states, start)
     else:
         wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
         result = jnp.where(wrong, failed, result)

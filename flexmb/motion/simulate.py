@@ -14,9 +14,11 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import as_floats, check_numbers, is_concrete, shown
+from ..compilation.compile import jit_beside_options
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
-from ..errors import AnalysisError, ModelError
+from ..display import short
+from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
 from ..math.sparse import LARGE
 from ..mechanics.levels import Levels
@@ -185,6 +187,7 @@ def simulate(
         problem = dataclasses.replace(problem, tree=tree)
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
+        _check_event(problem, integrator, times[0], start)
     none = np.zeros(len(model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
     if isinstance(feedback, Sampled) and isinstance(times, jax.core.Tracer):
@@ -319,6 +322,27 @@ def _event_now(problem: Problem, integrator: Integrator, t: Float[Array, ""], st
             return condition
 
     return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
+
+
+def _check_event(problem: Problem, integrator: Integrator, t: Float[Array, ""], start: Start) -> None:
+    """Refuse conditions that are not finite at the start, and warn of what holds there, as far as numbers are known."""
+    event: Any = integrator.event
+    conditions = [one for one in jax.tree.leaves(event.cond_fn, is_leaf=callable) if isinstance(one, EventCondition)]
+    if not conditions or not is_concrete((problem, t, start, conditions)):
+        return
+    values = _at_start(problem, integrator.form, t, start, conditions)
+    for value in map(np.asarray, values):
+        if not np.all(np.isfinite(value)):
+            raise ValueError(f"The condition of `event` is not finite at the start, t = {short(t)} s, but {value}.")
+        if value.dtype == bool and np.any(value):
+            warn("The condition of `event` holds at the start, so that the motion ends there, before any later time.")
+
+
+@jit_beside_options
+def _at_start(problem: Problem, form: str, t: Float[Array, ""], start: Start, conditions: list[Any]) -> list[Any]:
+    """Values of conditions at the start of a motion."""
+    state = begin(problem, form, t, start)
+    return [jnp.asarray(one(t, state, None)) for one in conditions]
 
 
 def _checked_times(times: ArrayLike):

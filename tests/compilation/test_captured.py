@@ -180,3 +180,15 @@ def test_functions_with_derivatives_of_their_own_are_told_apart():
 def test_what_is_no_function_is_refused_by_name(mass, value):
     with pytest.raises(fm.ModelError, match=r"Load 'm\.x' (must be|cannot be computed as) a function of time"):
         fm.simulate(mass, TIMES, loads={"m.x": value})
+
+
+def test_an_event_that_is_none_or_holds_at_the_start_is_told(mass):
+    import diffrax
+
+    with pytest.raises(ValueError, match="condition of `event` is not finite at the start, t = 0 s"):
+        fm.simulate(mass, TIMES, event=diffrax.Event(lambda t, y, args, **_: jnp.nan * t))
+    with pytest.warns(fm.FlexmbWarning, match="holds at the start, so that the motion ends there"):
+        found = fm.simulate(mass, TIMES, event=diffrax.Event(lambda t, y, args, **_: t > -1))
+    x = np.asarray(found.at("m")[:, 0])
+    assert np.isfinite(x[0])
+    assert not np.any(np.isfinite(x[1:]))
