@@ -70,13 +70,17 @@ def sweep(
 
     Returns:
         Sweep with answers (designs, ...), and codes (designs,) of RESULTS: one design that fails stops no other. What
-        a concrete build refuses has the code impossible_design.
+        a concrete build refuses has the code impossible_design, what is at an equilibrium that is not stable its
+        answers and unstable_state. Designs whose leaf springs are clamped otherwise are compiled for themselves.
 
     Raises:
         ValueError: A dimension that ``build`` does not take or lacks; numbers of designs that differ; names that meet;
             a checkpoint that is damaged, in use, or of another sweep, which is left as it is.
         ModelError, SpacarError: Not one design can be built.
         OSError: The checkpoint cannot be read or written.
+
+    Warns:
+        FlexmbWarning: Designs are at an equilibrium that is not stable.
 
     Source:
         The analyses that are asked; ``jax.lax.map`` over the designs.

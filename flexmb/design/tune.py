@@ -110,6 +110,10 @@ def tune(
             dimension on which no answer that is asked depends, or answers that are not finite at the start.
         AnalysisError: infeasible, not_optimal, or an analysis fails; ``throw=False`` returns what was found.
 
+    Warns:
+        FlexmbWarning: The design that was found is at an equilibrium that is not stable; or designs were left out whose
+            leaf springs are clamped otherwise than at the start.
+
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """

@@ -41,7 +41,8 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
     as their rigidities, and their sizes as what is drawn (CROSSTYPE, CROSSDIM), by which what is read back has its
     stress, without strength or fatigue; those of leaf springs as SECTION. Comments of a file that was read, names of
-    inputs and outputs, and user routines themselves are not kept.
+    inputs and outputs, and user routines themselves are not kept. SPACAR and the command line ask for degrees of
+    freedom by name: name them with ``dof()``; those that ``build()`` finds are not written.
 
     Args:
         model: Builder, or what read_spacar returned, whose settings are written too.
