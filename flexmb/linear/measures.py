@@ -177,22 +177,23 @@ def frequency_like(
     """
     warn_of_increment(as_determined(model, "frequency_like"), "frequency_like")
     refuse_unsymmetric(not lacks_potential(model.topology))
+    given: Any = shape
     if isinstance(shape, Modes):
-        modes, shape = shape, _shapes_in(model, shape, "frequency_like")
-        if number is None or not check_whole("number", number, 0) < shape.shape[1]:
+        every = _shapes_in(model, shape, "frequency_like")
+        if number is None or not check_whole("number", number, 0) < every.shape[1]:
             raise ValueError(
                 "Argument `number` of fm.linear.frequency_like must be that of one of the"
-                f" {len(modes.frequencies)} modes, from 0, but is {shown(number)}."
+                f" {every.shape[1]} modes, from 0, but is {shown(number)}."
             )
-        shape = shape[:, number]
+        given = every[:, number]
     elif number is not None:
         raise ValueError("Argument `number` of fm.linear.frequency_like goes with Modes, not with numbers.")
-    check_numbers("Argument `shape`", shape)
-    if np.shape(shape) != (model.topology.n_q,):
-        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(shape)}.")
-    if is_concrete(shape) and not np.any(np.asarray(shape)):
+    check_numbers("Argument `shape`", given)
+    if np.shape(given) != (model.topology.n_q,):
+        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(given)}.")
+    if is_concrete(given) and not np.any(np.asarray(given)):
         raise ValueError("Argument `shape` must have an entry that is not zero.")
-    value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(shape, float))
+    value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(given, float))
     check_spectrum(result, throw, model)
     return value
 

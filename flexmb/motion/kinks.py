@@ -54,7 +54,8 @@ class Kinks(Record):
             state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
             return _forces(own, t0 + share * (t1 - t0), state)
 
-        return _is_kinked(jax.vmap(between)(np.linspace(0.0, 1.0, PARTS + 1)))
+        shares: Any = np.linspace(0.0, 1.0, PARTS + 1)
+        return _is_kinked(jax.vmap(between)(shares))
 
 
 def kinks_of(equations: Any) -> Kinks | None:

@@ -99,9 +99,9 @@ def _halved(
     search: _KinkSearch,
     t0: Float[Array, ""],
     t1: Float[Array, ""],
-    kept: Bool[Array, ""],
-    kink: Bool[Array, ""],
-    next_t1: Float[Array, ""],
+    kept: Any,
+    kink: Any,
+    next_t1: Any,
 ) -> tuple[Bool[Array, ""], Float[Array, ""], _KinkSearch]:
     """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
 

@@ -179,7 +179,8 @@ def equilibrium(
             if motions.shape[1]:
                 warn_of_unstable(model, np.asarray(to_x) @ motions)
     elif throw and not sparse:
-        collect_unstable(*looked_at[:2], not lacks_potential(model.topology))
+        stiffness, structural, _ = looked_at
+        collect_unstable(stiffness, structural, not lacks_potential(model.topology))
     return solved
 
 

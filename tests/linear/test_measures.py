@@ -147,3 +147,36 @@ def test_a_frequency_is_followed_through_a_crossing():
         assert slope == pytest.approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
     with pytest.raises(ValueError, match="must have 2 entries"):
         fm.linear.frequency_like(cross((K, K, 0.0)), shape[:1])
+
+
+def guide(length):
+    """A guide whose second leaf spring has another length; no degrees of freedom are named."""
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0.1 - length)}.items():
+        b.node(name, place)
+    for p, q, thick in (("A", "B", 0.5e-3), ("D", "C", 0.5e-3), ("B", "C", 5e-3)):
+        section = fm.Rectangle(18e-3, thick, fm.Material(E=210e9, G=80e9, rho=7850))
+        b.add(planar.beam, p, q, section=section)
+    b.fix("A")
+    b.fix("D")
+    for node in "BC":
+        b.mass(node, 0.1)
+    return b.build()
+
+
+def test_modes_are_compared_whatever_their_degrees_of_freedom():
+    one, other = fm.modes(guide(0.1)), fm.modes(guide(0.1001))
+    # Found degrees of freedom are others in designs that differ by a thousandth.
+    assert one.lin.model.q_labels != other.lin.model.q_labels
+    np.testing.assert_array_equal(fm.linear.follow_modes(one, other), np.arange(6))
+    # A criterion is one less the square of how far shapes differ.
+    np.testing.assert_allclose(np.diag(fm.linear.mode_assurance(one, other)), 1.0, atol=2e-3)
+    for model, modes in ((guide(0.1), other), (guide(0.1001), one)):
+        found = fm.linear.frequency_like(model, modes, 1)
+        assert found == pytest.approx(float(fm.frequencies(model)[1]), rel=1e-12)
+    with pytest.raises(ValueError, match="`number` .* one of the 6 modes, from 0, but is 6"):
+        fm.linear.frequency_like(guide(0.1), one, 6)
+    with pytest.raises(ValueError, match="`number` .* goes with Modes"):
+        fm.linear.frequency_like(guide(0.1), np.ones(6), 1)
+    with pytest.raises(ValueError, match="the models differ, their nodes or elements have other names"):
+        fm.linear.mode_assurance(one, fm.modes(cross((K, K, 0.0))))

@@ -109,6 +109,17 @@ def test_states_of_a_motion(bent):
         fm.modes(bent, at=motion, time=half)
 
 
+def thicker():
+    return planar_guide(2 * THICKNESS).build()
+
+
+def renamed():
+    """As many coordinates, by other elements."""
+    b = planar_guide()
+    b.members["other"] = b.members.pop(next(iter(b.members)))
+    return b.build()
+
+
 @pytest.mark.parametrize(
     ("ask", "kind", "words"),
     [
@@ -118,6 +129,9 @@ def test_states_of_a_motion(bent):
         (lambda m, p: fm.modes(m, at=p, step=1, increment=1.0), ValueError, "does not go with at="),
         (lambda m, p: fm.modes(p.linearization(), increment=1.0), ValueError, "does not go with a linearisation"),
         (lambda m, p: fm.frequencies(bent_strip(), at=p, step=0), ValueError, "of another model"),
+        (lambda m, p: fm.frequencies(thicker(), at=p, step=0), ValueError, "with other dimensions"),
+        (lambda m, p: fm.stress(thicker(), at=p, step=0), ValueError, "with other dimensions"),
+        (lambda m, p: fm.stress(renamed(), at=fm.equilibrium(m, increment=0.0)), ValueError, "have other names"),
         (lambda m, p: fm.frequencies(m, at=fm.equilibrium(m, increment=1.0)), TypeError, "not an Equilibrium"),
         (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
         (lambda m, p: fm.frequencies(m, at=p, step=9), IndexError, "2 steps"),
