@@ -127,6 +127,11 @@ class RESULTS(enum.IntEnum):
         " have: a part beside one is three times as thick and was not, or is no more, or a fold passed 5 degrees. Say"
         " with `clamped` what holds for all, or begin with a design on the same side.",
     )
+    forces_jump = (
+        19,
+        "The force of a law or of a controller jumps as the mechanism moves. A derivative leaves out that the instant"
+        " of the jump moves, and is wrong: make the force steep in place of a jump, such as by jnp.tanh.",
+    )
     impossible_design = (
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"
@@ -160,9 +165,10 @@ class RESULTS(enum.IntEnum):
     )
 
 
-# Outcomes that have an answer, from the best on: at a critical state that has no derivative, in an unstable one no
-# mechanism stays.
-ANSWERED = (RESULTS.successful, RESULTS.critical_state, RESULTS.unstable_state)
+# Outcomes that have an answer, from the best on: at a critical state and where forces jump that has no derivative, in
+# an unstable one no mechanism stays.
+NO_DERIVATIVE = (RESULTS.critical_state, RESULTS.forces_jump)
+ANSWERED = (RESULTS.successful, *NO_DERIVATIVE, RESULTS.unstable_state)
 
 
 def told(result: Any) -> str:

@@ -2899,6 +2899,7 @@ FAULTS = [
         "value.dtype == int and",
         "compilation/test_captured.py -k told",
     ),
+    Fault("motion/step_control.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps"),
     # Designs in unstable states.
     Fault(
         "results.py",
@@ -2924,11 +2925,11 @@ FAULTS = [
     # Kinks of laws and controllers.
     Fault(
         "motion/step_control.py",
-        "refused = kink & (h > short)",
-        "refused = kink & False",
+        "refused = jnp.any(changes > 0) & (h > short)",
+        "refused = jnp.any(changes > 0) & False",
         "motion/test_kinks.py -k stop",
     ),
-    Fault("motion/kinks.py", "SHARE = 1e-6", "SHARE = 1e-1", "motion/test_kinks.py -k stop"),
+    Fault("motion/kinks.py", "SHARE, JUMP = 1e-6", "SHARE, JUMP = 1e-1", "motion/test_kinks.py -k stop"),
     Fault("motion/kinks.py", "or isinstance(equations, ControlledForm)", "or False", "motion/test_kinks.py -k limit"),
     Fault("motion/kinks.py", "second > CURVED * first", "second > 0 * first", "motion/test_kinks.py -k smoothly"),
     Fault("motion/kinks.py", "third > BENT * second", "third > 0 * second", "motion/test_kinks.py -k smoothly"),

@@ -12,7 +12,7 @@ from ..arguments import check_whole, shown
 from ..compilation.by_meaning import jit
 from ..display import Result, Summary, counted, largest, short
 from ..errors import AnalysisError, clean, warn
-from ..results import ANSWERED, RESULTS, check
+from ..results import ANSWERED, NO_DERIVATIVE, RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 from .sweep import sweep
@@ -121,7 +121,7 @@ def sensitivities(
     result = RESULTS(int(code))
     if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(np.isfinite(slopes)):
         result = RESULTS.not_finite
-    if throw and result is RESULTS.critical_state:
+    if throw and result in NO_DERIVATIVE:
         # No failure where no derivative is asked for.
         raise AnalysisError(result.name, result.message)
     check(int(result), throw, "It is about the sensitivities of " + ", ".join(functions) + ".")

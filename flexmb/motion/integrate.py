@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
@@ -89,12 +89,14 @@ class Integrated(NamedTuple):
         steps: Number of time steps.
         result: Code of RESULTS.
         last: Its end, to go on from.
+        jumped: Whether a force has jumped, as far as that was looked at, as where a derivative is asked for.
     """
 
     rows: WholeMotion
     steps: Int[Array, ""]
     result: Int[Array, ""]
     last: Reached
+    jumped: Bool[Array, ""] | bool = False
 
 
 def _solved(
@@ -107,7 +109,7 @@ def _solved(
     start: MotionState,
     moved: Float[Array, ""],
 ):
-    """States at times between t0 and t1, greatest displacement, number of steps, and code of the result."""
+    """States at times between t0 and t1, and what else is found on the way."""
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
     given = equations, integrator, (problem.jumps, problem.stops), t0, t1, times, start, moved
@@ -136,9 +138,9 @@ def _marched(
         return _first_step(integrator, fast, t1 - t0, parts, False)
 
     allowed: Any = (integrator.rtol, integrator.atol)
-    if isinstance(equations, ChainForm):
-        return march_chain(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
-    return march(equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
+    marched = march_chain if isinstance(equations, ChainForm) else march
+    given: Any = (equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
+    return marched(*given)._replace(jumped=jnp.zeros((), bool))
 
 
 def _by_diffrax(
@@ -224,8 +226,11 @@ def _by_diffrax(
     state: Any = solution.controller_state
     if isinstance(controller, diffrax.ClipStepSizeController):
         controller, state = controller.controller, state.inner_state
-    moved = state[1] if isinstance(controller, DisplacementController) else moved
-    return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result)
+    jumped = jnp.zeros((), bool)
+    if isinstance(controller, DisplacementController):
+        _, moved, search = state
+        jumped = search.jumped
+    return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result, jumped)
 
 
 def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):
@@ -301,11 +306,14 @@ def integrate(
     """
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
-    states, moved, steps, result = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved)
+    states, moved, steps, result, jumped = _solved(
+        equations, problem, integrator, span[0], span[1], times, start, given.moved
+    )
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
     result = jnp.where(begun == RESULTS.successful, result, begun)
-    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved))
+    jumped = jumped & (result == RESULTS.successful)
+    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved), jumped)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -354,16 +362,16 @@ def integrate_sampled(
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        states, moved, steps, result = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
-        return Reached(_last(states), (memory, u), moved), (states, u, steps, result)
+        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
+        return Reached(_last(states), (memory, u), moved), (states, u, *found)
 
     first, begun = _started(undriven, problem, grid.begin[0], given.state)
     start = given._replace(state=first)
-    last, (states, u, steps, result) = jax.lax.scan(interval, start, grid[:3])
+    last, (states, u, steps, result, jumped) = jax.lax.scan(interval, start, grid[:3])
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
     # An event ends the motion without a failure; what comes after its interval, from no state, is none of it.
     over = (result != RESULTS.successful) | ~jnp.all(jnp.isfinite(states.u[:, -1]), axis=1)
     result = jnp.where(jnp.any(over), result[jnp.argmax(over)], RESULTS.successful)
     result = jnp.where(begun == RESULTS.successful, result, begun)
-    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last)
+    return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last, jnp.any(jumped))

@@ -25,8 +25,9 @@ PARTS = 4
 BENT, CURVED = 0.4, 1e-3
 # What changes by less than this share of it is round-off.
 CHANGED = 1e-9
-# A step across a kink is at last this share of the one that was refused.
-SHARE = 1e-6
+# A step across a kink is at last this share of the one that was refused. What changes in it by that share of its change
+# in the one that was refused jumps.
+SHARE, JUMP = 1e-6, 0.3
 
 
 class Kinks(Record):
@@ -38,10 +39,15 @@ class Kinks(Record):
 
     equations: Any
 
+    def none(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
+        """Zero for each function."""
+        like: Any = jax.eval_shape(_forces, self.equations, t, state)
+        return jnp.zeros(like.shape)
+
     def within(
         self, times: tuple[Float[Array, ""], Float[Array, ""]], states: tuple[MotionState, MotionState]
-    ) -> Bool[Array, ""]:
-        """Whether there is a kink within a step.
+    ) -> Float[Array, "k"]:
+        """By how much each function that has a kink within a step changes in it, zero where it has none.
 
         Args:
             times: Its begin and end [s].
@@ -55,7 +61,8 @@ class Kinks(Record):
             return _forces(own, t0 + share * (t1 - t0), state)
 
         shares: Any = np.linspace(0.0, 1.0, PARTS + 1)
-        return _is_kinked(jax.vmap(between)(shares))
+        values = jax.vmap(between)(shares)
+        return jnp.where(_is_kinked(values), jnp.ptp(values, axis=0), 0.0)
 
 
 def kinks_of(equations: Any) -> Kinks | None:
@@ -82,8 +89,8 @@ def _forces(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Ar
     return jnp.concatenate([at.u, nonlinear_stress(form.topology, form.parameters, strain, jacobian @ at.xd)])
 
 
-def _is_kinked(values: Float[Array, "places k"]) -> Bool[Array, ""]:
-    """Whether some function has a kink, by its values at equal distances."""
+def _is_kinked(values: Float[Array, "places k"]) -> Bool[Array, "k"]:
+    """Which functions have a kink, by their values at equal distances."""
     first, second, third = (jnp.max(jnp.abs(jnp.diff(values, n, axis=0)), axis=0) for n in (1, 2, 3))
     changes = first > CHANGED * jnp.max(jnp.abs(values), axis=0)
-    return jnp.any(changes & (second > CURVED * first) & (third > BENT * second))
+    return changes & (second > CURVED * first) & (third > BENT * second)

@@ -28,12 +28,14 @@ class Marched(NamedTuple):
         moved: Greatest displacement so far (extents, radians).
         steps: Number of steps.
         result: Code of RESULTS.
+        jumped: Whether a force has jumped, as far as that was looked at.
     """
 
     states: MotionState
     moved: Float[Array, ""]
     steps: Int[Array, ""]
     result: Int[Array, ""]
+    jumped: Bool[Array, ""] | bool = False
 
 
 class _March(NamedTuple):

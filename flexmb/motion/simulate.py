@@ -26,7 +26,7 @@ from ..mechanics.signals import terms_of
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
-from ..results import RESULTS, check
+from ..results import RESULTS, check, collect
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from ..statics.strained import warn_of_needless_strain
@@ -223,6 +223,12 @@ def simulate(
         if int(found.result) == RESULTS.singular_mass:
             about = without_mass(model)
     check(found.result, throw and not stopped, about)
+    if throw and not is_concrete(found.x):
+        # Numbers are differentiated or traced.
+        if not is_concrete(run.jumped):
+            collect(jnp.where(run.jumped, RESULTS.forces_jump, RESULTS.successful))
+        elif run.jumped:
+            warn(RESULTS.forces_jump.message)
     return found
 
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import optimistix as optx
 from jaxtyping import Array, Bool, Float
 
-from .kinks import SHARE, Kinks
+from .kinks import JUMP, SHARE, Kinks
 from .protocol import MotionState
 from .step_size import FAR, greatest
 from .step_size import LARGE as LARGE
@@ -50,7 +50,9 @@ class DisplacementController(diffrax.PIDController):
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        return found[0], (found[1], greatest(self.moved, y0), _KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)))
+        sizes = jnp.zeros(0) if self.kinks is None else self.kinks.none(t0, y0)
+        search = KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, jnp.asarray(False))
+        return found[0], (found[1], greatest(self.moved, y0), search)
 
     def adapt_step_size(
         self,
@@ -78,8 +80,8 @@ class DisplacementController(diffrax.PIDController):
             t0, t1, begin, end, args, measured, error_order, before_step
         )
         if self.kinks is not None:
-            kink = keep & self.kinks.within((t0, t1), (y0, y1_candidate))
-            refused, next_t1, search = _halved(search, t0, t1, keep, kink, next_t1)
+            changes = jnp.where(keep, self.kinks.within((t0, t1), (y0, y1_candidate)), 0.0)
+            refused, next_t1, search = _halved(search, t0, t1, keep, changes, next_t1)
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
@@ -88,36 +90,47 @@ class DisplacementController(diffrax.PIDController):
         return keep, next_t0, next_t1, made_jump, (state, jnp.where(keep, after, before), search), result
 
 
-class _KinkSearch(NamedTuple):
-    """Search for a kink: a time by which it has passed, none sought where that is over, and the step first refused."""
+class KinkSearch(NamedTuple):
+    """Search for a kink.
+
+    Attributes:
+        by: Time by which it has passed; none is sought where that is over [s].
+        length: Of the step that was refused first [s].
+        changes: Of each function in that step, zero of those without a kink, (k,).
+        jumped: Whether a function has jumped at a kink so far.
+    """
 
     by: Float[Array, ""]
     length: Float[Array, ""]
+    changes: Float[Array, "k"]
+    jumped: Bool[Array, ""]
 
 
 def _halved(
-    search: _KinkSearch,
+    search: KinkSearch,
     t0: Float[Array, ""],
     t1: Float[Array, ""],
     kept: Any,
-    kink: Any,
+    changes: Float[Array, "k"],
     next_t1: Any,
-) -> tuple[Bool[Array, ""], Float[Array, ""], _KinkSearch]:
+) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
     """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
 
     Args:
         kept: Whether its error would be small enough.
-        kink: Whether there is a kink within.
+        changes: Of each function that has a kink within, zero of the others, (k,).
         next_t1: End of the next step by its error.
     """
     seeking, h = search.by > t0, t1 - t0
     length = jnp.where(seeking, search.length, h)
     short = jnp.maximum(SHARE * length, ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
-    refused = kink & (h > short)
+    refused = jnp.any(changes > 0) & (h > short)
+    first = jnp.where(refused & ~seeking, changes, search.changes)
+    jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP * first) & (first > 0)))
     by = jnp.where(refused, t1, search.by)
     begin = jnp.where(refused, t0, t1)
     rest = by - begin
     onwards = begin + jnp.where(rest > short, rest / 2, rest)
     # Behind the kink steps are as long as before.
     after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
-    return refused, jnp.where(kept, after, next_t1), _KinkSearch(by, length)
+    return refused, jnp.where(kept, after, next_t1), KinkSearch(by, length, first, jumped)
