@@ -86,6 +86,7 @@ def expected():
     }
 
 
+@pytest.mark.filterwarnings("ignore:Before it buckles")
 @pytest.mark.parametrize("name", expected())
 def test_answer(study, name):
     # What the small loads add is of their size.
