@@ -108,6 +108,13 @@ WAVES = frozenset(
     "add sub mul neg sin cos square broadcast_in_dim reshape squeeze concatenate convert_element_type".split()
 )
 
+# Operations without kinks and jumps, but for what is singular: anything else may have some.
+SMOOTH = WAVES | frozenset(
+    """acos acosh asin asinh atan atan2 atanh cbrt copy cos cosh cumsum div dot_general dynamic_slice dynamic_update_slice
+    erf erfc exp exp2 expand_dims expm1 gather integer_pow iota log log1p logistic pad pow reduce_sum rev rsqrt scatter
+    scatter-add sinh slice split sqrt stop_gradient tan tanh transpose""".split()
+)
+
 
 def is_wave(found: Captured) -> bool:
     """Whether a function is made of sums and products of sines and constants alone.
@@ -125,6 +132,27 @@ def has_effects(found: Captured) -> bool:
         found: Function.
     """
     return bool(found.code.jaxpr.effects)
+
+
+def may_bend(function: Callable[..., Any], *like: Any) -> bool:
+    """Whether a function may have kinks or jumps: whether it is made of other than smooth operations.
+
+    Args:
+        function: Function of arrays.
+        like: Arrays or their shapes.
+    """
+    return _may_bend(jax.make_jaxpr(function)(*like).jaxpr)
+
+
+def _may_bend(jaxpr: Jaxpr) -> bool:
+    for equation in jaxpr.eqns:
+        inner = [part for part in equation.params.values() if _is_program(part)]
+        repeats = equation.primitive.name == "while"
+        if repeats or not (inner or equation.primitive.name in SMOOTH):
+            return True
+        if any(_may_bend(getattr(part, "jaxpr", part)) for part in inner):
+            return True
+    return False
 
 
 def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from ..compilation.program import may_bend
 from ..compilation.record import Record
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_stress, strain_of
 from .controlled_form import ControlledForm
@@ -66,11 +67,28 @@ class Kinks(Record):
 
 
 def kinks_of(equations: Any) -> Kinks | None:
-    """What finds kinks of some equations, None where no law and no controller has any."""
+    """What finds kinks of some equations, None where all laws and the controller are made of smooth operations."""
     form = _all_coordinates(equations)
-    if form is None or not (is_nonlinear(form.topology) or isinstance(equations, ControlledForm)):
+    if form is None or not (_law_may_bend(form) or _controller_may_bend(equations)):
         return None
     return Kinks(equations)
+
+
+def _law_may_bend(form: CoordinatesForm) -> bool:
+    top = form.topology
+    if not is_nonlinear(top):
+        return False
+    none = jax.ShapeDtypeStruct((top.n_e,), float)
+    return may_bend(lambda e, ed: nonlinear_stress(top, form.parameters, e, ed), none, none)
+
+
+def _controller_may_bend(equations: Any) -> bool:
+    if not isinstance(equations, ControlledForm):
+        return False
+    places, output = equations.places, equations.feedback.output
+    count = (places.outputs if places.read is None else places.read).shape[0]
+    like = [jax.ShapeDtypeStruct(shape, float) for shape in ((), (equations.states,), (count,))]
+    return may_bend(output, *like)
 
 
 def _all_coordinates(equations: Any) -> CoordinatesForm | None:
