@@ -21,12 +21,10 @@ from ..model.roles import HELD, Role
 from ..results import RESULTS, collect
 from .description import Description, Member
 
-# A part so many times as thick as a leaf spring clamps it.
-THICK = 3.0
-# Leaf springs that meet at a larger angle are a fold [rad].
-FOLD = np.radians(5.0)
-# Of designs that are traced, what is as near to these is on either side.
-ROUND_OFF = 1e-9
+# A part three times as thick as a leaf spring clamps it, and leaf springs that meet at more than five degrees are a
+# fold [rad]; both beside round numbers, where round-off would decide.
+THICK = 3.0 * (1 - 1e-6)
+FOLD = np.radians(5.0) * (1 + 1e-6)
 # Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
 TWIST = 2
 
@@ -39,19 +37,12 @@ class End(NamedTuple):
     number: int
 
 
-class Bounds(NamedTuple):
-    """Whether an end is flat and restrained, traced: surely, and by round-off perhaps."""
-
-    surely: tuple[Any, Any]
-    maybe: tuple[Any, Any]
-
-
 class Clamped(NamedTuple):
-    """Whether an end is kept flat, whether its warping is restrained, and what a traced design would say."""
+    """Whether an end is kept flat, whether its warping is restrained, and what a traced design says of both."""
 
     flat: bool
     restrained: bool
-    traced: Bounds | None = None
+    traced: tuple[Any, Any] | None = None
 
 
 class _Unknown(Exception):
@@ -82,7 +73,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     if not leaves:
         return builder
     twin, joined = builder.copy(), elements_at(builder)
-    nodes: dict[str, list[tuple[tuple[Any, Any], tuple[bool, bool] | None, bool]]] = {}
+    nodes: dict[str, list[tuple[Any, tuple[bool, bool] | None, bool]]] = {}
     for name in leaves:
         member = twin.members[name]
         given = member.properties["clamped"]
@@ -98,18 +89,18 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             flat.append(found.flat)
             restrained.append(found.restrained or untwisted)
             if was is not None and found.traced is not None and member.element.fields:
-                _tell_of_others(was[0], [(found.traced.surely[0], found.traced.maybe[0])])
-            shared = parts_of(member, "warping")[end.number : end.number + 1]
-            for warping in shared:
-                own = (found.traced.surely[1], found.traced.maybe[1]) if found.traced else (restrained[-1],) * 2
-                nodes.setdefault(warping, []).append((own, was, found.traced is not None))
+                _tell_of_others(was[0], [found.traced[0]])
+            for warping in parts_of(member, "warping")[end.number : end.number + 1]:
+                is_traced = found.traced is not None and not untwisted
+                nodes.setdefault(warping, []).append((found.traced[1] if is_traced else restrained[-1], was, is_traced))
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, joined[warping], is_restrained, given is not None and not untwisted)
-    for ends in nodes.values():
+    for warping, ends in nodes.items():
         was = next((was for _, was, _ in ends if was is not None), None)
-        if was is not None and any(is_traced for *_, is_traced in ends):
+        free = builder.nodes[warping].roles[0] not in HELD
+        if free and was is not None and any(is_traced for *_, is_traced in ends):
             _tell_of_others(was[1], [own for own, *_ in ends])
     for name in leaves:
         member = twin.members[name]
@@ -212,45 +203,40 @@ def is_clamped(
         flat, restrained = flat or found[0], restrained or found[1]
     if not traced or (flat and restrained):
         return Clamped(flat, restrained)
-    return Clamped(*before or (False, False), _bounds(builder, end, traced, (flat, restrained)))
+    return Clamped(*before or (False, False), _traced(builder, end, traced, (flat, restrained)))
 
 
-def _bounds(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> Bounds | None:
-    """Whether an end is clamped by what is traced too, or None where that has no sizes.
+def _traced(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> tuple[Any, Any] | None:
+    """Whether an end is flat and restrained by what is traced too, or None where that has no sizes.
 
     Args:
         others: What is traced.
         known: Whether what is not keeps it flat and restrains its warping.
     """
-    leaf, surely, maybe = builder.members[end.leaf], known, known
+    leaf, (flat, restrained) = builder.members[end.leaf], known
     for other in others:
         number = parts_of(other, "rotation").index(end.rotation)
         thin, thick = _sides(builder, leaf, end.number), _sides(builder, other, number)
         if thin is None or thick is None:
             return None
-        ratio = jnp.min(jnp.stack(thick)) / jnp.min(jnp.stack(thin))
-        folds: Any = (False, False)
+        clamps: Any = jnp.min(jnp.stack(thick)) >= THICK * jnp.min(jnp.stack(thin))
         if "clamped" in other.properties:
-            axes = zip(*(axes_of(builder, of, jnp) for of in (leaf, other)), strict=True)
-            cosine = jnp.min(jnp.abs(jnp.stack([one @ another for one, another in axes])))
-            folds = [cosine < np.cos(FOLD) * by for by in (1 - ROUND_OFF, 1 + ROUND_OFF)]
-        clamps = [ratio >= THICK * by for by in (1 + ROUND_OFF, 1 - ROUND_OFF)]
-        surely, maybe = (
-            (of[0] | thicker | folded, of[1] | thicker)
-            for of, thicker, folded in zip((surely, maybe), clamps, folds, strict=True)
-        )
-    return Bounds(surely, maybe)
+            (along, across), (along_other, across_other) = (axes_of(builder, of, jnp) for of in (leaf, other))
+            clamps |= jnp.abs(across @ across_other) < np.cos(FOLD)
+            flat |= jnp.abs(along @ along_other) < np.cos(FOLD)
+        flat, restrained = flat | clamps, restrained | clamps
+    return flat, restrained
 
 
-def _tell_of_others(was: bool, found: list[tuple[Any, Any]]) -> None:
+def _tell_of_others(was: bool, found: list[Any]) -> None:
     """Add a code, where codes are collected, if what decides between clamped and not decides otherwise than before.
 
     Args:
         was: Whether it was clamped.
-        found: Of each end that clamps it, whether it surely does and whether it may.
+        found: Whether each end clamps it.
     """
-    clamped = functools.reduce(operator.or_, [one[0 if not was else 1] for one in found])
-    collect(jnp.where(jnp.asarray(clamped) == was, RESULTS.successful, RESULTS.other_clamps))
+    clamped: Any = functools.reduce(operator.or_, found)
+    collect(jnp.where(clamped == was, RESULTS.successful, RESULTS.other_clamps))
 
 
 def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool, bool]:

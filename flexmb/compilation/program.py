@@ -110,9 +110,9 @@ WAVES = frozenset(
 
 # Operations without kinks and jumps, but for what is singular: anything else may have some.
 SMOOTH = WAVES | frozenset(
-    """acos acosh asin asinh atan atan2 atanh cbrt copy cos cosh cumsum div dot_general dynamic_slice dynamic_update_slice
-    erf erfc exp exp2 expand_dims expm1 gather integer_pow iota log log1p logistic pad pow reduce_sum rev rsqrt scatter
-    scatter-add sinh slice split sqrt stop_gradient tan tanh transpose""".split()
+    """acos acosh asin asinh atan atan2 atanh cbrt copy cos cosh cumsum div dot_general dynamic_slice
+    dynamic_update_slice erf erfc exp exp2 expand_dims expm1 gather integer_pow iota log log1p logistic pad pow
+    reduce_sum rev rsqrt scatter scatter-add sinh slice split sqrt stop_gradient tan tanh transpose""".split()
 )
 
 

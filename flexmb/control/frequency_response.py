@@ -24,7 +24,7 @@ from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model
-from ..results import RESULTS
+from ..results import RESULTS, collect
 from ..statics.stable import collect_unstable, is_unstable, unstable_motions
 from .second_order_form import SecondOrder, second_order
 from .sparse_response import responses
@@ -336,6 +336,7 @@ def _tell_of_infinite(found: FrequencyResponse) -> None:
 def _tell_of_unstable(unstable: bool) -> None:
     """Warn of a response that no mechanism has by itself."""
     if unstable:
+        collect(RESULTS.unstable_state)
         warn(
             "The equilibrium is not stable, as a negative frequency tells: the response is the transfer function there,"
             " which is measured only while a controller holds the mechanism. Lower the load, or ask about a stable"

@@ -13,7 +13,7 @@ from ..build.carry import carried
 from ..compilation.by_meaning import jit
 from ..compilation.threads import cores, each
 from ..results import ANSWERED, RESULTS
-from .evaluate import Build, build_once, evaluate, evaluate_concretely
+from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely
 from .possible import refusal
 
 # Answers by name, (designs, ...), and codes, (designs,).
@@ -152,17 +152,28 @@ class _Compiled:
     def __call__(self, part: Chunk) -> Values:
         values, codes = self._computed(part)
         rows = np.flatnonzero(codes == RESULTS.other_clamps)
-        if len(rows):
+        while len(rows):
             example = {name: array[rows[0]] for name, array in part.designs.items()}
             if all(np.array_equal(array, self.example[name]) for name, array in example.items()):
-                return values, codes
-            self.others = _Compiled(self.task, example, self.threads) if self.others is None else self.others
-            own, codes[rows] = self.others(part_of(part.designs, rows, len(next(iter(part.designs.values())))))
-            for name, array in own.items():
-                if array.shape[1:] != values[name].shape[1:]:
-                    raise ValueError(one_shape(name, array.shape[1:], values[name].shape[1:]))
-                values[name] = values[name].copy()
-                values[name][rows] = array
+                # No design is clamped otherwise than itself.
+                codes[rows] = RESULTS.successful
+                break
+            try:
+                self.others = _Compiled(self.task, example, self.threads) if self.others is None else self.others
+            except REFUSED:
+                codes[rows[0]], rows = RESULTS.impossible_design, rows[1:]
+                continue
+            try:
+                own, found = self.others(part_of(part.designs, rows, len(next(iter(part.designs.values())))))
+            except (ValueError, *REFUSED):
+                # An answer that the other structure does not have.
+                break
+            if all(array.shape[1:] == values[name].shape[1:] for name, array in own.items()):
+                values = {name: array.copy() for name, array in values.items()}
+                for name, array in own.items():
+                    values[name][rows] = array
+                codes[rows] = found
+            break
         return values, codes
 
     def _computed(self, part: Chunk) -> Values:

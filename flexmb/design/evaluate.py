@@ -246,13 +246,14 @@ def evaluate_concretely(
             made = build(**dimensions)
         except REFUSED:
             return None, int(RESULTS.impossible_design)
-        values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
+        with collected() as codes:
+            values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
     except AnalysisError as fault:
         if fault.code not in RESULTS.__members__:
             raise
         return None, int(RESULTS[fault.code])
     undefined = any(np.any(np.isnan(v)) for v in values.values())
-    return values, int(RESULTS.not_finite if undefined else RESULTS.successful)
+    return values, int(RESULTS.not_finite if undefined else max(codes, default=RESULTS.successful))
 
 
 def _real(name: str, value: Any) -> Float[Array, "..."]:

@@ -256,7 +256,8 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
     for a, z, lin in zip(rows, kept, states, strict=True):
         energy = np.maximum(np.sum((a @ z) ** 2, axis=0), 1e-12 * np.max(np.diag(z.T @ (a.T @ a) @ z), initial=0.0))
         shares = np.maximum(shares, np.max((a @ z) ** 2 / np.where(energy > 0, energy, 1.0), axis=1))
-        moved = (np.asarray(lin.matrices.e) - np.asarray(states[0].matrices.e))[free] * weight
+        # From the undeformed mechanism: what its own loads and strains do counts too.
+        moved = np.asarray(lin.matrices.e)[free] * weight
         size = moved @ moved
         shares = np.maximum(shares, moved**2 / size if size > 0 else 0.0)
     n_q = rows[0].shape[1]
@@ -278,7 +279,7 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
     for a, z, lin in zip(rows, kept, states, strict=True):
         pattern = basis.T @ (a[rest] @ z)
         patterns.append(pattern / np.maximum(np.linalg.norm(pattern, axis=0), 1e-300))
-        moved = basis.T @ ((np.asarray(lin.matrices.e) - np.asarray(states[0].matrices.e))[free] * weight)[rest]
+        moved = basis.T @ (np.asarray(lin.matrices.e)[free] * weight)[rest]
         if np.linalg.norm(moved) > 0:
             patterns.append(moved[:, None] / np.linalg.norm(moved))
     left, sizes, _ = np.linalg.svd(np.column_stack(patterns), full_matrices=True)

@@ -1,5 +1,7 @@
 """Answers that designs are asked for, where no analysis is called so already."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import jax.scipy.linalg
@@ -13,6 +15,8 @@ from ..mechanics.blocks import kernel
 from ..mechanics.inertia import total_mass
 from ..model.model import Model, as_model
 
+# A matrix is halved at most so often before its exponential is taken, and its units are balanced in so many turns.
+SQUARINGS, BALANCED = 64, 40
 AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
 
@@ -107,7 +111,8 @@ def settling_time(
         check_numbers(f"Argument `{name}`", value, shape)
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
     times = horizon * np.arange(samples + 1) / samples
-    onward = jax.scipy.linalg.expm(a * times[1])
+    a, z0, c = _balanced(a, z0, c)
+    onward = _exponential(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
     y = jax.lax.stop_gradient(z @ c)
     # Also what has grown past all numbers.
@@ -120,7 +125,7 @@ def settling_time(
     for _ in range(4):
         # From a fixed time, so that the last step carries the whole derivative.
         t = jnp.clip(jax.lax.stop_gradient(t), begin, end)
-        at = jax.scipy.linalg.expm(a * t) @ z0
+        at = _exponential(a * (t - begin)) @ z[last]
         rate = side * (c @ a @ at)
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
     t = jnp.where(jnp.any(outside), t, 0.0)
@@ -128,3 +133,26 @@ def settling_time(
     # What has grown past all numbers does not settle; of what is no number from the beginning nothing is known.
     unknown = jnp.isnan(level) | jnp.any(jnp.isnan(jnp.concatenate([a.ravel(), z0, c])))
     return jnp.where(unknown, jnp.nan, t)
+
+
+def _exponential(a: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    """exp(a), of stiff matrices too: halved as often as that takes."""
+    return jax.scipy.linalg.expm(a, max_squarings=SQUARINGS)
+
+
+def _balanced(a: Float[Array, "n n"], z: Float[Array, "n"], c: Float[Array, "n"]) -> tuple[Any, Any, Any]:
+    """The same system in units of the states that make rows and columns of its matrix alike.
+
+    Source:
+        Osborne (1960): each unit by the root of the sums of its column and row; all at a time, by half as much.
+    """
+    sizes, none = jax.lax.stop_gradient(jnp.abs(a) * (1 - jnp.eye(len(z)))), jnp.ones(len(z))
+
+    def closer(_: Array, unit: Float[Array, "n"]):
+        scaled = sizes * unit / unit[:, None]
+        row, column = jnp.sum(scaled, axis=1), jnp.sum(scaled, axis=0)
+        both = (row > 0) & (column > 0)
+        return unit * jnp.where(both, row / jnp.where(both, column, 1.0), 1.0) ** 0.25
+
+    unit = jax.lax.fori_loop(0, BALANCED, closer, none)
+    return a * unit / unit[:, None], z / unit, c * unit

@@ -277,7 +277,7 @@ def _augmented(
             why += f"; designs around it failed ({evaluate.failed.name})"
         return nearest[1], why, RESULTS.successful if nearest[0] <= NEARLY_STATIONARY else RESULTS.not_optimal
     end = _best(problem, evaluate.history, tolerance)
-    if problem.violation(evaluate.history[-1][1]) > tolerance:
+    if all(problem.violation(values) > tolerance for _, values in evaluate.history):
         return unit, "the limits cannot be kept", RESULTS.infeasible
     return end, "the multipliers did not settle", RESULTS.not_optimal
 

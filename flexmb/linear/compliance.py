@@ -15,7 +15,7 @@ from ..errors import AnalysisError, warn
 from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
-from ..results import RESULTS, check
+from ..results import RESULTS, check, collect
 from ..statics.stable import collect_unstable
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
@@ -125,6 +125,7 @@ def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:
     own = np.sqrt(np.abs(np.diag(np.asarray(found))))
     scaled = np.asarray(found) / np.outer(np.where(own > 0, own, 1.0), np.where(own > 0, own, 1.0))
     if np.allclose(scaled, scaled.T, rtol=0, atol=NEGATIVE) and np.min(np.linalg.eigvalsh(scaled)) < -NEGATIVE:
+        collect(RESULTS.unstable_state)
         warn(
             f"Forces on node '{node}' do negative work: the state is not stable, as its negative or imaginary"
             " frequencies tell too. Follow the way to a stable one by fm.path, or lower the load."

@@ -426,6 +426,14 @@ class Where(NamedTuple):
         return at
 
 
+# Numbers of a material that no state depends on.
+BEARS = frozenset({"strength", "fatigue"})
+
+
+def _key(of: Any) -> str:
+    return str(getattr(of, "name", getattr(of, "key", "")))
+
+
 def check_state(at: Any, model: Model, function: str) -> None:
     """Refuse a state of another model, as far as its names or numbers that are known tell.
 
@@ -450,8 +458,9 @@ def check_state(at: Any, model: Model, function: str) -> None:
     numbers = [(one.parameters.reference, one.parameters.properties) for one in (own, model)]
     if not is_concrete(numbers):
         return
-    (one, shape), (other, wanted) = (jax.tree.flatten(of) for of in numbers)
-    if shape != wanted or any(not np.array_equal(*of, equal_nan=True) for of in zip(one, other, strict=True)):
+    (one, shape), (other, wanted) = (jax.tree_util.tree_flatten_with_path(of) for of in numbers)
+    pairs = [(a, b) for (path, a), (_, b) in zip(one, other, strict=False) if not BEARS.intersection(map(_key, path))]
+    if shape != wanted or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
         raise ValueError(
             f"Argument `at` of fm.{function} is of a model with other dimensions: ask about that model, or find the"
             " state of this one."

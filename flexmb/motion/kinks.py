@@ -13,17 +13,18 @@ from jaxtyping import Array, Bool, Float
 
 from ..compilation.program import may_bend
 from ..compilation.record import Record
+from ..elements.element import NONLINEAR
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_stress, strain_of
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
-from .element_forces import deformed
+from .element_forces import PreparedBlock, deformed, prepared_block
 from .protocol import MotionState
 
 # A step is looked at in so many parts.
-PARTS = 4
-# What has no kink is nearly a parabola: third differences below this share of the second ones, or these below that
-# share of the first.
-BENT, CURVED = 0.4, 1e-3
+PARTS = 8
+# A kink is where a function bends so many times as much as it does in the middle of a step's places, by more than that
+# share of its slope.
+UNUSUAL, CURVED = 8.0, 1e-3
 # What changes by less than this share of it is round-off.
 CHANGED = 1e-9
 # A step across a kink is at last this share of the one that was refused. What changes in it by that share of its change
@@ -36,25 +37,31 @@ class Kinks(Record):
 
     Attributes:
         equations: Equations of motion, with ``form`` in all coordinates or such themselves.
+        elements: Those with laws, energies or dissipations.
     """
 
     equations: Any
+    elements: tuple[PreparedBlock, ...]
 
     def none(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
         """Zero for each function."""
-        like: Any = jax.eval_shape(_forces, self.equations, t, state)
+        like: Any = jax.eval_shape(_forces, self, t, state)
         return jnp.zeros(like.shape)
 
     def within(
-        self, times: tuple[Float[Array, ""], Float[Array, ""]], states: tuple[MotionState, MotionState]
-    ) -> Float[Array, "k"]:
-        """By how much each function that has a kink within a step changes in it, zero where it has none.
+        self,
+        times: tuple[Float[Array, ""], Float[Array, ""]],
+        states: tuple[MotionState, MotionState],
+        slopes: Float[Array, "k"],
+    ) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
+        """By how much each function that has a kink within a step changes in it, zero where it has none, and its slope.
 
         Args:
             times: Its begin and end [s].
             states: There.
+            slopes: Of each function where a kink was found at first, (k,) [1/s]: what bends less beside it is no kink.
         """
-        t0, t1, begin, end, own = jax.lax.stop_gradient((*times, *states, self.equations))
+        t0, t1, begin, end, own = jax.lax.stop_gradient((*times, *states, self))
 
         def between(share: Float[Array, ""]):
             # The memory counts turns, by deformations near by.
@@ -63,7 +70,10 @@ class Kinks(Record):
 
         shares: Any = np.linspace(0.0, 1.0, PARTS + 1)
         values = jax.vmap(between)(shares)
-        return jnp.where(_is_kinked(values), jnp.ptp(values, axis=0), 0.0)
+        part = (t1 - t0) / PARTS
+        steep = jnp.max(jnp.abs(jnp.diff(values, axis=0)), axis=0)
+        kinked = _is_kinked(values, jnp.maximum(steep, slopes * part))
+        return jnp.where(kinked, jnp.ptp(values, axis=0), 0.0), steep / part
 
 
 def kinks_of(equations: Any) -> Kinks | None:
@@ -71,7 +81,11 @@ def kinks_of(equations: Any) -> Kinks | None:
     form = _all_coordinates(equations)
     if form is None or not (_law_may_bend(form) or _controller_may_bend(equations)):
         return None
-    return Kinks(equations)
+    top, own = form.topology, form.parameters
+    blocks = zip(top.blocks, own.properties, strict=True)
+    laws = [(block, given) for block, given in blocks if not set(NONLINEAR).isdisjoint(block.companions)]
+    found = [prepared_block(block, given, own.reference) for block, given in laws]
+    return Kinks(equations, tuple(one for one in found if one is not None))
 
 
 def _law_may_bend(form: CoordinatesForm) -> bool:
@@ -96,19 +110,25 @@ def _all_coordinates(equations: Any) -> CoordinatesForm | None:
     return form if isinstance(form, CoordinatesForm) else None
 
 
-def _forces(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
+def _forces(of: Kinks, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
     """Inputs by a controller, and stress resultants of laws, energies and dissipations."""
-    form: Any = _all_coordinates(equations)
-    at = equations.whole_motion(t, state)
+    form: Any = _all_coordinates(of.equations)
+    at = of.equations.whole_motion(t, state)
     if not is_nonlinear(form.topology):
         return at.u
-    e, jacobian = deformed(form.elements, at.x, at.near)
+    e, jacobian = deformed(of.elements, at.x, at.near)
     strain = strain_of(form.topology, form.parameters, form.drive(t).loads, e)
     return jnp.concatenate([at.u, nonlinear_stress(form.topology, form.parameters, strain, jacobian @ at.xd)])
 
 
-def _is_kinked(values: Float[Array, "places k"]) -> Bool[Array, "k"]:
-    """Which functions have a kink, by their values at equal distances."""
-    first, second, third = (jnp.max(jnp.abs(jnp.diff(values, n, axis=0)), axis=0) for n in (1, 2, 3))
-    changes = first > CHANGED * jnp.max(jnp.abs(values), axis=0)
-    return changes & (second > CURVED * first) & (third > BENT * second)
+def _is_kinked(values: Float[Array, "places k"], steep: Float[Array, "k"]) -> Bool[Array, "k"]:
+    """Which functions have a kink, by their values at equal distances.
+
+    Args:
+        steep: Changes from place to place that a kink is measured by, (k,).
+    """
+    second = jnp.abs(jnp.diff(values, 2, axis=0))
+    # Wherever between two places a kink lies, it shows at these two.
+    bend, usual = jnp.max(second[1:] + second[:-1], axis=0), jnp.median(second, axis=0)
+    changes = steep > CHANGED * jnp.max(jnp.abs(values), axis=0)
+    return changes & (bend > CURVED * steep) & (bend > UNUSUAL * usual)

@@ -338,8 +338,8 @@ def _check_event(problem: Problem, integrator: Integrator, t: Float[Array, ""], 
         return
     values = _at_start(problem, integrator.form, t, start, conditions)
     for value in map(np.asarray, values):
-        if not np.all(np.isfinite(value)):
-            raise ValueError(f"The condition of `event` is not finite at the start, t = {short(t)} s, but {value}.")
+        if np.any(np.isnan(value)):
+            raise ValueError(f"The condition of `event` is no number at the start, t = {short(t)} s, but {value}.")
         if value.dtype == bool and np.any(value):
             warn("The condition of `event` holds at the start, so that the motion ends there, before any later time.")
 

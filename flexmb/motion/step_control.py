@@ -51,7 +51,7 @@ class DisplacementController(diffrax.PIDController):
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
         sizes = jnp.zeros(0) if self.kinks is None else self.kinks.none(t0, y0)
-        search = KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, jnp.asarray(False))
+        search = KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, sizes, jnp.asarray(False))
         return found[0], (found[1], greatest(self.moved, y0), search)
 
     def adapt_step_size(
@@ -80,8 +80,11 @@ class DisplacementController(diffrax.PIDController):
             t0, t1, begin, end, args, measured, error_order, before_step
         )
         if self.kinks is not None:
-            changes = jnp.where(keep, self.kinks.within((t0, t1), (y0, y1_candidate)), 0.0)
-            refused, next_t1, search = _halved(search, t0, t1, keep, changes, next_t1)
+            known = jnp.where(search.by > t0, search.slopes, 0.0)
+            changes, slopes = self.kinks.within((t0, t1), (y0, y1_candidate), known)
+            changes = jnp.where(keep, changes, 0.0)
+            least = 0.0 if self.dtmin is None else 20 * self.dtmin
+            refused, next_t1, search = _halved(search, (t0, t1), keep, (changes, slopes), next_t1, least)
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
@@ -97,35 +100,42 @@ class KinkSearch(NamedTuple):
         by: Time by which it has passed; none is sought where that is over [s].
         length: Of the step that was refused first [s].
         changes: Of each function in that step, zero of those without a kink, (k,).
+        slopes: Of each in that step, (k,) [1/s].
         jumped: Whether a function has jumped at a kink so far.
     """
 
     by: Float[Array, ""]
     length: Float[Array, ""]
     changes: Float[Array, "k"]
+    slopes: Float[Array, "k"]
     jumped: Bool[Array, ""]
 
 
 def _halved(
     search: KinkSearch,
-    t0: Float[Array, ""],
-    t1: Float[Array, ""],
+    times: tuple[Any, Any],
     kept: Any,
-    changes: Float[Array, "k"],
+    functions: tuple[Float[Array, "k"], Float[Array, "k"]],
     next_t1: Any,
+    least: Any,
 ) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
     """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
 
     Args:
+        times: Its begin and end [s].
         kept: Whether its error would be small enough.
-        changes: Of each function that has a kink within, zero of the others, (k,).
+        functions: By how much each function that has a kink within changes, zero of the others, and slopes, (k,).
         next_t1: End of the next step by its error.
+        least: Shortest step [s].
     """
+    (t0, t1), (changes, slopes) = times, functions
     seeking, h = search.by > t0, t1 - t0
     length = jnp.where(seeking, search.length, h)
     short = jnp.maximum(SHARE * length, ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
+    short = jnp.maximum(short, least)
     refused = jnp.any(changes > 0) & (h > short)
-    first = jnp.where(refused & ~seeking, changes, search.changes)
+    begins = refused & ~seeking
+    first = jnp.where(begins, changes, search.changes)
     jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP * first) & (first > 0)))
     by = jnp.where(refused, t1, search.by)
     begin = jnp.where(refused, t0, t1)
@@ -133,4 +143,8 @@ def _halved(
     onwards = begin + jnp.where(rest > short, rest / 2, rest)
     # Behind the kink steps are as long as before.
     after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
-    return refused, jnp.where(kept, after, next_t1), KinkSearch(by, length, first, jumped)
+    return (
+        refused,
+        jnp.where(kept, after, next_t1),
+        KinkSearch(by, length, first, jnp.where(begins, slopes, search.slopes), jumped),
+    )

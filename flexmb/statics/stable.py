@@ -172,6 +172,7 @@ def warn_of_unstable(model: Model, motions: Float[np.ndarray, "n_x k"] | None = 
         model: Mechanism.
         motions: In which its stiffness is negative, in all coordinates, where they are known.
     """
+    collect(RESULTS.unstable_state)
     told = ""
     if motions is not None:
         largest = [motion / (np.max(np.abs(motion)) or 1.0) for motion in motions.T[:NAMED]]

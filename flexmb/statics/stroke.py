@@ -194,6 +194,7 @@ def _warn_of_unstable_ones(which: np.ndarray) -> None:
     """Warn of equilibria that were found and are not stable, by their numbers."""
     unstable = np.flatnonzero(which)
     if len(unstable):
+        collect(RESULTS.unstable_state)
         warn(
             f"Of {len(which)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
             " stiffness is negative in some motion. No mechanism stays there by itself: fm.path finds where that begins"

@@ -203,7 +203,9 @@ class Traced:
                 nothing = np.full((len(self.keys), len(self.names)), np.nan)
                 return nothing[:, :1].sum(axis=1), nothing, int(RESULTS.impossible_design)
             slopes, (values, code) = self._function(jnp.asarray(free), jnp.asarray(plain))
-            return np.asarray(values), np.asarray(slopes), int(code)
+            # An unstable state has an answer.
+            answered = int(code) == RESULTS.unstable_state
+            return np.asarray(values), np.asarray(slopes), int(RESULTS.successful if answered else code)
 
         return answers
 
@@ -215,6 +217,13 @@ def plain_of(document: Document) -> list[str]:
 
 _KEPT: dict[Any, Traced] = {}
 _LOCK = threading.Lock()
+
+
+def clamps_of(model: Model) -> tuple[tuple[float, ...], ...]:
+    """Which ends of leaf springs and warping beams are clamped, of each block that has some."""
+    return tuple(
+        tuple(np.asarray(own["clamped"]).ravel().tolist()) for own in model.parameters.properties if "clamped" in own
+    )
 
 
 def traced(document: Document, model: Model, keys: Sequence[str], node: str | None = None) -> Traced:
@@ -229,7 +238,7 @@ def traced(document: Document, model: Model, keys: Sequence[str], node: str | No
     Raises:
         ValueError: There is no such answer.
     """
-    key = (structure(document), tuple(model.q_labels), tuple(keys), node)
+    key = (structure(document), tuple(model.q_labels), clamps_of(model), tuple(keys), node)
     with _LOCK:
         found = _KEPT.pop(key, None) or Traced(document, model, keys, node)
         _KEPT[key] = found

@@ -22,7 +22,7 @@ from .building import build, free_names, numbers_of, structure
 from .content import Document
 from .live_answers import Answers
 from .references import call_of
-from .traced import Answer, answer_of
+from .traced import Answer, answer_of, clamps_of
 
 # Two frequencies or multipliers this near to each other, relatively, are repeated: neither has a derivative.
 REPEATED = 1e-6
@@ -178,11 +178,8 @@ def _kind(document: Document, found: Answers, key: str) -> Any:
     """What a closure is for: structure, roles that the Builder finds by numbers, and the answer."""
     model = found.model
     roles = tuple(tuple(map(str, some)) for some in model.roles())
-    clamps = tuple(
-        tuple(np.asarray(own["clamped"]).ravel().tolist()) for own in model.parameters.properties if "clamped" in own
-    )
     where = found.values[key].get("where", {}).get("node") if key == "displacement" else None
-    return structure(document, arithmetic=False), key, found.wants.support_node, where, roles, clamps
+    return structure(document, arithmetic=False), key, found.wants.support_node, where, roles, clamps_of(model)
 
 
 def _closure(document: Document, found: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
