@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation.program import split, split_together
+from flexmb.compilation.program import may_bend, split, split_together
 
 
 def weighted(weights):
@@ -106,3 +106,15 @@ def test_element_of_two_helpers_moves_as_the_same_element_written_out():
         return fm.simulate(b.build(), [0.0, 0.5]).at("mass")[-1, 0] - 1.0
 
     assert float(moved(by_helpers)) == pytest.approx(float(moved(written_out)), rel=1e-9)
+
+
+def test_what_may_bend():
+    """Smooth operations do not, also within compiled parts; choices, comparisons and loops of unknown length may."""
+
+    def newton(x):
+        return jax.lax.while_loop(lambda y: y > 1, lambda y: y / 2, x)
+
+    smooth = (lambda x: x**3 + jnp.tanh(x), jax.jit(jnp.sin), lambda x: jnp.exp(-(x**2)) / (1 + x), lambda x: 0 * x)
+    bent = (jnp.abs, lambda x: jnp.maximum(x, 0), lambda x: jnp.clip(x, -1, 1), jax.jit(jnp.sign), newton)
+    assert not any(may_bend(function, 1.0) for function in smooth)
+    assert all(may_bend(function, 1.0) for function in bent)

@@ -75,6 +75,13 @@ def test_an_unfinished_sweep_goes_on(tmp_path):
     np.testing.assert_array_equal(again["a"], found["a"])
 
 
+def test_answers_in_any_order_go_on(tmp_path):
+    path, answers = tmp_path / "sweep", {"b": scaled, "a": lambda made: made + 0.0}
+    fm.sweep(build, answers, DESIGNS, checkpoint=path)
+    again = fm.sweep(build, answers, DESIGNS, checkpoint=path)
+    np.testing.assert_array_equal(again["b"], FACTOR * again["a"])
+
+
 def test_the_file_only_grows(tmp_path):
     path, seen = tmp_path / "sweep", []
     fm.sweep(build, {"a": scaled}, DESIGNS, **run(path, progress=lambda *_: seen.append(path.read_bytes())))

@@ -334,3 +334,22 @@ def test_a_stroke_is_asked_for():
         assert float(ends[1].x[full.labels.known("top0")[0]]) == pytest.approx(
             float(ends[0].x[full.labels.known("top0")[0]]), rel=1e-3
         )
+
+
+@pytest.mark.parametrize("strain", [0.0, 2e-3])
+def test_what_a_constant_load_or_strain_moves_is_kept(strain):
+    """A mass on a soft spring along x, and on a stiff one along y, which its weight or a piezo in its place moves."""
+    b = fm.Builder()
+    for name, place in {"w": (0, 0), "c": (0.1, 0), "f": (0.1, -0.1)}.items():
+        b.node(name, place)
+    b.add(planar.truss, "w", "c", section=fm.Rigidity(EA=0.1 * 62.83**2))
+    b.add(planar.truss, "f", "c", name="stiff", section=fm.Rigidity(EA=0.1 * 502.65**2))
+    b.fix("w")
+    b.fix("f")
+    b.mass("c", 1.0)
+    if strain:
+        b.strain("stiff", strain)
+    else:
+        b.gravity((0, -9.81))
+    with pytest.raises(fm.AnalysisError, match="the full one is as lean as can be"):
+        fm.lean(b.build(), bandwidth=30.0)

@@ -32,6 +32,16 @@ def test_settling_of_a_decay():
         assert float(jax.jit(derivative)(at)) == pytest.approx(-exact / 1.7, rel=1e-10)
 
 
+@pytest.mark.parametrize("hertz", [300.0, 1e5])
+def test_settling_beside_a_stiff_vibration(hertz):
+    """One that is neither moved nor seen changes nothing, however fast it is."""
+    own, stiff = swing(12.0, 0.13), swing(2 * np.pi * hertz, 0.02)
+    none = jnp.zeros((2, 2))
+    start = jnp.array([1.0, 0.0, 0.0, 0.0])
+    found = fm.design.settling_time(jnp.block([[own, none], [none, stiff]]), start, start, 0.02, horizon=10.0)
+    assert found == pytest.approx(float(settled(12.0, 0.13)), rel=1e-9)
+
+
 def test_settling_of_a_swing():
     """Release of a damped oscillator, closed form on a grid of a microsecond."""
     omega, damping = 12.0, 0.13

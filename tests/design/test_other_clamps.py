@@ -1,5 +1,6 @@
 """Sweeps and searches over designs whose leaf springs are clamped in some and not in others: as each is built alone."""
 
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from flexmb import spatial
 MATERIAL = fm.Material(E=210e9, G=80e9, rho=7850)
 
 
-def stepped(thick, turn=0.0):
+def stepped(thick, turn=0.0, *, builder=False):
     """A leaf spring of 0.5 mm and one beside it, which clamps it from 1.5 mm on, or folds it from five degrees on."""
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
@@ -20,7 +21,7 @@ def stepped(thick, turn=0.0):
         section = fm.Rectangle(30e-3, t, MATERIAL)
         b.add(spatial.leaf_spring(order=2), p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))
     b.fix("foot")
-    return b.build()
+    return b if builder else b.build()
 
 
 def twist(model):
@@ -42,6 +43,45 @@ def test_a_sweep_has_each_design_as_it_is_built_alone(alone):
         np.testing.assert_array_equal(found.codes, 0)
         # Round-off of the stiffness.
         np.testing.assert_allclose(found["twist"], alone[order], rtol=1e-9)
+
+
+def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
+    def build(length):
+        b = fm.Builder()
+        for name, z in (("foot", 0.0), ("step", 0.03), ("top", 0.03 + length)):
+            b.node(name, (0.0, 0.0, z))
+        for p, q, y in (("foot", "step", (1, 0, 0)), ("step", "top", (0.9, 0.45, 0))):
+            b.add(spatial.leaf_spring(order=2), p, q, section=fm.Rectangle(30e-3, 0.5e-3, MATERIAL), y=y)
+        b.fix("foot")
+        return b.build()
+
+    with pytest.warns(fm.FlexmbWarning, match="meet with their widths at an angle"):
+        found = fm.sweep(build, {"mass": fm.mass}, {"length": np.array([0.03, 0.04])})
+    np.testing.assert_array_equal(found.codes, 0)
+
+    def held(thick):
+        b = stepped(thick, builder=True)
+        b.fix("step.warping")
+        return b.build()
+
+    found = fm.sweep(held, {"mass": fm.mass}, {"thick": np.array([0.6e-3, 0.7e-3])})
+    np.testing.assert_array_equal(found.codes, 0)
+
+
+def test_what_another_structure_cannot_answer_stops_no_other_design():
+    def frequencies(model):
+        return jnp.ones(model.topology.n_q)
+
+    def picky(thick):
+        if float(thick) > 1e-3 if not isinstance(thick, jax.core.Tracer) else False:
+            raise fm.ModelError("too thick")
+        return stepped(thick)
+
+    thick = {"thick": np.array([0.6e-3, 2e-3])}
+    found = fm.sweep(stepped, {"f": frequencies}, thick)
+    np.testing.assert_array_equal(found.codes, [0, fm.RESULTS.other_clamps])
+    found = fm.sweep(picky, {"mass": fm.mass}, thick)
+    np.testing.assert_array_equal(found.codes, [0, fm.RESULTS.impossible_design])
 
 
 def test_a_search_leaves_out_what_is_clamped_otherwise(alone):

@@ -204,6 +204,18 @@ def test_wrong_calls_are_named(changes, words):
         fm.tune(guide, **{**usual, **changes})
 
 
+def test_a_start_that_keeps_the_limits_is_not_called_infeasible():
+    """An objective with a pole beyond the limit draws every search there; the start is better than what breaks it."""
+
+    def near_pole(model):
+        return 1 / (frequency(model) - 12.0) ** 2
+
+    call = {"maximize": "u", "limits": {"f": (15.0, None)}, "max_evaluations": 200, "throw": False}
+    found = fm.tune(guide, {"f": frequency, "u": near_pole}, {"thickness": 0.7e-3}, BOUNDS, **call)
+    assert found.result is not fm.RESULTS.infeasible
+    assert found.answers["f"] >= 15.0 * (1 - 1e-6)
+
+
 def test_what_cannot_be_kept_is_told():
     call = {"targets": {"frequency": 20.0}, "limits": {"frequency": (200.0, None)}}
     with pytest.raises(fm.AnalysisError, match=r"lower limit 200\) by 58.9 %"):

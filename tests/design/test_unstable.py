@@ -30,6 +30,13 @@ ANSWERS = {
 
 
 @pytest.mark.parametrize("name", ANSWERS)
+def test_a_sweep_that_is_not_compiled_says_so_too(name):
+    with pytest.warns(fm.FlexmbWarning, match="not stable"):
+        found = fm.sweep(column, {name: ANSWERS[name]}, {"bending": np.array([1.1, 0.9]) / EULER}, compiled=False)
+    np.testing.assert_array_equal(found.codes, [0, RESULTS.unstable_state])
+
+
+@pytest.mark.parametrize("name", ANSWERS)
 def test_a_sweep_says_which_designs_are_unstable(name):
     with pytest.warns(fm.FlexmbWarning, match=r"Of 3 designs 1 are at an equilibrium that is not stable .*number 1"):
         found = fm.sweep(column, {name: ANSWERS[name]}, {"bending": np.array([1.1, 0.9, 4.0]) / EULER})

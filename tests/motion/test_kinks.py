@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.motion.kinks import _is_kinked
+from flexmb.motion.kinks import PARTS, _is_kinked
 
 END = 0.8
 
@@ -96,10 +96,19 @@ def test_derivatives_across_the_limit_of_a_controller():
 
 @pytest.mark.parametrize("place", [0.01, 0.3, 0.5, 0.74, 0.95])
 def test_what_bends_smoothly_has_no_kink(place):
-    at = np.linspace(0.0, 1.0, 5)[:, None]
-    noise = np.array([[0.0], [1.0], [0.0], [1.0], [0.0]])
+    at = np.linspace(0.0, 1.0, PARTS + 1)[:, None]
+    noise = np.array([i % 2 for i in range(PARTS + 1)], float)[:, None]
+    mixed = (at - place) * np.abs(at - place)
+    inflected = [np.sin(0.8 * (at - place)), (at - place) ** 3, np.exp(at)]
     # Of a step that resolves it; and round-off of what is constant, or grows as the step does.
-    for smooth in (np.sin(0.3 * at + place), at**2, 1e3 + 1e-8 * noise, 0 * at, at + 1e-6 * noise):
-        assert not _is_kinked(jnp.asarray(smooth))[0]
-    for kinked in (np.maximum(at - place, 0.0), np.abs(at - place), at + 0.1 * np.maximum(at - place, 0) + 7):
-        assert _is_kinked(jnp.asarray(kinked))[0]
+    for smooth in (*inflected, at**2, 1e3 + 1e-8 * noise, 0 * at, at + 1e-6 * noise):
+        assert not kinked(smooth)
+    for bent in (np.maximum(at - place, 0.0), np.abs(at - place), at + 0.1 * np.maximum(at - place, 0) + 7):
+        assert kinked(bent)
+    # A square that changes its sign has a curvature that jumps, of no slope.
+    assert place in (0.01, 0.95) or not kinked(mixed)
+
+
+def kinked(values):
+    steep = np.max(np.abs(np.diff(values, axis=0)), axis=0)
+    return bool(_is_kinked(jnp.asarray(values), jnp.asarray(steep))[0])
