@@ -2929,10 +2929,7 @@ FAULTS = [
         "0 * weight\n",
         "design/test_lean.py -k constant_load",
     ),
-    Fault(
-        "compilation/program.py", 'equation.primitive.name == "while"', "False", "compilation/test_program.py -k bend"
-    ),
-    # Designs in unstable states.
+    Fault("compilation/program.py", "if any(_may_bend(", "if all(_may_bend(", "compilation/test_program.py -k bend"),
     Fault(
         "results.py",
         "worse = graded[worst] > grade",

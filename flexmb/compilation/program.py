@@ -147,8 +147,7 @@ def may_bend(function: Callable[..., Any], *like: Any) -> bool:
 def _may_bend(jaxpr: Jaxpr) -> bool:
     for equation in jaxpr.eqns:
         inner = [part for part in equation.params.values() if _is_program(part)]
-        repeats = equation.primitive.name == "while"
-        if repeats or not (inner or equation.primitive.name in SMOOTH):
+        if not inner and equation.primitive.name not in SMOOTH:
             return True
         if any(_may_bend(getattr(part, "jaxpr", part)) for part in inner):
             return True

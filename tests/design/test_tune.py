@@ -207,13 +207,23 @@ def test_wrong_calls_are_named(changes, words):
 def test_a_start_that_keeps_the_limits_is_not_called_infeasible():
     """An objective with a pole beyond the limit draws every search there; the start is better than what breaks it."""
 
-    def near_pole(model):
-        return 1 / (frequency(model) - 12.0) ** 2
+    def slide(k, m):
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("cart", (0.1, 0))
+        b.add(planar.truss, "wall", "cart", section=fm.Rigidity(EA=0.1 * k))
+        b.fix("wall")
+        b.fix("cart", "y")
+        b.mass("cart", m)
+        return b.build()
 
-    call = {"maximize": "u", "limits": {"f": (15.0, None)}, "max_evaluations": 200, "throw": False}
-    found = fm.tune(guide, {"f": frequency, "u": near_pole}, {"thickness": 0.7e-3}, BOUNDS, **call)
-    assert found.result is not fm.RESULTS.infeasible
-    assert found.answers["f"] >= 15.0 * (1 - 1e-6)
+    answers = {"f": frequency, "u": lambda model: 1 / (frequency(model) - 3.0) ** 2}
+    bounds = {"k": (100.0, 3000.0), "m": (0.5, 5.0)}
+    call = {"maximize": "u", "limits": {"f": (4.0, None)}, "throw": False}
+    found = fm.tune(slide, answers, {"k": 1000.0, "m": 1.0}, bounds, **call)
+    assert found.result is fm.RESULTS.not_optimal
+    assert found.answers["f"] >= 4.0
+    assert found.answers["u"] > 1 / (np.sqrt(1000.0) / (2 * np.pi) - 3.0) ** 2
 
 
 def test_what_cannot_be_kept_is_told():
