@@ -91,8 +91,9 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             if was is not None and found.traced is not None and member.element.fields:
                 _tell_of_others(was[0], [found.traced[0]])
             for warping in parts_of(member, "warping")[end.number : end.number + 1]:
-                is_traced = found.traced is not None and not untwisted
-                nodes.setdefault(warping, []).append((found.traced[1] if is_traced else restrained[-1], was, is_traced))
+                told = None if found.traced is None or untwisted else found.traced[1]
+                own = restrained[-1] if told is None else told
+                nodes.setdefault(warping, []).append((own, was, told is not None))
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
         for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):

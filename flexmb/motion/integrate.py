@@ -367,7 +367,9 @@ def integrate_sampled(
 
     first, begun = _started(undriven, problem, grid.begin[0], given.state)
     start = given._replace(state=first)
-    last, (states, u, steps, result, jumped) = jax.lax.scan(interval, start, grid[:3])
+    found: Any
+    last, found = jax.lax.scan(interval, start, grid[:3])
+    states, u, steps, result, jumped = found
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
     # An event ends the motion without a failure; what comes after its interval, from no state, is none of it.

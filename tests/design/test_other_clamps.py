@@ -11,7 +11,11 @@ from flexmb import spatial
 MATERIAL = fm.Material(E=210e9, G=80e9, rho=7850)
 
 
-def stepped(thick, turn=0.0, *, builder=False):
+def stepped(thick, turn=0.0):
+    return described(thick, turn).build()
+
+
+def described(thick, turn=0.0):
     """A leaf spring of 0.5 mm and one beside it, which clamps it from 1.5 mm on, or folds it from five degrees on."""
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
@@ -21,7 +25,7 @@ def stepped(thick, turn=0.0, *, builder=False):
         section = fm.Rectangle(30e-3, t, MATERIAL)
         b.add(spatial.leaf_spring(order=2), p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))
     b.fix("foot")
-    return b if builder else b.build()
+    return b
 
 
 def twist(model):
@@ -60,7 +64,7 @@ def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
     assert found.values[0] == pytest.approx(0.06 * 30e-3 * 0.5e-3 * 7850)
 
     def held(thick):
-        b = stepped(thick, builder=True)
+        b = described(thick)
         b.fix("step.warping")
         return b.build()
 
