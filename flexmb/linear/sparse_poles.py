@@ -4,6 +4,7 @@ With p = lambda M v beside v, the inverse of a shifted pencil takes (v, p) to (v
 s have its largest values. Motions without mass have no p, so that their poles at infinity are zeros of it and no more.
 """
 
+import contextlib
 from typing import Any
 
 import numpy as np
@@ -176,7 +177,11 @@ def is_steady(elements: ElementMatrices) -> bool:
     if not at.regular:
         return False
     if whole.damping.count_nonzero():
-        return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE)
+        with contextlib.suppress(AnalysisError):
+            return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE)
+        # Where these are not found, what is without damping tells.
+        whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
+        at = _ShiftedPoles(whole, 0.0)
     if at.motions <= FEW:
         values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     else:
