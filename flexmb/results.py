@@ -204,7 +204,8 @@ def collected() -> Iterator[list[Any]]:
 def check(result: Any, throw: bool, about: str = "") -> None:
     """Raise the text of a result that is a failure; under a trace it is collected; nothing with ``throw=False``.
 
-    A critical state is a success with a warning for whom differentiates, an unstable one with a warning for all.
+    What is among ``ANSWERED`` is a success: critical states and forces that jump with a warning for whom
+    differentiates, unstable states with a warning for all.
 
     Args:
         result: Integer code, () or a batch of them.

@@ -2961,6 +2961,18 @@ FAULTS = [
     ),
     Fault("design/chunks.py", "codes == RESULTS.other_clamps", "codes == 99", "design/test_other_clamps.py -k sweep"),
     Fault("design/tune.py", "np.any(codes == RESULTS.other_clamps)", "False", "design/test_other_clamps.py -k search"),
+    # Words and calls.
+    Fault("cli.py", 'str(log) == "-"', 'str(log) == "--"', "test_cli.py -k wrong_call"),
+    Fault("spacar/write.py", "if stiffness and not idle", "if stiffness", "spacar/test_read.py -k survives"),
+    Fault(
+        "linear/modes.py", "or without_stiffness(lin.model)", 'or ""', "statics/test_refusals.py -k without_stiffness"
+    ),
+    Fault(
+        "linear/buckling.py",
+        "    check_stiffness(model, result, throw)",
+        "    check_stiffness(model, result, False)",
+        "statics/test_refusals.py -k without_stiffness",
+    ),
     # Kinks of laws and controllers.
     Fault(
         "motion/step_control.py",

@@ -101,19 +101,24 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
     """
-    a, b = (_shapes_in(one.lin.model if isinstance(one, Modes) else None, of, "mode_assurance") for of in (one, other))
+    for given in (one, other):
+        _check_modes(given, "mode_assurance")
+    a, b = (_shapes_in(one.lin.model, of, "mode_assurance") for of in (one, other))
     m = np.asarray(one.lin.matrices.M0)
     return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))
 
 
-def _shapes_in(model: Model | None, modes: Any, function: str) -> Float[np.ndarray, "n_q n"]:
-    """Shapes of modes in the degrees of freedom of a model, whatever those of their own are."""
+def _check_modes(modes: Any, function: str) -> None:
+    """Refuse what is no modes, or has no degrees of freedom."""
     if not isinstance(modes, Modes):
         raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not a {type(modes).__name__}.")
     if isinstance(modes.lin, SparseLinearization):
         raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices: give fm.modes(model, sparse=False).")
+
+
+def _shapes_in(model: Model, modes: Modes, function: str) -> Float[np.ndarray, "n_q n"]:
+    """Shapes of modes in the degrees of freedom of a model, whatever those of their own are."""
     own, shapes = modes.lin.model, np.asarray(modes.q_shapes)
-    model = own if model is None else model
     if (own.labels.x, own.labels.e) != (model.labels.x, model.labels.e):
         raise ValueError(f"fm.linear.{function}: the models differ, their nodes or elements have other names.")
     if own.q_labels == model.q_labels:
@@ -179,6 +184,7 @@ def frequency_like(
     refuse_unsymmetric(not lacks_potential(model.topology))
     given: Any = shape
     if isinstance(shape, Modes):
+        _check_modes(shape, "frequency_like")
         every = _shapes_in(model, shape, "frequency_like")
         if number is None or not check_whole("number", number, 0) < every.shape[1]:
             raise ValueError(

@@ -331,7 +331,7 @@ def _event_now(problem: Problem, integrator: Integrator, t: Float[Array, ""], st
 
 
 def _check_event(problem: Problem, integrator: Integrator, t: Float[Array, ""], start: Start) -> None:
-    """Refuse conditions that are not finite at the start, and warn of what holds there, as far as numbers are known."""
+    """Refuse conditions that are no numbers at the start, and warn of what holds there, as far as numbers are known."""
     event: Any = integrator.event
     conditions = [one for one in jax.tree.leaves(event.cond_fn, is_leaf=callable) if isinstance(one, EventCondition)]
     if not conditions or not is_concrete((problem, t, start, conditions)):
