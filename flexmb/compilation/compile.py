@@ -115,6 +115,11 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+def is_staged() -> bool:
+    """Whether what is computed now becomes part of a program, as within ``jax.jit``; ``jax.grad`` alone computes."""
+    return isinstance(jax.lax.add(np.zeros(()), np.zeros(())), jax.core.Tracer)
+
+
 def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """``run(structure, fixed, leaves)`` calls ``function(structure, fixed, *leaves)``, compiled as settings ask for."""
 

@@ -1,12 +1,16 @@
 """Derivatives that are cheaper to compile than those that JAX finds by itself."""
 
+import functools
+import itertools
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.custom_derivatives import SymbolicZero
+
+from ..compilation.compile import is_staged, jit_beside_options
 
 
 def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple) -> tuple[Any, Any]:
@@ -39,12 +43,34 @@ def _number_of(change: Any) -> Any:
     return jnp.zeros(shaped.shape, shaped.dtype) if isinstance(change, SymbolicZero) else change
 
 
-def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *arguments: Any) -> Any:
-    """Value of a function whose derivatives, in reverse mode, are those of another one that gives the same.
+class Varied(NamedTuple):
+    """An argument of which some numbers vary.
+
+    Attributes:
+        numbers: Those that vary.
+        whole: The argument, from these numbers.
+        varies: Which of its leaves vary.
+    """
+
+    numbers: list[Any]
+    whole: Callable[[list[Any]], Any]
+    varies: list[bool]
+
+
+def with_derivative(
+    function: Callable[..., Any],
+    forward: Callable[..., tuple[Any, Any]],
+    backward: Callable[..., Sequence[list[Any]]],
+    *arguments: Any,
+) -> Any:
+    """Value of a function whose derivatives in reverse mode are given.
 
     Args:
         function: Function of positional pytrees, which may hold more than arrays.
-        derived: What is evaluated in its place where a derivative is asked for.
+        forward: What is evaluated in its place where a derivative is asked for: the same value, and what
+            :func:`backward` needs of it.
+        backward: Of a :class:`Varied` for each argument, of what forward has kept, and of a pytree like the value, the
+            derivatives by it: the derivatives by the numbers of each argument that vary.
         arguments: What both are given.
     """
     leaves, structure = jax.tree.flatten(arguments)
@@ -60,28 +86,100 @@ def with_derivative(function: Callable[..., Any], derived: Callable[..., Any], *
     def value(*numbers: Any):
         return called(function, numbers)
 
-    def forward(*numbers: Any):
+    def ahead(*numbers: Any):
         values = [number.value for number in numbers]
-        varied = [i for i, number in enumerate(numbers) if number.perturbed]
-
-        def of_varied(*changed: Any):
-            whole = list(values)
-            for i, number in zip(varied, changed, strict=True):
-                whole[i] = number
-            return called(derived, whole)
-
-        found, pulled = jax.vjp(of_varied, *[values[i] for i in varied])
+        found, carried = called(forward, values)
         # An empty tuple marks what varies: what is carried over may hold arrays alone.
-        return found, (pulled, [() if number.perturbed else None for number in numbers])
+        return found, (values, carried, [() if number.perturbed else None for number in numbers])
 
-    def backward(carried: tuple[Any, ...], changes: Any):
-        pulled, marks = carried
-        whole = [_number_of(change) for change in jax.tree.leaves(changes)]
-        found = iter(pulled(jax.tree.unflatten(jax.tree.structure(changes), whole)))
+    def back(carried: tuple[Any, ...], changes: Any):
+        values, kept, marks = carried
+        numbers = jax.tree.map(_number_of, changes, is_leaf=lambda change: isinstance(change, SymbolicZero))
+        given = called(lambda *whole: whole, values)
+        varies = [False] * len(leaves)
+        for i, mark in zip(places, marks, strict=True):
+            varies[i] = mark is not None
+        left = iter(varies)
+        parts = [_varied(one, list(itertools.islice(left, len(jax.tree.leaves(one))))) for one in given]
+        found = itertools.chain.from_iterable(backward(parts, kept, numbers))
         return tuple(None if mark is None else next(found) for mark in marks)
 
-    value.defvjp(forward, backward, symbolic_zeros=True)
+    value.defvjp(ahead, back, symbolic_zeros=True)
     return value(*[leaves[i] for i in places])
+
+
+def _varied(argument: Any, varies: list[bool]) -> Varied:
+    leaves, structure = jax.tree.flatten(argument)
+
+    def whole(numbers: list[Any]):
+        left = iter(numbers)
+        own = [next(left) if varied else leaf for leaf, varied in zip(leaves, varies, strict=True)]
+        return jax.tree.unflatten(structure, own)
+
+    return Varied([leaf for leaf, varied in zip(leaves, varies, strict=True) if varied], whole, varies)
+
+
+def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any] | None = None) -> Callable[..., Any]:
+    """As :func:`jit_beside_options`, of a function whose derivatives are taken in reverse mode alone.
+
+    JAX compiles what ``jax.grad`` asks for without options, which takes three times as long. Here the way back is a
+    program of its own, which takes the function once more and is compiled as settings ask for.
+
+    Args:
+        function: Function of arguments that may hold what is no array.
+        ahead: What gives the value where a derivative is asked for, if not the function itself.
+
+    Returns:
+        The compiled function.
+    """
+    run = jit_beside_options(function)
+
+    def pulled(varies: tuple[bool, ...], arguments: tuple[Any, ...], changes: Any):
+        leaves, structure = jax.tree.flatten(arguments)
+        own = [leaf for leaf, varied in zip(leaves, varies, strict=True) if varied]
+
+        def of_varied(numbers: list[Any]):
+            left = iter(numbers)
+            whole = [next(left) if varied else leaf for leaf, varied in zip(leaves, varies, strict=True)]
+            return function(*jax.tree.unflatten(structure, whole))
+
+        found, pull = jax.vjp(of_varied, own)
+        whole_numbers = [np.zeros(one.shape, jax.dtypes.float0) for one in jax.tree.leaves(found)]
+        given = [a if b is None else b for a, b in zip(whole_numbers, changes, strict=True)]
+        return pull(jax.tree.unflatten(jax.tree.structure(found), given))[0]
+
+    pulled.__module__, pulled.__name__ = function.__module__, f"{function.__name__}_back"
+    back = jit_beside_options(pulled)
+
+    @functools.wraps(function)
+    def call(*arguments: Any):
+        leaves = jax.tree.leaves(arguments)
+        if not any(isinstance(leaf, jax.core.Tracer) for leaf in leaves) or is_staged():
+            return run(*arguments)
+
+        def way_back(parts: list[Varied], _: Any, changes: Any):
+            varies = tuple(varied for part in parts for varied in part.varies)
+            given = [None if one.dtype == jax.dtypes.float0 else one for one in jax.tree.leaves(changes)]
+            found = iter(back(varies, tuple(part.whole(part.numbers) for part in parts), given))
+            return [[next(found) for _ in part.numbers] for part in parts]
+
+        known: list[Any] = []
+
+        def forward(*given: Any):
+            known.append((ahead or run)(*given))
+            return known[-1], None
+
+        found = with_derivative(run, forward, way_back, *arguments)
+        # What has no derivative is a number still, that one may ask.
+        return jax.tree.map(_as_known, found, known[-1]) if known else found
+
+    return call
+
+
+def _as_known(found: Any, known: Any) -> Any:
+    """A number that is known in place of what is differentiated, where it has no derivative."""
+    whole = not jnp.issubdtype(found.dtype, jnp.inexact) and not isinstance(known, jax.core.Tracer)
+    return known if whole else found
 
 
 def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:

@@ -24,6 +24,7 @@ from .collocation import (
 from .march import CLOSE, Marched, until_stop
 from .protocol import MotionState
 from .step_size import FAR, SMALLEST_STEP, error_of, greatest
+from .tape import Span
 
 # Derivatives are kept while Newton's method converges at such a rate, and factors where the step would change by a
 # factor between these.
@@ -68,14 +69,12 @@ class _ChainMarch(NamedTuple):
 
 def march_chain(
     equations: ChainForm,
-    span: tuple[Float[Array, ""], Float[Array, ""]],
-    times: Float[Array, "n_t"],
+    span: Span,
     start: MotionState,
     moved: Float[Array, ""],
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
-    stops: Float[Array, "k"] | None = None,
 ) -> Marched:
     """States of a chain at times, step by step; arguments as those of :func:`flexmb.motion.march.march`.
 
@@ -83,7 +82,8 @@ def march_chain(
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section IV.8, with the step sizes after
         Gustafsson; errors as :func:`flexmb.motion.step_size.error_of` measures them.
     """
-    (t0, t1), n, count = span, start.u.shape[0], times.shape[0]
+    t0, t1, times, stops = span
+    n, count = start.u.shape[0], times.shape[0]
     smallest = SMALLEST_STEP * (t1 - t0)
     close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -11,26 +10,30 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..math.derivative import with_derivative
+from ..math.derivative import Varied, jit_beside_reverse, with_derivative
 from ..mechanics.extent import sizes_of
 from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder
+from ..mechanics.stress_resultants import is_nonlinear
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
-from .chain_form import ChainForm, chain_form
+from .chain_form import chain_form
 from .chain_march import march_chain
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
 from .integrator import Integrator
+from .kinks import kinks_of
 from .loop import controlled_form, measuring, under_inputs
 from .march import Marched, march
+from .march_back import march_back
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
 from .start import Start, driven_start, driving, is_determined
 from .step_size import SMALLEST_STEP
+from .tape import Span, Tape
 from .tree_form import TreeForm, tree_form
 
 # Where a mechanism is not where it is driven by more than this share of its extent, it cannot be assembled there.
@@ -99,6 +102,12 @@ class Integrated(NamedTuple):
     jumped: Bool[Array, ""] | bool = False
 
 
+def _by_options(problem: Problem, integrator: Integrator) -> bool:
+    """Whether diffrax's own loop is asked for, by a solver, an adjoint and the like, or by jumps."""
+    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
+    return any(one is not None for one in own)
+
+
 def _solved(
     equations: Equations,
     problem: Problem,
@@ -108,39 +117,42 @@ def _solved(
     times: Float[Array, "n_t"],
     start: MotionState,
     moved: Float[Array, ""],
+    derived: bool = False,
 ):
-    """States at times between t0 and t1, and what else is found on the way."""
+    """States at times between t0 and t1, and what else is found on the way.
+
+    Args:
+        derived: Whether it is asked for beside a derivative, so that steps across kinks are short.
+    """
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
-    given = equations, integrator, (problem.jumps, problem.stops), t0, t1, times, start, moved
-    if any(one is not None for one in own):
-        return _by_diffrax(parts, *given)
+    if _by_options(problem, integrator):
+        onto = problem.jumps, problem.stops
+        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, moved)
+
+    def given(equations: Equations, span: Span, start: MotionState, integrator: Integrator, moved: Array):
+        def first(fast: Float[Array, ""]):
+            return _first_step(integrator, fast, span.t1 - span.t0, parts, False)
+
+        allowed = (integrator.rtol, integrator.atol)
+        return equations, span, start, moved, allowed, first, integrator.max_steps
+
+    own = equations, Span(t0, t1, times, problem.stops), start, integrator, moved
     if problem.order is not None:
         # Its numbers are concrete: there are no derivatives.
-        return _marched(parts, *given)
-    return with_derivative(functools.partial(_marched, parts), functools.partial(_by_diffrax, parts), *given)
+        return march_chain(*given(*own))
 
+    def plain(*own: Any):
+        return march(*given(*own), kinks=kinks_of(own[0]) if derived else None)[0]
 
-def _marched(
-    parts: float,
-    equations: Equations,
-    integrator: Integrator,
-    onto: tuple[Array | None, Array | None],
-    t0: Float[Array, ""],
-    t1: Float[Array, ""],
-    times: Float[Array, "n_t"],
-    start: MotionState,
-    moved: Float[Array, ""],
-) -> Marched:
-    """What :func:`_by_diffrax` gives by the default solver, in fewer operations."""
+    def ahead(*own: Any):
+        return march(*given(*own), taped=True, kinks=kinks_of(own[0]))
 
-    def first(fast: Float[Array, ""]):
-        return _first_step(integrator, fast, t1 - t0, parts, False)
+    def back(parts: list[Varied], tape: Tape, changes: Marched):
+        # The tolerances and what came before choose the steps, which are as they are.
+        rest = [[jnp.zeros_like(number) for number in part.numbers] for part in parts[3:]]
+        return *march_back(*parts[:3], tape, changes), *rest
 
-    allowed: Any = (integrator.rtol, integrator.atol)
-    marched = march_chain if isinstance(equations, ChainForm) else march
-    given: Any = (equations, (t0, t1), times, start, moved, allowed, first, integrator.max_steps, onto[1])
-    return marched(*given)._replace(jumped=jnp.zeros((), bool))
+    return with_derivative(plain, ahead, back, *own)
 
 
 def _by_diffrax(
@@ -158,7 +170,6 @@ def _by_diffrax(
     import diffrax
 
     from .collocation import carried_from
-    from .kinks import kinks_of
     from .projected import Projected
     from .radau import Radau
     from .rosenbrock import Rodas5P, Rosenbrock
@@ -292,11 +303,10 @@ def begin(problem: Problem, form: str, t: Float[Array, ""], given: Start) -> Mot
     return _started(_equations(problem, form), problem, t, given)[0]
 
 
-@jit_beside_options
 def integrate(
     problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], given: Reached
 ) -> Integrated:
-    """Motion from one time to another.
+    """Motion from one time to another, compiled.
 
     Args:
         integrator: How, as checked.
@@ -304,16 +314,39 @@ def integrate(
         times: Times at which to give it, (n_t,) [s].
         given: Where it goes on from.
     """
+    bends = is_nonlinear(problem.model.topology) or problem.feedback is not None
+    asked = _asked if _by_options(problem, integrator) else _with_kinks if bends else _smooth
+    return asked(problem, integrator, span, times, given)
+
+
+def _integrated(
+    problem: Problem,
+    integrator: Integrator,
+    span: Float[Array, "2"],
+    times: Float[Array, "n_t"],
+    given: Reached,
+    derived: bool = False,
+) -> Integrated:
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
     states, moved, steps, result, jumped = _solved(
-        equations, problem, integrator, span[0], span[1], times, start, given.moved
+        equations, problem, integrator, span[0], span[1], times, start, given.moved, derived
     )
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
     result = jnp.where(begun == RESULTS.successful, result, begun)
     jumped = jumped & (result == RESULTS.successful)
     return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved), jumped)
+
+
+@jit_beside_options
+def _derived(*given: Any) -> Integrated:
+    return _integrated(*given, derived=True)
+
+
+_asked = jit_beside_options(_integrated)
+_smooth = jit_beside_reverse(_integrated)
+_with_kinks = jit_beside_reverse(_integrated, _derived)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -338,18 +371,14 @@ class Intervals(NamedTuple):
     place: Int[Array, "n_t"]
 
 
-@jit_beside_options
-def integrate_sampled(
-    problem: Problem, integrator: Integrator, grid: Intervals, times: Float[Array, "n_t"], given: Reached
+def _integrated_sampled(
+    problem: Problem,
+    integrator: Integrator,
+    grid: Intervals,
+    times: Float[Array, "n_t"],
+    given: Reached,
+    derived: bool = False,
 ) -> Integrated:
-    """Motion under a controller that acts at equal intervals, one after the other.
-
-    Args:
-        integrator: How, as checked.
-        grid: The intervals and the times in them.
-        times: Times at which to give it, (n_t,) [s].
-        given: Where it goes on from.
-    """
     sampled: Any = problem.feedback
     undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     sensors = measuring(problem.model, undriven, problem.measured_from)
@@ -362,13 +391,14 @@ def integrate_sampled(
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved)
+        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved, derived)
         return Reached(_last(states), (memory, u), moved), (states, u, *found)
 
     first, begun = _started(undriven, problem, grid.begin[0], given.state)
     start = given._replace(state=first)
     found: Any
-    last, found = jax.lax.scan(interval, start, grid[:3])
+    # A derivative takes one interval at a time anew: all at once would fill the memory.
+    last, found = jax.lax.scan(jax.checkpoint(interval), start, grid[:3])
     states, u, steps, result, jumped = found
     chosen = jax.tree.map(lambda rows: rows[grid.interval, grid.place], states)
     rows: WholeMotion = jax.lax.map(lambda at: undriven.whole_motion(at[0], undriven.settle(*at)), (times, chosen))
@@ -377,3 +407,26 @@ def integrate_sampled(
     result = jnp.where(jnp.any(over), result[jnp.argmax(over)], RESULTS.successful)
     result = jnp.where(begun == RESULTS.successful, result, begun)
     return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last, jnp.any(jumped))
+
+
+@jit_beside_options
+def _derived_sampled(*given: Any) -> Integrated:
+    return _integrated_sampled(*given, derived=True)
+
+
+_asked_sampled = jit_beside_options(_integrated_sampled)
+_sampled = jit_beside_reverse(_integrated_sampled, _derived_sampled)
+
+
+def integrate_sampled(
+    problem: Problem, integrator: Integrator, grid: Intervals, times: Float[Array, "n_t"], given: Reached
+) -> Integrated:
+    """Motion under a controller that acts at equal intervals, one after the other, compiled.
+
+    Args:
+        integrator: How, as checked.
+        grid: The intervals and the times in them.
+        times: Times at which to give it, (n_t,) [s].
+        given: Where it goes on from.
+    """
+    return (_asked_sampled if _by_options(problem, integrator) else _sampled)(problem, integrator, grid, times, given)

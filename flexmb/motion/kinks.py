@@ -4,7 +4,9 @@ A step of a Runge-Kutta method across a kink has an error within its tolerance, 
 the step the kink lies; as derivatives are those of the steps, they would be wrong by the root of the tolerance.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -30,6 +32,8 @@ CHANGED = 1e-9
 # A step across a kink is at last this share of the one that was refused. What changes in it by that share of its change
 # in the one that was refused jumps.
 SHARE, JUMP = 1e-6, 0.3
+# Steps are no shorter than so many times the round-off of the time.
+ROUND_OFF = 1e-14
 
 
 class Kinks(Record):
@@ -74,6 +78,92 @@ class Kinks(Record):
         steep = jnp.max(jnp.abs(jnp.diff(values, axis=0)), axis=0)
         kinked = _is_kinked(values, jnp.maximum(steep, slopes * part))
         return jnp.where(kinked, jnp.ptp(values, axis=0), 0.0), steep / part
+
+
+class KinkSearch(NamedTuple):
+    """Search for a kink.
+
+    Attributes:
+        by: Time by which it has passed; none is sought where that is over [s].
+        length: Of the step that was refused first [s].
+        changes: Of each function in that step, zero of those without a kink, (k,).
+        slopes: Of each in that step, (k,) [1/s].
+        jumped: Whether a function has jumped at a kink so far.
+    """
+
+    by: Float[Array, ""]
+    length: Float[Array, ""]
+    changes: Float[Array, "k"]
+    slopes: Float[Array, "k"]
+    jumped: Bool[Array, ""]
+
+    def after(
+        self,
+        kinks: Kinks,
+        times: tuple[Any, Any],
+        states: tuple[MotionState, MotionState],
+        kept: Any,
+        next_t1: Any,
+        smallest: Any,
+    ) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
+        """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
+
+        Args:
+            kinks: What finds them.
+            times: Begin and end of the step [s].
+            states: There.
+            kept: Whether its error would be small enough.
+            next_t1: End of the next step by its error.
+            smallest: Smallest step [s].
+        """
+        known = jnp.where(self.by > times[0], self.slopes, 0.0)
+        changes, slopes = kinks.within(times, states, known)
+        return _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, 20 * smallest)
+
+
+def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> KinkSearch:
+    """A search that has found nothing, at the start of a motion; without kinks none ever does."""
+    sizes = jnp.zeros(0) if kinks is None else kinks.none(t, state)
+    return KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, sizes, jnp.asarray(False))
+
+
+def _halved(
+    search: KinkSearch,
+    times: tuple[Any, Any],
+    kept: Any,
+    functions: tuple[Float[Array, "k"], Float[Array, "k"]],
+    next_t1: Any,
+    least: Any,
+) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
+    """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
+
+    Args:
+        times: Its begin and end [s].
+        kept: Whether its error would be small enough.
+        functions: By how much each function that has a kink within changes, zero of the others, and slopes, (k,).
+        next_t1: End of the next step by its error.
+        least: Shortest step [s].
+    """
+    (t0, t1), (changes, slopes) = times, functions
+    seeking, h = search.by > t0, t1 - t0
+    length = jnp.where(seeking, search.length, h)
+    short = jnp.maximum(SHARE * length, ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
+    short = jnp.maximum(short, least)
+    refused = jnp.any(changes > 0) & (h > short)
+    begins = refused & ~seeking
+    first = jnp.where(begins, changes, search.changes)
+    jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP * first) & (first > 0)))
+    by = jnp.where(refused, t1, search.by)
+    begin = jnp.where(refused, t0, t1)
+    rest = by - begin
+    onwards = begin + jnp.where(rest > short, rest / 2, rest)
+    # Behind the kink steps are as long as before.
+    after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
+    return (
+        refused,
+        jnp.where(kept, after, next_t1),
+        KinkSearch(by, length, first, jnp.where(begins, slopes, search.slopes), jumped),
+    )
 
 
 def kinks_of(equations: Any) -> Kinks | None:

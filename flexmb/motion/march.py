@@ -1,6 +1,6 @@
 """The loop of the default solver over its steps, in fewer operations than the general one of diffrax.
 
-What is found is the same; derivatives are those of diffrax's loop, see :mod:`flexmb.motion.integrate`.
+What is found is the same. Derivatives are found on the way back, see :mod:`flexmb.motion.march_back`.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,11 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.indices import TRUSTED
 from ..results import RESULTS
+from .kinks import Kinks, KinkSearch, search_of
 from .protocol import Equations, MotionState
 from .stages import RODAS5P, between, step_taken
 from .step_size import FAR, SMALLEST_STEP, error_of, greatest, next_step
+from .tape import Span, Tape, blank_tape, whole_loop
 
 # A step that would end so close to the end, in round-off of the time, ends there.
 CLOSE = 100
@@ -50,6 +52,8 @@ class _March(NamedTuple):
         before: One over the error of the last step.
         saved: Number of rows that are known.
         found: What has been found.
+        search: Search for a kink, or None.
+        tape: Of the steps that were kept, or None.
     """
 
     t: Float[Array, ""]
@@ -60,6 +64,8 @@ class _March(NamedTuple):
     before: Float[Array, ""]
     saved: Int[Array, ""]
     found: Marched
+    search: KinkSearch | None
+    tape: Tape | None
 
 
 def until_stop(stops: Float[Array, "k"] | None, begin: Float[Array, ""], end: Float[Array, ""]) -> Float[Array, ""]:
@@ -75,31 +81,32 @@ def until_stop(stops: Float[Array, "k"] | None, begin: Float[Array, ""], end: Fl
 
 def march(
     equations: Equations,
-    span: tuple[Float[Array, ""], Float[Array, ""]],
-    times: Float[Array, "n_t"],
+    span: Span,
     start: MotionState,
     moved: Float[Array, ""],
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
-    stops: Float[Array, "k"] | None = None,
-) -> Marched:
-    """States at times, step by step.
+    taped: bool = False,
+    kinks: Kinks | None = None,
+) -> tuple[Marched, Tape | None]:
+    """States at times, step by step, and what the way back needs.
 
     Where the equations are linear in what begins unknown, a step of no length finds the accelerations and multipliers
     of the start: by the same code as all steps.
 
     Args:
-        span: Begin and end [s].
-        times: Ascending, within the span, (n_t,) [s].
+        span: Begin and end, times at which to give them, and times to be stepped onto.
         start: State at the begin.
         moved: Greatest displacement before.
         allowed: Relative and absolute tolerance.
         first: Length of the first step [s] by the greatest acceleration.
         most: Most steps.
-        stops: Times to be stepped onto, or None, (k,) [s].
+        taped: Whether there is to be a way back.
+        kinks: What finds kinks, where steps across them are to be short, or None.
     """
-    (t0, t1), n, count = span, start.u.shape[0], times.shape[0]
+    t0, t1, times, stops = span
+    n, count = start.u.shape[0], times.shape[0]
     smallest = SMALLEST_STEP * (t1 - t0)
     close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 
@@ -115,8 +122,13 @@ def march(
         error = error_of((m.state, after), taken.error, h, moved, equations.states, allowed)
         keep = m.known & (error < 1)
         longer, before = next_step(h, error, m.before, RODAS5P.order, keep)
+        end = jnp.where(keep, m.to, m.t) + jnp.maximum(longer, smallest)
+        search = m.search
+        if kinks is not None and search is not None:
+            steps = (m.t, m.to), (m.state, after)
+            refused, end, search = search.after(kinks, *steps, keep, end, smallest)
+            keep, before = keep & ~refused, jnp.where(refused, m.before, before)
         begin = jnp.where(keep, m.to, m.t)
-        end = begin + jnp.maximum(longer, smallest)
         end = jnp.where(end > close, jnp.where(keep, t1, begin + 0.5 * (t1 - begin)), end)
         away = keep & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
         result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
@@ -144,24 +156,34 @@ def march(
             jnp.where(keep, moved, m.found.moved),
             m.found.steps + m.known.astype(jnp.int32),
             result.astype(jnp.int32),
+            m.found.jumped if search is None else search.jumped,
         )
         state = jax.tree.map(lambda a, b: jnp.where(keep, a, b), after, m.state)
         z = jnp.where(keep | ~m.known, taken.z, m.z)
-        return _March(begin, end, state, z, jnp.array(True), before, k, found)
+        tape = m.tape
+        if tape is not None:
+            tape = tape.with_step(m.to, m.state, m.z, unfinished(m) & (keep | ~m.known))
+        return _March(begin, end, state, z, jnp.array(True), before, k, found, search, tape)
 
     def unfinished(m: _March):
         return (m.found.result == RESULTS.successful) & (~m.known | (m.t < t1)) & (m.found.steps < most)
 
     none, known = jnp.zeros((), jnp.int32), jnp.array(not equations.linear)
     rows = jax.tree.map(lambda one: jnp.full((count, *one.shape), jnp.inf), start)
-    found = Marched(rows, greatest(moved, start), none, none)
+    found = Marched(rows, greatest(moved, start), none, none, jnp.array(False))
     if equations.linear:
         z, end = jnp.zeros(equations.unknowns), t0
     else:
         z, regular = equations.acceleration(t0, start)
         end = until_stop(stops, t0, first_end(z))
         found = found._replace(result=jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32))
-    m = jax.lax.while_loop(unfinished, turn, _March(t0, end, start, z, known, jnp.array(1.0), none, found))
+    search = None if kinks is None else search_of(kinks, t0, start)
+    tape = blank_tape(most, start, z) if taped else None
+    m = _March(t0, end, start, z, known, jnp.array(1.0), none, found, search, tape)
+    if taped:
+        m = whole_loop(unfinished, turn, m)
+    else:
+        m = jax.lax.while_loop(unfinished, turn, m)
     result = m.found.result
     # Nothing moves where some motion has no mass.
     still = (result == RESULTS.singular_mass) | (times <= t0)
@@ -170,4 +192,5 @@ def march(
     unfinished_ = (result == RESULTS.successful) & (m.t < t1)
     result = jnp.where(unfinished_, RESULTS.motion_unfinished, result)
     result = jnp.where((result == RESULTS.successful) & lost, RESULTS.step_too_small, result)
-    return Marched(states, m.found.moved, m.found.steps, result.astype(jnp.int32))
+    found = m.found._replace(states=states, result=result.astype(jnp.int32))
+    return found, None if m.tape is None else m.tape._replace(saved=m.saved, still=still)

@@ -159,7 +159,6 @@ def step_taken(
     rows, weights = _coefficients(tableau), np.stack([tableau.m, tableau.error])
     if known is not True:
         rows, weights = jnp.where(known, rows, _STILL_ROWS), jnp.where(known, weights, _STILL_WEIGHTS)
-        stages = jnp.where(known, stages, STILL_STAGES)
     tangent = equations.tangent(t, state, z)
     hg = h * tableau.gamma
     # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.

@@ -1,22 +1,19 @@
 """Step size control by the displacements of a motion."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optimistix as optx
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
-from .kinks import JUMP, SHARE, Kinks
+from .kinks import Kinks, search_of
 from .protocol import MotionState
 from .step_size import FAR, greatest
 from .step_size import LARGE as LARGE
-
-# Steps are no shorter than so many times the round-off of the time.
-ROUND_OFF = 1e-14
 
 
 class DisplacementController(diffrax.PIDController):
@@ -50,9 +47,7 @@ class DisplacementController(diffrax.PIDController):
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        sizes = jnp.zeros(0) if self.kinks is None else self.kinks.none(t0, y0)
-        search = KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, sizes, jnp.asarray(False))
-        return found[0], (found[1], greatest(self.moved, y0), search)
+        return found[0], (found[1], greatest(self.moved, y0), search_of(self.kinks, t0, y0))
 
     def adapt_step_size(
         self,
@@ -80,71 +75,11 @@ class DisplacementController(diffrax.PIDController):
             t0, t1, begin, end, args, measured, error_order, before_step
         )
         if self.kinks is not None:
-            known = jnp.where(search.by > t0, search.slopes, 0.0)
-            changes, slopes = self.kinks.within((t0, t1), (y0, y1_candidate), known)
-            changes = jnp.where(keep, changes, 0.0)
-            least = 0.0 if self.dtmin is None else 20 * self.dtmin
-            refused, next_t1, search = _halved(search, (t0, t1), keep, (changes, slopes), next_t1, least)
+            least = 0.0 if self.dtmin is None else self.dtmin
+            refused, next_t1, search = search.after(self.kinks, (t0, t1), (y0, y1_candidate), keep, next_t1, least)
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
         away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
         return keep, next_t0, next_t1, made_jump, (state, jnp.where(keep, after, before), search), result
-
-
-class KinkSearch(NamedTuple):
-    """Search for a kink.
-
-    Attributes:
-        by: Time by which it has passed; none is sought where that is over [s].
-        length: Of the step that was refused first [s].
-        changes: Of each function in that step, zero of those without a kink, (k,).
-        slopes: Of each in that step, (k,) [1/s].
-        jumped: Whether a function has jumped at a kink so far.
-    """
-
-    by: Float[Array, ""]
-    length: Float[Array, ""]
-    changes: Float[Array, "k"]
-    slopes: Float[Array, "k"]
-    jumped: Bool[Array, ""]
-
-
-def _halved(
-    search: KinkSearch,
-    times: tuple[Any, Any],
-    kept: Any,
-    functions: tuple[Float[Array, "k"], Float[Array, "k"]],
-    next_t1: Any,
-    least: Any,
-) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
-    """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
-
-    Args:
-        times: Its begin and end [s].
-        kept: Whether its error would be small enough.
-        functions: By how much each function that has a kink within changes, zero of the others, and slopes, (k,).
-        next_t1: End of the next step by its error.
-        least: Shortest step [s].
-    """
-    (t0, t1), (changes, slopes) = times, functions
-    seeking, h = search.by > t0, t1 - t0
-    length = jnp.where(seeking, search.length, h)
-    short = jnp.maximum(SHARE * length, ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
-    short = jnp.maximum(short, least)
-    refused = jnp.any(changes > 0) & (h > short)
-    begins = refused & ~seeking
-    first = jnp.where(begins, changes, search.changes)
-    jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP * first) & (first > 0)))
-    by = jnp.where(refused, t1, search.by)
-    begin = jnp.where(refused, t0, t1)
-    rest = by - begin
-    onwards = begin + jnp.where(rest > short, rest / 2, rest)
-    # Behind the kink steps are as long as before.
-    after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
-    return (
-        refused,
-        jnp.where(kept, after, next_t1),
-        KinkSearch(by, length, first, jnp.where(begins, slopes, search.slopes), jumped),
-    )

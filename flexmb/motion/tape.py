@@ -1,0 +1,143 @@
+"""What a loop over steps leaves behind, so that one can go back over it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .protocol import MotionState
+
+# So many steps from the start are kept, and of those behind them as many again at equal distances, from which the
+# others are taken anew: a motion of some hundred coordinates then takes some ten megabytes however long it is.
+KEPT = 2048
+
+
+class Span(NamedTuple):
+    """Times of a motion.
+
+    Attributes:
+        t0: Begin [s].
+        t1: End [s].
+        times: At which it is given, (n_t,) [s].
+        stops: To be stepped onto, (k,) [s], or None.
+    """
+
+    t0: Float[Array, ""]
+    t1: Float[Array, ""]
+    times: Float[Array, "n_t"]
+    stops: Float[Array, "k"] | None
+
+
+class Tape(NamedTuple):
+    """Steps of a motion, where they began and ended.
+
+    Attributes:
+        ends: Their ends, (most + 1,) [s].
+        states: States at their begins, of those that are kept; behind these a place for what is not, and room for
+            those from one that is kept to the next.
+        z: Accelerations and multipliers there.
+        count: Number of steps.
+        saved: Number of rows that were saved.
+        still: Which rows are the start itself, (n_t,).
+    """
+
+    ends: Float[Array, "most"]
+    states: MotionState
+    z: Float[Array, "places r"]
+    count: Int[Array, ""]
+    saved: Int[Array, ""] | None = None
+    still: Bool[Array, "n_t"] | None = None
+
+    @property
+    def kept(self) -> int:
+        """So many steps from the first are kept."""
+        return KEPT
+
+    @property
+    def apart(self) -> int:
+        """Distance of those that are kept behind the first ones, in steps."""
+        return _apart(self.ends.shape[0])
+
+    @property
+    def room(self) -> int:
+        """Where the room for those from one that is kept to the next begins."""
+        return self.z.shape[0] - self.apart
+
+    def place(self, step: Int[Array, ""]) -> Int[Array, ""]:
+        """Where a step is to be found, once the room holds those from the last one that is kept."""
+        behind = step - KEPT
+        far, within = KEPT + behind // self.apart, behind % self.apart
+        return jnp.where(behind < 0, step, jnp.where(within == 0, far, self.room + within))
+
+    def with_step(
+        self, end: Float[Array, ""], state: MotionState, z: Float[Array, "r"], taken: Bool[Array, ""]
+    ) -> Tape:
+        """The tape with one more step, if it was taken.
+
+        Args:
+            end: Its end [s].
+            state: State at its begin.
+            z: Accelerations and multipliers there, (n + m,).
+            taken: Whether it was.
+        """
+        place, last = self.place(self.count), self.ends.shape[0] - 1
+        place = jnp.where(taken & (place < self.room), place, self.room - 1)
+        ends = self.ends.at[jnp.where(taken, self.count, last)].set(end)
+        return self.put(place, state, z)._replace(ends=ends, count=self.count + taken.astype(jnp.int32))
+
+    def put(self, place: Int[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tape:
+        """The tape with a state, and what belongs to it, at a place."""
+        states, all_z = jax.tree.map(lambda rows, one: rows.at[place].set(one), (self.states, self.z), (state, z))
+        return self._replace(states=states, z=all_z)
+
+    def at(self, place: Int[Array, ""]) -> tuple[MotionState, Float[Array, "r"]]:
+        """State, accelerations and multipliers at a place."""
+        return jax.tree.map(lambda rows: rows[place], (self.states, self.z))
+
+
+def _apart(most: int) -> int:
+    return max(1, -(-(most - KEPT) // KEPT))
+
+
+def blank_tape(most: int, state: MotionState, z: Float[Array, "r"]) -> Tape:
+    """A tape without steps.
+
+    Args:
+        most: Most steps.
+        state: Like those that it is to hold.
+        z: Likewise.
+    """
+    # The first may be one of no length, that finds the accelerations; the last takes what is not wanted.
+    ends = most + 2
+    kept = min(ends, KEPT) + (0 if ends <= KEPT else -(-(ends - KEPT) // _apart(ends))) + 1
+    room = kept + _apart(ends)
+    states, all_z = jax.tree.map(lambda one: jnp.zeros((room, *one.shape)), (state, z))
+    return Tape(jnp.zeros(ends), states, all_z, jnp.zeros((), jnp.int32))
+
+
+def whole_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], start: Any) -> Any:
+    """As ``jax.lax.while_loop``, but that of a batch no tape is copied in every turn.
+
+    Of a batch JAX takes all to the turn of the last, and chooses after each turn between before and after, whole tapes
+    too. Here all turns are taken, and what is done already is chosen here, tapes left out: these are to know themselves
+    whether a turn counts.
+
+    Args:
+        condition: Whether to go on.
+        body: A turn.
+        start: A named tuple with ``tape``.
+    """
+    from equinox.internal import unvmap_any
+
+    def turn(before: Any):
+        going, after = condition(before), body(before)
+        chosen = jax.tree.map(
+            lambda a, b: jnp.where(going, a, b), after._replace(tape=None), before._replace(tape=None)
+        )
+        return chosen._replace(tape=after.tape)
+
+    return jax.lax.while_loop(lambda at: unvmap_any(condition(at)), turn, start)
