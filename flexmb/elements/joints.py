@@ -53,14 +53,17 @@ def turn_and_tilt(
         axis: (3,).
 
     Returns:
-        (3,) [rad]; the tilts are twice the Euler parameters across the axis.
+        (3,) [rad]; the tilts are those of the axis as body p sees it, twice the sine of half the angle.
 
     Source:
-        Definition of Euler parameters.
+        A rotation is a turn about the axis, then one about a line across it: THEORY.md 2, eq. (2.17).
     """
     rel = relative(rot_p, rot_q, ref_p, ref_q)
-    about, tilt_y, tilt_z = _frame(axis).T @ rel[1:]
-    return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), 2 * tilt_y, 2 * tilt_z])
+    about, across_y, across_z = _frame(axis).T @ rel[1:]
+    # Euler parameters across the axis turn with half the turn.
+    cosine, sine = jnp.stack([rel[0], about]) / jnp.sqrt(rel[0] ** 2 + about**2)
+    tilts = 2 * (cosine * across_y - sine * across_z), 2 * (cosine * across_z + sine * across_y)
+    return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), *tilts])
 
 
 def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:

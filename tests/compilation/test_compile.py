@@ -71,7 +71,7 @@ def guide(mass: str = "C") -> fm.Model:
     b.fix("D")
     b.mass("B", 0.1)
     b.mass(mass, 0.1)
-    b.force("B", (1.0, -1.0))
+    b.force("B", (0.1, -1.0))
     b.input(mass, "x")
     b.output("B", "x")
     return b.build()
