@@ -25,7 +25,7 @@ from ..math.linear import diagonal_of, pencil
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model
 from ..results import RESULTS, collect
-from ..statics.stable import collect_unstable, is_unstable, unstable_motions
+from ..statics.stable import is_unstable, unstable_motions
 from .second_order_form import SecondOrder, second_order
 from .sparse_response import responses
 from .sparse_second_order import lossy_elements, some_of, sparse_second_order
@@ -243,8 +243,6 @@ def frequency_response(
         _tell_of_infinite(found)
         m = lin.matrices
         _tell_of_unstable(m.moving is None and unstable_motions(m.K0 + m.G0, m.K0, m.symmetric).shape[1] > 0)
-    elif lin.matrices.moving is None:
-        collect_unstable(lin.matrices.K0 + lin.matrices.G0, lin.matrices.K0, lin.matrices.symmetric)
     return found
 
 

@@ -32,7 +32,7 @@ from ..statics.solve import held_values, solve_state
 from .choice import few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
-from .sparse_buckling import ROUND_OFF, sparse_modes, sparse_multipliers
+from .sparse_buckling import ROUND_OFF, moved_by_loads, sparse_modes, sparse_multipliers
 from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_multipliers import UNBOUNDED
 from .spectrum import is_real
@@ -264,22 +264,8 @@ def _buckling_about(
     hidden = (complex_ones > noise) & (complex_ones > jnp.max(jnp.abs(inverse), initial=0.0))
     stable = is_positive_definite((k + k.T) / 2)
     result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
-    return multiplier, dfx @ vectors, hidden, _moved_by_loads(topology, parameters, at, near), result
-
-
-def _moved_by_loads(
-    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
-) -> Float[Array, ""]:
-    """How far what is scaled moves the mechanism at a multiplier of one, at most, () [extents, rad]."""
-    if parameters.increment is not None:
-        _, _, dx = curvature_of_increment(topology, parameters, at, near)
-    elif topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]:
-        # A stroke is no load.
-        return jnp.zeros(())
-    else:
-        dx = at.x - parameters.reference
-    moved = jax.lax.stop_gradient(jnp.abs(dx) / sizes_of(topology, parameters))
-    return jnp.max(moved, initial=0.0)
+    grown = None if parameters.increment is None else curvature_of_increment(topology, parameters, at, near)[2]
+    return multiplier, dfx @ vectors, hidden, moved_by_loads(topology, parameters, at.x, grown), result
 
 
 def _warn_of_moving(multiplier: Array, moved: Array) -> None:
@@ -362,8 +348,8 @@ def buckling_loads(
         NotImplementedError: A second derivative is asked of sparse factors.
 
     Warns:
-        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or dense
-            matrices tell that the loads move the mechanism far before it buckles.
+        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or the
+            loads move the mechanism far before it buckles.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
@@ -371,7 +357,7 @@ def buckling_loads(
     how = throw, Where(at, step, None, increment)
     found = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, sparse)
     if found is not None:
-        return found
+        return found[0]
     return _asked(model, "buckling_loads", *how)[0][:count]
 
 
@@ -388,7 +374,8 @@ def _by_sparse(
 
     Args:
         function: Its name.
-        found: Gives the answer of model, load factors and count, and a state of a path.
+        found: Gives the answer, multipliers first and last how far loads move the mechanism, of model, load factors,
+            count, and a state of a path.
     """
     if count is not None:
         check_whole("count", count, 1)
@@ -405,9 +392,13 @@ def _by_sparse(
     try:
         if where.at is not None:
             about, factors = _on_path(model, where, function)
-            return found(model, factors, int(count), about)
-        increment = 0.0 if where.increment is None else where.increment
-        return found(model, load_factors_of(model, 1.0, increment, function), int(count))
+            *answer, moved = found(model, factors, int(count), about)
+        else:
+            increment = 0.0 if where.increment is None else where.increment
+            *answer, moved = found(model, load_factors_of(model, 1.0, increment, function), int(count))
+        if is_concrete((answer[0], moved)):
+            _warn_of_moving(answer[0], moved)
+        return answer
     except ModelError as refused:
         try:
             as_determined(model, function)
@@ -421,10 +412,11 @@ def _by_sparse(
 
 def _sparse_buckling(
     model: Model, factors: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
-) -> tuple[Any, Any, Linearization | SparseLinearization]:
-    """Multipliers, modes, and the state that they are about."""
+) -> tuple[Any, Any, Linearization | SparseLinearization, Any]:
+    """Multipliers, modes, the state that they are about, and how far loads move the mechanism."""
     lin = sparse_linearization(model, factors) if about is None else about
-    return *sparse_modes(model, factors, count, lin), lin
+    multipliers, shapes, moved = sparse_modes(model, factors, count, lin)
+    return multipliers, shapes, lin, moved
 
 
 def buckling(

@@ -16,7 +16,6 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check, collect
-from ..statics.stable import collect_unstable
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
 from .loose import free_motions, named, naming_culprit, takes_part
@@ -112,9 +111,6 @@ def compliance(
         return _beside_free_motions(lin, node, np.asarray(jacobian))
     check(result, True)
     _warn_of_instability(found, node)
-    m = lin.matrices
-    if not is_concrete(found) and m.moving is None:
-        collect_unstable(m.K0 + m.G0, m.K0, m.symmetric)
     return found
 
 

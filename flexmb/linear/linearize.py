@@ -25,6 +25,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, told
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
+from ..statics.stable import collect_unstable
 from .sparse_linearize import SparseLinearization, sparse_linearization
 
 
@@ -567,7 +568,9 @@ def linearize(
 
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
     lin = Linearization(_matrices(model.topology, model.parameters, target), model)
-    check_stiffness(model, lin.matrices.result, throw)
+    m = lin.matrices
+    check_stiffness(model, m.result, throw)
+    collect_unstable(m.K0 + m.G0, m.K0, m.symmetric)
     return lin
 
 

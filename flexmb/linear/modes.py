@@ -19,7 +19,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, collects
 from ..statics.equilibrium import load_factors_of, without_stiffness
 from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
@@ -162,7 +162,8 @@ def frequencies(
         refuse_unsymmetric(large.symmetric)
         with naming_culprit(large):
             return to_frequency(lowest_values(large.elements, count))
-    if isinstance(model, Linearization) or at is not None:
+    # Of designs it is also told where a state is not stable.
+    if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
         if at is not None and model.matrices.moving is not None:
             return _frequencies_of_motion(model, count)

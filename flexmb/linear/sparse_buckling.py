@@ -17,6 +17,7 @@ from ..math.element_matrices import times, times_transposed
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, deformations
+from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
 from ..model.model import Model
@@ -167,14 +168,17 @@ def _matrices(
 
 
 @jax.custom_jvp
-def _found(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array) -> Buckled:
-    """Smallest multipliers about a state, and their modes."""
+def _found(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
+) -> tuple[Buckled, Float[Array, ""]]:
+    """Smallest multipliers about a state with their modes, and how far what is scaled moves the mechanism."""
     near, (free, _, held) = _deformed(topology, parameters, at), unknowns(topology)
     growth = _growth(topology, parameters, factors, near, at)
     own = _matrices(topology, parameters, factors, near, at, growth)
     n, h, k = free.shape[0], held.shape[0], count.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n, k), (h, k), (k,))]
-    return on_host(functools.partial(smallest_of_sparse, count=k), Buckled(*like), own)
+    moved = moved_by_loads(topology, parameters, at.x, None if growth is None else growth.x)
+    return on_host(functools.partial(smallest_of_sparse, count=k), Buckled(*like), own), moved
 
 
 @_found.defjvp
@@ -190,8 +194,25 @@ def _deformed(topology: Topology, parameters: Parameters, at: Balanced) -> Array
 @jax.custom_jvp
 def _load_multipliers(
     topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
-) -> Float[Array, "k"]:
-    return _found(topology, parameters, factors, at, count).values
+) -> tuple[Float[Array, "k"], Float[Array, ""]]:
+    found, moved = _found(topology, parameters, factors, at, count)
+    return found.values, moved
+
+
+def moved_by_loads(
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], grown: Float[Array, "n_x"] | None
+) -> Float[Array, ""]:
+    """How far what is scaled moves the mechanism at a multiplier of one, at most, () [extents, rad].
+
+    Args:
+        x: Nodal coordinates of the state that it is asked about, (n_x,) [m, rad, -].
+        grown: What the incremental loads add to them, to first order, (n_x,), or None where all loads are scaled.
+    """
+    if grown is None and (topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]):
+        # A stroke is no load.
+        return jnp.zeros(())
+    dx = x - parameters.reference if grown is None else grown
+    return jnp.max(jax.lax.stop_gradient(jnp.abs(dx) / sizes_of(topology, parameters)), initial=0.0)
 
 
 @jit
@@ -241,7 +262,7 @@ def _quotients(
 @_load_multipliers.defjvp
 def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors, at, count = primals
-    found = _found(topology, parameters, factors, at, count)
+    found, moved = _found(topology, parameters, factors, at, count)
     near = _deformed(topology, parameters, at)
     bounded = jnp.isfinite(found.values)
 
@@ -250,7 +271,8 @@ def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         return _quotients(topology, parameters, factors, near, at, growth, found)
 
     _, change = jvp_of_varied(quotients, primals[1:4], tangents[1:4])
-    return found.values, jnp.where(bounded, -1 / jnp.where(bounded, found.geometric, 1.0), 0.0) * change
+    changes = jnp.where(bounded, -1 / jnp.where(bounded, found.geometric, 1.0), 0.0) * change
+    return (found.values, moved), (changes, jnp.zeros(()))
 
 
 def _about(model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization | None):
@@ -276,13 +298,16 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 @one_thread()
 def sparse_multipliers(
     model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
-) -> Float[Array, "k"]:
-    """Load multipliers of smallest size about the equilibrium by sparse factors, (count,) or fewer [-].
+) -> tuple[Float[Array, "k"], Float[Array, ""]]:
+    """Load multipliers of smallest size about the equilibrium by sparse factors, and how far loads move the mechanism.
 
     Args:
         model: As for :func:`sparse_equilibrium`.
         target: Load factors there.
         about: Another state with these loads, of a path; None: the equilibrium.
+
+    Returns:
+        (count,) or fewer [-]; and as :func:`moved_by_loads`.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.
@@ -292,18 +317,18 @@ def sparse_multipliers(
         THEORY.md 7, eq. (7.4), with multipliers in place of degrees of freedom; derivative eq. (7.19).
     """
     asked = _about(model, target, count, about)
-    found = _load_multipliers(*asked)
+    found, moved = _load_multipliers(*asked)
     # Under a trace nothing is raised of an equilibrium that was not found.
     failed = jnp.asarray(asked[3].result)
-    return jnp.where((failed == RESULTS.successful) | (failed == RESULTS.critical_state), found, jnp.nan)
+    return jnp.where((failed == RESULTS.successful) | (failed == RESULTS.critical_state), found, jnp.nan), moved
 
 
 @one_thread()
 def sparse_modes(
     model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization
-) -> tuple[Float[Array, "k"], Float[Array, "n_x k"]]:
-    """As :func:`sparse_multipliers`, with the buckling modes in the coordinates, one a column."""
+) -> tuple[Float[Array, "k"], Float[Array, "n_x k"], Float[Array, ""]]:
+    """As :func:`sparse_multipliers`, with the buckling modes in the coordinates, one a column, as the second."""
     topology, *rest = _about(model, target, count, about)
-    found = _found(topology, *rest)
+    found, moved = _found(topology, *rest)
     whole = jnp.zeros((topology.n_x, found.motions.shape[1]))
-    return found.values, put(whole, unknowns(topology)[0], found.motions)
+    return found.values, put(whole, unknowns(topology)[0], found.motions), moved
