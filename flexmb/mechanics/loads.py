@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..arguments import as_floats
 from ..model.parameters import Loads, Parameters
@@ -66,6 +66,14 @@ def has_loads(topology: Topology, parameters: Parameters) -> bool:
     """Whether there are loads or strains, which move the mechanism from its undeformed state; known before tracing."""
     sets = (parameters.loads, parameters.increment, parameters.strain)
     return bool(jax.tree.leaves(sets)) or any(block.element.force is not None for block in topology.blocks)
+
+
+def is_idle(topology: Topology, parameters: Parameters, factors: LoadFactors) -> Bool[Array, ""] | bool:
+    """Whether all loads and strains that there are happen to be zero, () [-]."""
+    if any(block.element.force is not None for block in topology.blocks):
+        return False
+    numbers = jax.tree.leaves((scaled_loads(parameters, factors), parameters.strain))
+    return jnp.all(jnp.array([jnp.all(number == 0) for number in numbers]))
 
 
 def lacks_potential(topology: Topology) -> bool:

@@ -15,7 +15,7 @@ from ..math.indices import put
 from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
+from ..mechanics.loads import LoadFactors, has_loads, is_idle, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -115,15 +115,17 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
     bending = jnp.where(jnp.any(s.soft != 0), bending, uneven)
     none = jnp.zeros(len(held))
     right = jnp.stack([jnp.concatenate([lacking[free], excess[held]]), jnp.concatenate([bending, none])], axis=1)
-    still = jnp.array(False)
-    if not has_loads(topology, parameters):
+    if has_loads(topology, parameters):
+        # Loads may happen to be zero.
+        nothing_pulls = is_idle(topology, parameters, target) & jnp.all(lacking[free] == 0) & jnp.all(excess[held] == 0)
+    else:
         # What round-off of the deformations pulls.
         sized = [(r, c, jnp.abs(d)) for r, c, d in found.constraints]
         error = ROUND_OFF * along(n_e, sized, found.sizes)
         largest = jnp.abs(jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (error,))[1])
         pulled = along(n_x, [(c, r, jnp.abs(d)) for c, r, d in transposed], largest)
-        still = (s.iterations == 0) & jnp.all(jnp.abs(lacking[free]) <= pulled[free])
-    return LinearEquations(found._replace(elastic=[]), right, e), still
+        nothing_pulls = jnp.all(jnp.abs(lacking[free]) <= pulled[free])
+    return LinearEquations(found._replace(elastic=[]), right, e), (s.iterations == 0) & nothing_pulls
 
 
 @kernel

@@ -13,7 +13,7 @@ from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight
-from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
+from ..mechanics.loads import LoadFactors, has_loads, is_idle, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress_resultants import (
     element_stiffness,
@@ -131,6 +131,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
     sizes = sizes_of(topology, parameters)
     tracks = topology.counts_turns
     loaded = has_loads(topology, parameters)
+    idle = is_idle(topology, parameters, target) if loaded else True
     # What is moved goes by steps, of which a pendulum's fall has no need.
     moved = topology.x.prescribed.shape[0] + topology.e.prescribed.shape[0] > 0
     falls = topology.n_q > 0 and not moved and parameters.loads.temperature is None
@@ -151,8 +152,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         energy = soft @ k0 @ soft
         dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
         change = onto + at.transfer.DFx @ dq
-        # Laws alone: where they pull nothing, no stiffness is asked for.
-        still = jnp.array(False) if loaded else (s.iterations == 0) & _is_round_off(at, residual, sizes)
+        # Where loads are zero and laws pull nothing, no stiffness is asked for.
+        nothing_pulls = idle & jnp.all(residual == 0) if loaded else _is_round_off(at, residual, sizes)
+        still = (s.iterations == 0) & nothing_pulls
         change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
         first = jnp.where(s.tries == 0, size, s.first)
