@@ -151,6 +151,9 @@ def _places(model: Model) -> PortPlaces:
     labels, weights = model.labels, model.parameters.weights
     found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
     for place, signal in enumerate(terms_of(labels.inputs)):
+        if signal.quantity in MOTIONS:
+            # What is prescribed follows such an input, and no force is known.
+            continue
         if signal.axis is None:
             found[signal.quantity].append((signal.index, place))
         else:
