@@ -6,6 +6,7 @@ import pytest
 from cases import design_cases, mechanisms
 
 import flexmb as fm
+from flexmb import planar
 
 T, WIDTH = mechanisms.THICKNESS, mechanisms.WIDTH
 DISTRIBUTED = 26 / 35 * 7850 * mechanisms.WIDTH * T * mechanisms.LENGTH
@@ -64,6 +65,30 @@ def test_second_order_is_the_closed_form():
     # ln f = 3/2 ln t - ln(m + c t)/2: d2 f = f ((ln f)'' + (ln f)'^2).
     second = f * ((-1.5 + s**2 / 2) + ((3 - s) / 2) ** 2) / T**2
     assert found.curvatures[0, 0, 0] == pytest.approx(second, rel=1e-7)
+
+
+def test_second_order_by_several_dimensions_is_the_closed_form():
+    """By reverse mode, whose derivatives must know the matrix that was factorised as well as its factors."""
+    L = 0.1
+
+    def cantilever(thickness, length, width):
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (0, length))
+        b.add(planar.beam, "A", "B", name="leaf", section=fm.Rectangle(width, thickness, fm.Material(E=210e9, G=80e9)))
+        b.fix("A")
+        b.dof("leaf", 1, 2, 3)
+        return b.build()
+
+    sizes = {"thickness": T, "length": L, "width": WIDTH}
+    answer = {"stiffness": lambda m: fm.stiffness(m, "B", "x")}
+    found = fm.sensitivities(cantilever, answer, sizes, second_order=True)
+    assert found.mode == "reverse"
+    # k = 3 EI/L^3 goes as t^3, L^-3 and w.
+    power = np.array([3.0, -3.0, 1.0])
+    k = 3 * 210e9 * WIDTH * T**3 / 12 / L**3
+    of_logarithms = found.curvatures[0] * np.outer(list(sizes.values()), list(sizes.values())) / k
+    np.testing.assert_allclose(of_logarithms, np.outer(power, power) - np.diag(power), rtol=0, atol=1e-9)
 
 
 def test_arrays_of_dimensions_have_their_own_labels():

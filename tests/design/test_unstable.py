@@ -26,6 +26,9 @@ ANSWERS = {
     "equilibrium": lambda m: fm.equilibrium(m).at("n2")[1],
     "equilibria": lambda m: fm.equilibria(m, load_factor=np.array([0.5, 1.0])).at("n2")[-1, 1],
     "compliance": lambda m: fm.compliance(m, "n2")[0, 0],
+    # Of a higher frequency no sign tells it.
+    "frequency": lambda m: fm.frequencies(m)[1],
+    "stiffness": lambda m: fm.stiffness(m, "n2", "x"),
 }
 
 

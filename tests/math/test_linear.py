@@ -97,6 +97,25 @@ def test_derivative_of_a_solution(matrix, change):
             assert float(reverse) == pytest.approx(float(forward), rel=0, abs=10 * atol)
 
 
+@pytest.mark.parametrize("transposed", [False, True])
+def test_second_derivatives_in_every_order(transposed):
+    """That of the inverse of a matrix that is linear in a number: x'' = 2 A^-1 A' A^-1 A' x."""
+    a, slope, right = np.array([[3.15, 0.56], [0.29, 1.88]]), np.array([[0.5, 0.2], [0.3, -0.4]]), np.array([1.0, 2.0])
+    if transposed:
+        a, slope = a.T, slope.T
+
+    def first(s):
+        matrix = jnp.asarray(a) + s * slope
+        factors = factorise(matrix.T if transposed else matrix)
+        return (factors.solve_transposed if transposed else factors.solve)(jnp.asarray(right))[0]
+
+    back = np.linalg.solve(a, slope)
+    expected = (2 * back @ back @ np.linalg.solve(a, right))[0]
+    for outer in (jax.jacfwd, jax.jacrev):
+        for inner in (jax.jacfwd, jax.jacrev):
+            assert outer(inner(first))(0.0) == pytest.approx(expected, rel=1e-12)
+
+
 @given(definite)
 def test_cholesky(matrix):
     np.testing.assert_allclose(cholesky(jnp.asarray(matrix)), np.linalg.cholesky(matrix), atol=100 * EPS * N**2)

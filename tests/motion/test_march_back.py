@@ -1,0 +1,165 @@
+"""The way back over the steps of a motion, of equations whose solution is known: u = cos(w t), w^2 = k/m."""
+
+import dataclasses
+import functools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from cases import mechanisms
+
+import flexmb as fm
+from flexmb.math.derivative import with_derivative
+from flexmb.motion import tape
+from flexmb.motion.march import march
+from flexmb.motion.march_back import march_back
+from flexmb.motion.protocol import MotionState, Tangent
+from flexmb.motion.tape import Span
+
+TIGHT = 1e-8
+ROWS = jnp.array([0.0, 0.3, 0.31, 1.2, 2.0])
+
+
+class Oscillator(NamedTuple):
+    """Mass and spring."""
+
+    mass: jax.Array
+    stiffness: jax.Array
+
+    size, states, unknowns = 1, 0, 1
+
+    @property
+    def linear(self):
+        return True
+
+    def residual(self, t, state, z):
+        return self.mass * z + self.stiffness * state.u
+
+    def tangent(self, t, state, z):
+        one = jnp.ones((1, 1))
+        return Tangent(self.stiffness * one, 0.0 * one, self.mass * one, None)
+
+    def regular(self, by_z):
+        return jnp.array(True)
+
+    def acceleration(self, t, state):
+        return -self.stiffness * state.u / self.mass, jnp.array(True)
+
+    def settle(self, t, state, mass=None):
+        return state
+
+
+class Unsettled(Oscillator):
+    """The same, whose first accelerations are asked for."""
+
+    @property
+    def linear(self):
+        return False
+
+
+def moved(equations, span, start, most=400):
+    """Marched states of which derivatives are those of the way back."""
+    one = jnp.asarray(1.0)
+
+    def ahead(*own, **more):
+        return march(*own, one, (TIGHT * one, 0.0 * one), lambda fast: 1e-3 * one, most, **more)
+
+    def back(parts, kept, changes):
+        return march_back(*parts, kept, changes)
+
+    own = lambda *given: ahead(*given)[0]  # noqa: E731
+    return with_derivative(own, functools.partial(ahead, taped=True), back, equations, span, start)
+
+
+def place(p, rows=ROWS, kind=Oscillator, most=400, stops=None):
+    mass, stiffness, begin, t0, t1 = p
+    start = MotionState(begin[None], jnp.zeros(1), jnp.zeros(0))
+    span = Span(t0, t1, t0 + (t1 - t0) * rows / 2.0, stops)
+    return moved(kind(mass, stiffness), span, start, most).states.u[:, 0]
+
+
+def by_hand(p, rows=ROWS):
+    mass, stiffness, begin, t0, t1 = p
+    return begin * jnp.cos(jnp.sqrt(stiffness / mass) * (t1 - t0) * rows / 2.0)
+
+
+P = jnp.array([0.7, 90.0, 0.4, 0.25, 2.25])
+
+
+@pytest.mark.parametrize("kind", [Oscillator, Unsettled])
+def test_derivatives_by_numbers_start_and_times_are_those_by_hand(kind):
+    slopes = jax.jit(jax.jacrev(functools.partial(place, kind=kind)))(P)
+    expected = jax.jacobian(by_hand)(P)
+    # Of some hundred steps, each with a tolerance of 1e-8.
+    np.testing.assert_allclose(slopes[:, :3], expected[:, :3], rtol=0, atol=3e-6)
+    # By times within a step the slope of its cubic, a hundred times less exact; the last is at the end of one.
+    np.testing.assert_allclose(slopes[:, 3:], expected[:, 3:], rtol=0, atol=3e-5)
+    np.testing.assert_allclose(slopes[-1, 3:], expected[-1, 3:], rtol=0, atol=3e-6)
+    # A motion that begins later is the same.
+    np.testing.assert_allclose(slopes[:, 3] + slopes[:, 4], 0.0, atol=1e-12)
+
+
+def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(monkeypatch):
+    slopes = jax.jit(jax.jacrev(place))(P)
+    for kept in (1, 7):
+        monkeypatch.setattr(tape, "KEPT", kept)
+        few = jax.jit(jax.jacrev(functools.partial(place, most=401 + kept)))(P)
+        np.testing.assert_allclose(few, slopes, rtol=1e-12, atol=1e-14)
+
+
+def test_a_batch_is_each_of_its_motions():
+    every = P * jnp.array([[1.0], [1.3], [0.6]])
+    together = jax.jit(jax.vmap(jax.jacrev(place)))(every)
+    apart = [jax.jit(jax.jacrev(place))(p) for p in every]
+    np.testing.assert_allclose(together, apart, rtol=1e-9, atol=1e-12)
+
+
+def test_stops_take_the_steps_behind_them_along():
+    """Over the steps from a stop on, the derivative by all times at once is that of a shift, which changes nothing."""
+
+    def shifted(by):
+        return place(P.at[3:].add(by), stops=jnp.array([0.9, 1.7]) + by)
+
+    np.testing.assert_allclose(jax.jit(jax.jacrev(shifted))(0.0), 0.0, atol=1e-12)
+
+
+def test_what_is_not_reached_gives_no_derivative():
+    slopes = jax.jit(jax.jacrev(functools.partial(place, most=20)))(P)
+    reached = np.isfinite(place(P, most=20))
+    assert 0 < reached.sum() < len(ROWS)
+    np.testing.assert_allclose(slopes[reached][:, :3], jax.jacobian(by_hand)(P)[reached][:, :3], rtol=0, atol=3e-6)
+    np.testing.assert_array_equal(slopes[~reached], 0.0)
+
+
+def test_a_tape_finds_its_places(monkeypatch):
+    monkeypatch.setattr(tape, "KEPT", 4)
+    most, like = 20, MotionState(jnp.zeros(1), jnp.zeros(1), jnp.zeros(0))
+    own = tape.blank_tape(most, like, jnp.zeros(2))
+    for step in range(most + 1):
+        state = MotionState(jnp.full(1, float(step)), jnp.zeros(1), jnp.zeros(0))
+        own = own.with_step(step + 0.5, state, jnp.zeros(2), jnp.array(True))
+    assert int(own.count) == most + 1
+    np.testing.assert_array_equal(own.ends[: most + 1], np.arange(most + 1) + 0.5)
+    kept = [step for step in range(most + 1) if step < 4 or (step - 4) % own.apart == 0]
+    assert own.apart == 5
+    assert len(own.z) == 4 + len(kept[4:]) + 1 + own.apart
+    for step in kept:
+        assert own.at(own.place(step))[0].u[0] == step
+    rest = [int(own.place(step)) for step in range(most + 1) if step not in kept]
+    assert min(rest) > own.room
+    assert max(rest) < len(own.z)
+
+
+def test_failures_are_raised_under_grad_too():
+    """What has no derivative, as the outcome, is a number there as anywhere."""
+    model = mechanisms.planar_guide(5e-4, elongation=False, force=(0.0, -1.0)).build()
+
+    def last(parameters):
+        return fm.simulate(dataclasses.replace(model, parameters=parameters), np.array([0.0, 0.1]), max_steps=2).x[
+            -1, 0
+        ]
+
+    with pytest.raises(fm.AnalysisError, match="max_steps"):
+        jax.grad(last, allow_int=True)(model.parameters)
