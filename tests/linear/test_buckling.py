@@ -200,7 +200,11 @@ def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, m
         b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e5, EIy=1.0))
     b.fix("n0")
     b.force("n2", (-0.1, 0.1 * moves), increment=increment)
+    model = b.build()
     with pytest.warns(fm.FlexmbWarning, match="Before") if moves else contextlib.nullcontext():
-        loads = fm.buckling_loads(b.build())
+        loads = fm.buckling_loads(model)
+    for function in (fm.buckling_loads, fm.buckling):
+        with pytest.warns(fm.FlexmbWarning, match="Before") if moves else contextlib.nullcontext():
+            function(model, count=1, sparse=True)
     # Euler's column of length 1, by two beams; the force across it bends it at first already.
     assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)

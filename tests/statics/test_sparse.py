@@ -296,6 +296,63 @@ def test_small_pivots_on_the_diagonal():
     assert not SparseFactors(scipy.sparse.csc_array(np.ones((3, 3)))).regular
 
 
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_load_that_happens_to_be_zero_asks_for_no_stiffness(sparse):
+    """A mechanism that floats has its three motions without a frequency, whether such a load is named or not."""
+
+    def floating(load):
+        b = fm.Builder()
+        for i in range(4):
+            b.node(f"n{i}", (0.1 * i, 0))
+        for i in range(3):
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rectangle(0.01, 0.001, STEEL))
+        if load is not None:
+            b.force("n0", (0.0, load))
+        return b.build()
+
+    plain, named = (fm.frequencies(floating(load), count=4, sparse=sparse) for load in (None, 0.0))
+    assert plain[3] > 50
+    np.testing.assert_allclose(named[:3], 0.0, atol=1e-3)
+    np.testing.assert_allclose(named[3], plain[3], rtol=1e-9)
+
+
+def named(place):
+    return "n" + "".join(map(str, place))
+
+
+def lattice(per_metre):
+    """Two cells each way of a lattice in space with a rigid body, in units of which so many are a metre."""
+    material = fm.Material(E=200e9 / per_metre, G=77e9 / per_metre, rho=7850 / per_metre**3)
+    section = fm.Rectangle(0.002 * per_metre, 0.001 * per_metre, material)
+    b = fm.Builder()
+    places = list(np.ndindex(3, 3, 3))
+    for place in places:
+        b.node(named(place), 0.03 * per_metre * np.array(place))
+    for place in places:
+        for axis, y in enumerate(((0, 1, 0.2), (0, 0.1, 1), (1, 0.2, 0))):
+            other = tuple((np.array(place) + np.eye(3, dtype=int)[axis]).tolist())
+            if max(other) > 2 or other[2] == 0:
+                continue
+            ends = named(place), named(other)
+            if (place, axis) == ((0, 0, 1), 0):
+                b.add(spatial.rigid_body, *ends)
+            else:
+                b.add(spatial.beam, *ends, section=section, y=y)
+    for i, j in np.ndindex(3, 3):
+        b.fix(f"n{i}{j}0")
+    b.force("n222", per_metre * np.array([3.0, -2.0, -5.0]))
+    return b.build(check=False)
+
+
+def test_units_make_nothing_singular():
+    """In micrometres constraints of rigid bodies stand beside stiffnesses 1e12 times as large."""
+    metres, micrometres = (
+        (fm.equilibrium(lattice(per_metre), sparse=True).at("n222") / per_metre - 0.06) for per_metre in (1.0, 1e6)
+    )
+    assert np.linalg.norm(metres) > 1e-4
+    np.testing.assert_allclose(micrometres, metres, rtol=1e-8)
+
+
 def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
     b = arm()
     monkeypatch.setattr("flexmb.statics.choice.LARGE", 10)

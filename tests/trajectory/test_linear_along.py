@@ -14,6 +14,7 @@ import scipy.linalg
 from scipy.integrate import solve_ivp
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.mechanisms import mechanism_path
 from flexmb.trajectory.cubic import spline
 from flexmb.trajectory.radau import march
@@ -142,6 +143,26 @@ def test_file_has_the_names_of_spacar(elevator, tmp_path, ending):
         np.testing.assert_allclose(file["Y0"][0], [1, 0, 0], atol=1e-12)
         assert file["U0"].size == len(TIMES)
         assert str(file["inputs"] if ending == "mat" else file["inputs"][0]) == "stress 1.1"
+
+
+def test_an_input_that_moves_a_support():
+    """A mass on a spring whose foot is accelerated: its states and those of the foot, by hand."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (1, 0))
+    b.add(planar.truss, "foot", "mass", section=fm.Rigidity(EA=100.0))
+    b.fix("foot")
+    b.fix("mass", "y")
+    b.mass("mass", 4.0)
+    b.dof("mass", "x")
+    b.input("foot", "x", "acceleration", name="floor")
+    b.output("mass", "x")
+    system = fm.trajectory.time_varying(fm.simulate(b.build(), np.linspace(0, 1, 5)))
+    # 4 x'' = 100 (foot - x) and foot'' = u: from u to x a gain of 25/((s^2 + 25) s^2).
+    states = zip(*(np.asarray(of) for of in (system.A, system.B, system.C)), strict=True)
+    gains = [(c @ np.linalg.solve(2j * np.eye(4) - a, b)).item() for a, b, c in states]
+    np.testing.assert_allclose(gains, 25 / ((25 - 4) * -4), rtol=1e-12)
+    np.testing.assert_allclose(system.y0, 0.0, atol=1e-12)
 
 
 def test_what_cannot_be_asked_says_so(elevator):
