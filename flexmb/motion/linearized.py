@@ -6,11 +6,12 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number
+from ..arguments import check_number, is_concrete
 from ..compilation.compile import jit_beside_options
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
@@ -29,6 +30,9 @@ from .moving_matrices import carried, moving_matrices
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
 # Largest last change of a degree of freedom over its size.
 STEADY_TOLERANCE = 1e-9
+# A motion is steady whose equations are the same when what is prescribed has gone on so far (extents, radians), but for
+# such a share.
+ONWARDS, SAME = 0.1, 1e-6
 
 
 def linearize_motion(motion: Motion) -> Linearization:
@@ -108,6 +112,10 @@ def steady_motion(
         ModelError: Unknown name, or nothing is prescribed.
         AnalysisError: not_converged or singular_configuration.
 
+    Warns:
+        FlexmbWarning: The equations change as the motion goes on, so that it is none in which these degrees of freedom
+            rest, and poles of one instant tell nothing.
+
     Source:
         THEORY.md 6 and 7, with q_dot = q_ddot = 0.
     """
@@ -116,6 +124,44 @@ def steady_motion(
     if not motion:
         raise ModelError("A steady motion needs something that moves: name it in `motion`.")
     driven = driven_by(model, Drives(motion=motion))
-    found = Linearization(_steady(model.topology, model.parameters, driven, jnp.asarray(time, float)), model)
+    numbers = model.topology, model.parameters, driven
+    found = Linearization(_steady(*numbers, jnp.asarray(time, float)), model)
     check(found.matrices.result, throw)
+    if throw and is_concrete((model, driven, found)):
+        _warn_of_change(numbers, found.matrices, float(time))
     return found
+
+
+@jit_beside_options
+def _speed(
+    topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], time: Float[Array, ""]
+) -> Float[Array, ""]:
+    """The greatest speed of what is prescribed, () [extents/s, rad/s]."""
+    form = coordinates_form(topology, parameters, driven)
+    given = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    speeds = jnp.concatenate([given.v / sizes_of(topology, parameters), given.ed])
+    return jnp.max(jnp.abs(speeds), initial=0.0)
+
+
+def _warn_of_change(numbers: tuple[Any, ...], found: Matrices, time: float) -> None:
+    """Warn where the equations are others a little later."""
+    speed = float(_speed(*numbers, jnp.asarray(time, float)))
+    if not speed > 0:
+        return
+    later = _steady(*numbers, jnp.asarray(time + ONWARDS / speed, float))
+    mass, rates, stiffness = (
+        [np.asarray(sum(getattr(of, name) for name in names)) for of in (found, later)]
+        for names in (("M0",), ("C0", "D0"), ("K0", "N0", "G0"))
+    )
+    heavy, stiff = (np.max(np.abs(pair[0]), initial=0.0) for pair in (mass, stiffness))
+    # Rates are measured by what is critical damping too: they may be round-off alone.
+    between = max(np.sqrt(heavy * stiff), np.max(np.abs(rates[0]), initial=0.0))
+    pairs = ((mass, heavy), (rates, between), (stiffness, stiff))
+    change = max(np.max(np.abs(one - other), initial=0.0) / (size or 1.0) for (one, other), size in pairs)
+    if int(later.result) != RESULTS.successful or change > SAME:
+        warn(
+            "These degrees of freedom do not rest in this motion: as it goes on, the linearised equations change"
+            f" ({change:.2g} of their largest entries after {ONWARDS:g} rad or extents), and poles of one instant tell"
+            " nothing of it. Name degrees of freedom that turn along with what is anisotropic, or ask for the equations"
+            " along the motion: fm.motion.linearize_motion(fm.simulate(..))."
+        )

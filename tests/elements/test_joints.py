@@ -80,20 +80,27 @@ def turned(t, *, speed):
 def test_whirl_of_a_rotor_whose_spin_is_prescribed_and_whose_tilts_are_free():
     """About its centre, on springs across an arm a: J w^2 - Jp Omega w - k a^2 = 0."""
     inertia, polar, a, k, speed = 0.05, 0.08, 0.2, 5e4, 200.0
-    b = fm.Builder()
-    b.node("o", (0, 0, 0))
-    b.fix("o", "x", "y", "z")
-    b.node("l", (0, 0, a))
-    b.add(spatial.rigid_beam, "o", "l", name="arm")
-    for i, way in enumerate(np.eye(3)[:2]):
-        b.node(f"far{i}", 100 * way + [0, 0, a])
-        b.fix(f"far{i}")
-        b.add(spatial.spring_damper(spring), "l", f"far{i}", k=k)
-    b.body("o", 0.1, inertia=np.diag([inertia, inertia, polar]))
-    b.prescribe("o", "rotation", 0.0, axis=(0, 0, 1), tilt="free")
-    b.dof("turn of o", 2, 3)
-    lin = fm.motion.steady_motion(b.build(), {"o.rotation": Partial(turned, speed=jnp.array(speed))})
-    found = np.sort(np.abs(np.imag(fm.poles(lin))))[::2]
+
+    def rotor(other):
+        b = fm.Builder()
+        b.node("o", (0, 0, 0))
+        b.fix("o", "x", "y", "z")
+        b.node("l", (0, 0, a))
+        b.add(spatial.rigid_beam, "o", "l", name="arm")
+        for i, way in enumerate(np.eye(3)[:2]):
+            b.node(f"far{i}", 100 * way + [0, 0, a])
+            b.fix(f"far{i}")
+            b.add(spatial.spring_damper(spring), "l", f"far{i}", k=k)
+        b.body("o", 0.1, inertia=np.diag([inertia, other, polar]))
+        b.prescribe("o", "rotation", 0.0, axis=(0, 0, 1), tilt="free")
+        b.dof("turn of o", 2, 3)
+        return b.build()
+
+    drive = {"o.rotation": Partial(turned, speed=jnp.array(speed))}
+    found = np.sort(np.abs(np.imag(fm.poles(fm.motion.steady_motion(rotor(inertia), drive)))))[::2]
     expected = np.sort(np.abs(np.roots([inertia, -polar * speed, -k * a**2])))
     # The springs are 100 long: they turn by 1e-3 of what they lengthen.
     np.testing.assert_allclose(found, expected, rtol=1e-6)
+    # A body of unequal inertias spins beside these tilts.
+    with pytest.warns(fm.FlexmbWarning, match="do not rest in this motion"):
+        fm.motion.steady_motion(rotor(1.3 * inertia), drive)
