@@ -1060,7 +1060,7 @@ FAULTS = [
         "ref.rot_q, near[0], axis)[1:2]",
         "elements/test_joints.py",
     ),
-    Fault("elements/joints.py", "2 * tilt_y, 2 * tilt_z", "tilt_y, 2 * tilt_z", "elements/test_laws.py -k tilt"),
+    Fault("elements/joints.py", "tilts = 2 * (cosine", "tilts = (cosine", "elements/test_joints.py -k about_the_axis"),
     Fault(
         "elements/joints.py", "along - pitch * turn", "along + pitch * turn", "elements/test_transmission.py -k screw"
     ),
@@ -1122,7 +1122,7 @@ FAULTS = [
         "change = da",
         "math/test_linear.py -k derivatives_of_simple",
     ),
-    Fault("math/linear.py", "(change.T if transposed else change)", "change", "math/test_linear.py -k derivative_of_a"),
+    Fault("math/linear.py", "(matrix.T, (turned", "(matrix, (turned", "math/test_linear.py -k derivative"),
     Fault(
         "math/subspace.py",
         "if size <= threshold:",
@@ -1417,8 +1417,8 @@ FAULTS = [
     ),
     Fault(
         "linear/linearize.py",
-        "check_stiffness(model, lin.matrices.result, throw)",
-        "check_stiffness(model, lin.matrices.result, False)",
+        "check_stiffness(model, m.result, throw)",
+        "check_stiffness(model, m.result, False)",
         "linear/test_linearize.py -k beyond",
     ),
     Fault(
@@ -2876,7 +2876,10 @@ FAULTS = [
     ),
     Fault("linear/buckling.py", "FAR = 0.3", "FAR = 1e9", "linear/test_buckling.py -k far_before"),
     Fault(
-        "linear/buckling.py", "dx = at.x - parameters.reference", "dx = at.x", "linear/test_buckling.py -k far_before"
+        "linear/sparse_buckling.py",
+        "dx = x - parameters.reference if",
+        "dx = x if",
+        "linear/test_buckling.py -k far_before",
     ),
     Fault(
         "linear/measures.py",
@@ -2899,7 +2902,7 @@ FAULTS = [
         "value.dtype == int and",
         "compilation/test_captured.py -k told",
     ),
-    Fault("motion/step_control.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps"),
+    Fault("motion/kinks.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps"),
     Fault(
         "build/clamps.py", "clamps |= jnp.abs(across", "flat |= jnp.abs(across", "design/test_other_clamps.py -k widths"
     ),
@@ -2937,7 +2940,7 @@ FAULTS = [
         "design/test_unstable.py -k worse",
     ),
     Fault("statics/stroke.py", "jnp.where(jnp.any(unstable)", "jnp.where(jnp.all(unstable)", "design/test_unstable.py"),
-    Fault("linear/compliance.py", "not is_concrete(found) and", "is_concrete(found) and", "design/test_unstable.py"),
+    Fault("linear/linearize.py", "    collect_unstable(m", "    print(m", "design/test_unstable.py -k compliance"),
     Fault("statics/stable.py", "symmetric) & found", "symmetric) & False", "design/test_unstable.py -k sweep"),
     Fault("design/tune.py", "if best.unit.tobytes() in", "if best.unit in", "design/test_unstable.py -k optima"),
     Fault(
@@ -2975,7 +2978,7 @@ FAULTS = [
     ),
     # Kinks of laws and controllers.
     Fault(
-        "motion/step_control.py",
+        "motion/kinks.py",
         "refused = jnp.any(changes > 0) & (h > short)",
         "refused = jnp.any(changes > 0) & False",
         "motion/test_kinks.py -k stop",
@@ -3035,6 +3038,104 @@ FAULTS = [
         "linear/test_buckling.py -k unsymmetric",
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
+    Fault(
+        "math/linear.py",
+        "custom_linear_solve(lambda x: own @ x,",
+        "custom_linear_solve(lambda x: jax.lax.stop_gradient(own) @ x,",
+        "math/test_linear.py -k second_derivatives",
+    ),
+    Fault("elements/joints.py", "across_y - sine * across_z", "across_y", "elements/test_joints.py -k however_far"),
+    Fault("elements/joints.py", "across_z + sine * across_y", "across_z", "elements/test_joints.py -k whirl"),
+    Fault("motion/linearized.py", "change > SAME:", "change > 1e9:", "elements/test_joints.py -k whirl"),
+    Fault(
+        "linear/modes.py", "at is not None or collects():", "at is not None:", "design/test_unstable.py -k frequency"
+    ),
+    Fault("linear/buckling.py", "is_concrete((answer[0], moved)):", "False:", "linear/test_buckling.py -k far_before"),
+    Fault(
+        "statics/solve.py",
+        "idle & jnp.all(residual == 0)",
+        "False & jnp.all(residual == 0)",
+        "statics/test_sparse.py -k zero",
+    ),
+    Fault(
+        "statics/search.py",
+        "is_idle(topology, parameters, target) & jnp.all(lacking[free] == 0)",
+        "False & jnp.all(lacking[free] == 0)",
+        "statics/test_sparse.py -k zero_asks",
+    ),
+    Fault(
+        "math/sparse.py",
+        "if not self.regular and np.all(np.isfinite(matrix.data)):",
+        "if False:",
+        "statics/test_sparse.py -k units_make",
+    ),
+    Fault(
+        "motion/loop.py",
+        "if signal.quantity in MOTIONS:\n            # What",
+        "if False:\n            # What",
+        "trajectory/test_linear_along.py -k moves_a",
+    ),
+    Fault(
+        "motion/march_back.py",
+        "after_all = jax.tree.map(jnp.add, m.end[0], by_after)",
+        "after_all = m.end[0]",
+        "motion/test_march_back.py -k by_hand",
+    ),
+    Fault(
+        "motion/march_back.py",
+        "(by_begin, by_z.at[:n].add(by_a0)),",
+        "(by_begin, by_z),",
+        "motion/test_march_back.py -k by_hand",
+    ),
+    Fault("motion/march_back.py", "    if not linear:", "    if False:", "motion/test_march_back.py -k Unsettled"),
+    Fault(
+        "motion/march_back.py",
+        "by_start = jax.tree.map(jnp.add, by_start, still)",
+        "pass",
+        "motion/test_march_back.py -k by_hand",
+    ),
+    Fault(
+        "motion/march_back.py",
+        "passed[last] > times.t0",
+        "passed[last] > jnp.inf",
+        "motion/test_march_back.py -k stops",
+    ),
+    Fault(
+        "motion/march_back.py",
+        "filling = (m.step >= tape.kept) & (first",
+        "filling = (m.step < 0) & (first",
+        "motion/test_march_back.py -k long",
+    ),
+    Fault(
+        "motion/march_back.py",
+        "jnp.where(m.step - 1 < first, 0, m.ready)",
+        "m.ready",
+        "motion/test_march_back.py -k long",
+    ),
+    Fault(
+        "motion/tape.py",
+        "place = jnp.where(taken & (place < self.room)",
+        "place = jnp.where((place < self.room)",
+        "motion/test_march_back.py -k batch",
+    ),
+    Fault(
+        "motion/tape.py",
+        "jnp.where(behind < 0, step, ",
+        "jnp.where(behind < 1, step, ",
+        "motion/test_march_back.py -k places",
+    ),
+    Fault(
+        "motion/march.py",
+        "unfinished(m) & (keep | ~m.known)",
+        "(keep | ~m.known)",
+        "motion/test_march_back.py -k batch",
+    ),
+    Fault(
+        "math/derivative.py",
+        "return known if whole else found",
+        "return found",
+        "motion/test_march_back.py -k failures",
+    ),
 ]
 
 if __name__ == "__main__":
