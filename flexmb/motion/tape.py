@@ -85,7 +85,8 @@ class Tape(NamedTuple):
             taken: Whether it was.
         """
         place, last = self.place(self.count), self.ends.shape[0] - 1
-        place = jnp.where(taken & (place < self.room), place, self.room - 1)
+        # What was not taken is overwritten by what is.
+        place = jnp.where(place < self.room, place, self.room - 1)
         ends = self.ends.at[jnp.where(taken, self.count, last)].set(end)
         return self.put(place, state, z)._replace(ends=ends, count=self.count + taken.astype(jnp.int32))
 
