@@ -66,14 +66,8 @@ class Unsettled(Oscillator):
         return False
 
 
-class Stiffening(Oscillator):
+class Stiffening(Unsettled):
     """A spring that stiffens, so that steps depend on the accelerations that they begin with."""
-
-    cubic = 5.0
-
-
-class UnsettledStiffening(Unsettled):
-    """The same, whose first accelerations are asked for."""
 
     cubic = 5.0
 
@@ -129,13 +123,12 @@ def by_diffrax(p, kind, stops):
     return integrate._by_diffrax(50.0, *given, jnp.zeros(())).states.u[:, 0]
 
 
-@pytest.mark.parametrize(("kind", "stops"), [(Stiffening, None), (UnsettledStiffening, jnp.array([0.9, 1.7]))])
-def test_derivatives_are_those_of_the_steps_themselves(kind, stops):
-    own = jax.jit(jax.jacrev(functools.partial(place, kind=kind, stops=stops)))(P)
+def test_derivatives_are_those_of_the_steps_themselves():
+    kind, stops = Stiffening, jnp.array([0.9, 1.7])
+    own = jax.jit(jax.jacrev(functools.partial(place, kind=kind, stops=stops, most=2000)))(P)
     other = jax.jit(jax.jacrev(functools.partial(by_diffrax, kind=kind, stops=stops)))(P)
-    # By the begin alone diffrax differs where there are stops: behind them it moves none of its steps along.
-    same = [0, 1, 2, 4] if stops is not None else [0, 1, 2, 3, 4]
-    np.testing.assert_allclose(own[:, same], other[:, same], rtol=0, atol=1e-9)
+    # By the begin alone diffrax differs: behind a stop it moves none of its steps along.
+    np.testing.assert_allclose(own[:, [0, 1, 2, 4]], other[:, [0, 1, 2, 4]], rtol=0, atol=1e-9)
 
 
 def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(monkeypatch):
