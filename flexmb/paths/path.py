@@ -104,7 +104,12 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         return Linearization(self.matrices, self.model)
 
     def at_critical_points(self) -> "Path":
-        """The critical points as states of a path of their own, in their order; at least one."""
+        """The critical points as states of a path of their own, in their order.
+
+        Raises:
+            ValueError: There are none.
+        """
+        self.check_critical()
         found = []
         for point in self.critical_points:
             near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]

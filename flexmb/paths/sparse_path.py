@@ -130,9 +130,13 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         )
 
     def at_critical_points(self) -> "SparsePath":
-        """The critical points as states of a path of their own, in their order; at least one."""
-        if self.critical_states is None:
-            raise ValueError("This path has no critical points.")
+        """The critical points as states of a path of their own, in their order.
+
+        Raises:
+            ValueError: There are none.
+        """
+        self.check_critical()
+        assert self.critical_states is not None
         return SparsePath(
             **self.critical_states._asdict(),
             critical_points=self.critical_points,
