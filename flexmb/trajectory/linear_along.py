@@ -115,10 +115,7 @@ class TimeVarying(Result, Record):
         """
         import control
 
-        names = [
-            [name.replace(".", " ") for name in own]
-            for own in (self.state_labels, self.input_labels, self.output_labels)
-        ]
+        names = self._plain_names()
         parts = [np.asarray(part) for part in self(t)]
         return control.StateSpace(*parts, states=names[0], inputs=names[1], outputs=names[2])
 
@@ -203,10 +200,7 @@ class TimeVarying(Result, Record):
 
         y, z = self.solution(times, u, initial, rtol=rtol, substeps=substeps)
         times, u, _ = self._given(times, u, initial)
-        names = [
-            [name.replace(".", " ") for name in own]
-            for own in (self.state_labels, self.input_labels, self.output_labels)
-        ]
+        names = self._plain_names()
         return control.TimeResponseData(
             np.asarray(times),
             np.asarray(y),
