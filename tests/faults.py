@@ -2480,9 +2480,9 @@ FAULTS = [
     Fault("math/bordered.py", "entire[-1] *= self._by_column", "entire[-1] *= 1.0", "math/test_bordered.py"),
     Fault("math/sparse.py", "last[0].dtype != data.dtype or", "False or", "paths/test_sparse_states.py -k response"),
     Fault(
-        "control/sparse_modal_form.py",
-        "    grid = beside_resonances(grid, hertz)\n",
-        "",
+        "control/truncation.py",
+        "return grid[np.all(np.abs(grid[:, None] - hertz) >",
+        "return grid[np.all(np.abs(grid[:, None] - hertz) >= 0 *",
         "paths/test_sparse_states.py -k resonance",
     ),
     Fault(
@@ -3035,6 +3035,7 @@ FAULTS = [
         "linear/test_buckling.py -k unsymmetric",
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
+    Fault("paths/over_load.py", "if not self.critical_points:", "if False:", "paths/test_sparse_states.py -k is_named"),
 ]
 
 if __name__ == "__main__":
