@@ -2085,8 +2085,8 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_path.py",
-        "**self.critical_states._asdict()",
-        "**self.critical_states._replace(load_factor=0 * self.critical_states.load_factor)._asdict()",
+        "SparsePath(**critical, **whole",
+        "SparsePath(**{**critical, 'load_factor': 0 * critical['load_factor']}, **whole",
         "paths/test_sparse_states.py -k pictures",
     ),
     Fault(
@@ -3036,6 +3036,12 @@ FAULTS = [
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
     Fault("paths/over_load.py", "if not self.critical_points:", "if False:", "paths/test_sparse_states.py -k is_named"),
+    Fault(
+        "arguments.py",
+        "if is_concrete(found) and not np.all(np.diff(found) > 0):",
+        "if False:",
+        "trajectory/test_linear_along.py -k says_so",
+    ),
 ]
 
 if __name__ == "__main__":

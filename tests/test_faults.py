@@ -1,6 +1,5 @@
 """The faults of `faults.py` are those of the code as it stands: each finds its place, in every room."""
 
-
 from faults import FAULTS, ROOT, split, stale
 
 

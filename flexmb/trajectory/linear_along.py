@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, check_numbers, is_concrete, shown
+from ..arguments import check_number, checked_times, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -298,10 +298,7 @@ class TimeVarying(Result, Record):
 
     def _given(self, times: ArrayLike, u: Any, initial: ArrayLike | None):
         """Times, inputs (k, n_u) and initial state as arrays."""
-        check_numbers("Argument `times`", times)
-        times = jnp.asarray(times, float)
-        if times.ndim != 1 or len(times) < 2 or (is_concrete(times) and not np.all(np.diff(np.asarray(times)) > 0)):
-            raise ValueError("Argument `times` must be at least two times, ascending, without a time twice.")
+        times = jnp.asarray(checked_times(times), float)
         self._within("times", times)
         sizes, known = (len(self.input_labels), times.shape[0]), ", ".join(self.input_labels) or "none"
         if isinstance(u, Mapping):
