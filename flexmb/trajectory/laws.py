@@ -19,6 +19,7 @@ from ..arguments import check_number, check_numbers, check_whole, checked_times,
 from ..compilation.program import of_time
 from ..compilation.record import Record
 from ..display import Result, Summary, short
+from ..errors import first_line
 
 # Peaks of velocity, acceleration and jerk of a move by one in one second.
 PEAKS = {5: (15 / 8, 10 / math.sqrt(3), 60.0), 7: (35 / 16, 84 / (5 * math.sqrt(5)), 52.5)}
@@ -397,7 +398,7 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
     try:
         taken, shape = of_time(law)
     except Exception as fault:
-        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        first = first_line(fault)
         raise TypeError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != ():
         raise ValueError(f"{what} must give one number, but gives shape {shape}.")
