@@ -713,7 +713,7 @@ class Walker:
             if report is not None:
                 report(len(self.steps), begin.load)
             length = min(length, self.longest(begin.tangent))
-            # So that what is no number ends the walk too.
+            # Written so that NaN ends the walk.
             if not SMALLEST_STEP * self.step <= length < np.inf:
                 taken = self.leap(begin)
                 if taken is None:
@@ -724,7 +724,7 @@ class Walker:
             else:
                 short = self.end - begin.load - length * float(begin.tangent.load)
                 if 0 <= short < 0.2 * length * float(begin.tangent.load):
-                    # No crumb is left before the end.
+                    # Stretch this step to the end rather than leave a tiny last one.
                     length *= 1.25
                 end = self.advance(begin.point, begin.tangent, length)
                 regular = bool(end.regular)
