@@ -3042,6 +3042,12 @@ FAULTS = [
         "if False:",
         "trajectory/test_linear_along.py -k says_so",
     ),
+    Fault(
+        "control/held.py",
+        "without_gravity(parameters, increment=True)",
+        "without_gravity(parameters)",
+        "control/test_second_order_form.py -k weight_counts",
+    ),
 ]
 
 if __name__ == "__main__":
