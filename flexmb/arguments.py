@@ -151,6 +151,27 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
         raise fault(f"{what} has a value that is too large to compute with, beyond {LARGEST:g}: {shown(value)}.")
 
 
+def checked_times(times: Any) -> Any:
+    """Times as floats: two at least, ascending, without a time twice; of traced ones their number is looked at alone.
+
+    Args:
+        times: (n_t,) [s].
+
+    Returns:
+        (n_t,) [s], on the host where they are known, within another program too.
+
+    Raises:
+        ValueError: They are no such times.
+    """
+    check_numbers("Argument `times`", times)
+    found = as_floats(times)
+    if found.ndim != 1 or len(found) < 2:
+        raise ValueError(f"Argument `times` must be at least two times, not {shown(times)}.")
+    if is_concrete(found) and not np.all(np.diff(found) > 0):
+        raise ValueError("Argument `times` must be ascending, without a time twice.")
+    return found
+
+
 def check_number(
     name: str,
     value: Any,

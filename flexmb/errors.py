@@ -32,6 +32,11 @@ def clean(text: Any) -> str:
     return start if len(text) <= LONGEST else f"{start}... ({len(text)} characters)"
 
 
+def first_line(fault: BaseException) -> str:
+    """First line of what an exception says, without space around it; the name of its class where it says nothing."""
+    return (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+
+
 class ModelError(ValueError):
     """A model is described wrongly: a node, element, property or number."""
 

@@ -1,7 +1,5 @@
 """The faults of `faults.py` are those of the code as it stands: each finds its place, in every room."""
 
-from pathlib import Path
-
 from faults import FAULTS, ROOT, split, stale
 
 
@@ -31,4 +29,3 @@ def test_a_text_that_is_gone_or_stands_twice_is_stale(tmp_path):
     for count, wrong in ((0, True), (1, False), (2, True)):
         path.write_text(count * f"{fault.old}\n")
         assert bool(stale([fault], tmp_path)) is wrong
-    assert Path(ROOT / "flexmb").is_dir()

@@ -5,6 +5,7 @@ In a manual, a block of ``python`` or ``sh`` runs, and a block of ``text`` holds
 language, as ``toml study.toml``, is that file, in the folder where the others run.
 """
 
+import ast
 import contextlib
 import io
 import math
@@ -182,9 +183,16 @@ def test_the_door_is_small():
 
 
 def test_the_map_lists_every_file():
-    listed = set(re.findall(r"^\| \[\w+\]\((\S+\.py)\) \|", (ROOT / "flexmb/README.md").read_text(), re.MULTILINE))
-    files = {path.relative_to(ROOT / "flexmb").as_posix() for path in (ROOT / "flexmb").rglob("[!_]*.py")}
-    assert listed == files
+    """With the first paragraph of its docstring."""
+    rows = re.findall(r"^\| \[\w+\]\((\S+\.py)\) \| (.*) \|$", (ROOT / "flexmb/README.md").read_text(), re.MULTILINE)
+    files = {}
+    for path in (ROOT / "flexmb").rglob("[!_]*.py"):
+        said = " ".join((ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n\n")[0].split())
+        files[path.relative_to(ROOT / "flexmb").as_posix()] = re.sub(
+            r":\w+:`\.?(\w+)`", r"`\1`", said.replace("``", "`")
+        )
+    assert dict(rows) == files
+    assert len(rows) == len(files)
 
 
 def test_the_manual_of_files_lists_every_keyword():

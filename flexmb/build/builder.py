@@ -411,18 +411,13 @@ class Builder(Description):
         part = self._rotation_name(str(node))
         for name, flag in (("increment", increment), ("follower", follower)):
             check_flag(name, flag, ModelError)
-        check_numbers(f"Moment on node '{node}'", moment, fault=ModelError)
-        alone = not isinstance(moment, list | tuple) and np.ndim(moment) == 0
-        size = 1 if alone else len(moment)
-        if self._kind_of(part) is ANGLE:
-            if size != 1:
-                raise ModelError(f"Moment on node '{node}' must be one number in the plane, not {shown(moment)}.")
+        flat = self._kind_of(part) is ANGLE
+        told = "one number in the plane" if flat else "three numbers in space"
+        components = self._numbers_of(f"Moment on node '{node}'", moment, (1,) if flat else (3,), told)
+        if flat:
             self._owner(("node", part, 1))
-            components: Any = [moment] if alone else moment
             self.force(part, components, increment=increment)
         else:
-            if alone or size != 3:
-                raise ModelError(f"Moment on node '{node}' must have 3 components in space, not {shown(moment)}.")
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 

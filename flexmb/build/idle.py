@@ -1,4 +1,4 @@
-"""What a Builder describes that does nothing."""
+"""Warnings of stress, strain and damping that a Builder describes and that do nothing."""
 
 import numpy as np
 

@@ -17,7 +17,7 @@ from ..compilation.compile import remembered
 from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Material, Section
-from ..errors import ModelError
+from ..errors import ModelError, first_line
 from ..lazy import no_garbage_looked_for
 from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
@@ -323,7 +323,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
             with no_garbage_looked_for():
                 return jax.eval_shape(call, arguments, nodes, varying, extra)
         except Exception as fault:
-            first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+            first = first_line(fault)
             if "unexpected keyword argument 'ref'" in first:
                 first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"
             raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault

@@ -10,7 +10,7 @@ import numpy as np
 from ..display import AT_MOST, Result, States, Summary, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
-from ..math.subspace import dense, null_spaces, row_sizes, spread
+from ..math.subspace import dense, null_spaces, row_sizes, spread, uneven
 from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of
@@ -237,8 +237,8 @@ def locked_inputs(model: Model) -> list[Signal]:
     locked = list(model.labels.inputs)
     motions, _ = motions_of(model)
     columns = constraints(model).columns
-    uneven = motions @ np.cos(np.arange(1.0, motions.shape[1] + 1) ** 2)
-    away = SHIFT * uneven / max(np.max(np.abs(uneven), initial=0.0), np.finfo(float).tiny)
+    motion = motions @ uneven(motions.shape[1], 1)
+    away = SHIFT * motion / max(np.max(np.abs(motion), initial=0.0), np.finfo(float).tiny)
     moved = np.array(model.parameters.reference) + columns * away
     for place, entry in enumerate(model.labels.x):
         if entry.kind in ("internal", "warping"):

@@ -136,7 +136,7 @@ def one_of(kind: str, known: Sequence[str], name: str | None) -> int:
     raise KeyError(f"{asked}: the {kind}s are {', '.join(known)}.")
 
 
-def chosen(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
+def places_of(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
     """Which of some names are wanted, in the order in which they are wanted; all of them unless said.
 
     Raises:
@@ -251,8 +251,8 @@ def response_of(
 ) -> FrequencyResponse:
     """As :func:`frequency_response`, of a linearisation, without a warning."""
     m, labels = lin.matrices, lin.labels
-    us = chosen("input", [s.name for s in labels.inputs], inputs)
-    ys = chosen("output", [s.name for s in labels.outputs], outputs)
+    us = places_of("input", [s.name for s in labels.inputs], inputs)
+    ys = places_of("output", [s.name for s in labels.outputs], outputs)
     rests = m.symmetric and m.moving is None
     if method == "modes":
         refuse_unsymmetric(m.symmetric)
@@ -278,8 +278,8 @@ def _response_of_large(
 ) -> FrequencyResponse:
     """As :func:`response_of`, by sparse matrices."""
     labels = lin.labels
-    us = chosen("input", [s.name for s in labels.inputs], inputs)
-    ys = chosen("output", [s.name for s in labels.outputs], outputs)
+    us = places_of("input", [s.name for s in labels.inputs], inputs)
+    ys = places_of("output", [s.name for s in labels.outputs], outputs)
     every = sparse_second_order(lin)
     whole, orders = some_of(every, us, ys), every.orders
     _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])

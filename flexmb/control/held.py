@@ -84,7 +84,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     given = topology.e.given
     deformed = put(jacobian @ moved, given, seed_e[given])
     z, dfe = jnp.concatenate([m.DFx, moved], axis=1), jnp.concatenate([m.DFe, deformed], axis=1)
-    loads = load_stiffness(topology, _weightless(parameters), _factors(m), x)
+    loads = load_stiffness(topology, without_gravity(parameters, increment=True), _factors(m), x)
     if m.felt.gravity is not None:
         loads = loads + weight_stiffness(topology, parameters, x, m.felt.gravity)
     if m.turning is not None:
@@ -160,14 +160,6 @@ def _exact(matrix: Float[Array, "w w"]) -> Float[Array, "w w"]:
     size = jnp.sqrt(jnp.abs(jnp.diag(known)))
     small = jnp.abs(known) <= ROUND_OFF * size[:, None] * size
     return jnp.where(small, matrix - known, matrix)
-
-
-def _weightless(parameters: Parameters) -> Parameters:
-    """The same numbers without gravity of either set of loads."""
-    found = without_gravity(parameters)
-    if found.increment is None:
-        return found
-    return dataclasses.replace(found, increment=dataclasses.replace(found.increment, gravity=None))
 
 
 def _factors(m: Matrices) -> Any:

@@ -18,7 +18,7 @@ from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
-from .frequency_response import check_hertz, chosen, one_of, plain, response_of
+from .frequency_response import check_hertz, one_of, places_of, plain, response_of
 from .noise_frequencies import DECAYS, areas, frequencies, refined, undamped_within
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
@@ -188,7 +188,7 @@ def noise_budget(
         raise ValueError(f"Argument `sign` must be -1 or 1, but is {shown(sign)}.")
     lin = linearized(model, "noise_budget", where=Where(at, step, time, increment))
     ins, outs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
-    wanted = chosen("output", outs, outputs)
+    wanted = places_of("output", outs, outputs)
     loop = None
     if controller is not None:
         loop = controller_of(controller, measured, driven, outs, ins, sign)

@@ -93,11 +93,11 @@ def second_order(lin: Linearization) -> SecondOrder:
         found = _about_state(numbers[0], numbers[1], numbers[2], inputs, outputs, held, plain)
     else:
         found = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
-    orders, moves = kinds_of(inputs)
+    orders, moves = orders_of(inputs)
     return SecondOrder(*found, orders=orders, moves=moves)
 
 
-def kinds_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
+def orders_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Of which derivative of a displacement each input is, and which move what is held."""
     orders = [s.terms[0].order for s in inputs]
     return np.array([order or 0 for order in orders], int), np.array([order is not None for order in orders], bool)

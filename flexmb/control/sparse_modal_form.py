@@ -1,13 +1,12 @@
 """Large mechanisms by few modes: second-order form of their amplitudes, with all other motions following at rest."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
+from ..arguments import check_number, is_concrete, shown
 from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
@@ -17,7 +16,7 @@ from ..math.element_matrices import between, times
 from .second_order_form import SecondOrder
 from .sparse_response import solutions
 from .sparse_second_order import SparseSecondOrder, sparse_second_order
-from .truncation import BESIDE, IDLE, STILL, beside_resonances, tell_of_error
+from .truncation import BESIDE, IDLE, STILL, compared_at, numbered, refuse_left_out, tell_of_error
 
 # So many frequencies, over two decades, at which responses are compared, beside those near each mode.
 POINTS = 40
@@ -67,7 +66,7 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         hertz = hertz[np.isfinite(hertz)]
         if max(kept) >= len(hertz):
             raise ValueError(f"Argument `modes` = {shown(modes)}: {len(hertz)} modes of this mechanism have mass.")
-    _refuse_left_out(kept, hertz)
+        refuse_left_out(kept, np.asarray(hertz))
     own = np.array(kept)
     values, shapes = found.values[own], found.motions[:, own]
     # What all others follow at once: the inputs with those rates that they have, and the damping of what is kept.
@@ -94,10 +93,8 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
             "A state space of a large mechanism is one of few modes: say how many by `modes`, or by `bandwidth`."
         )
     if bandwidth is None:
-        kept = _numbered(modes)
         n, h = lin.elements.unknowns
-        if max(kept) >= n - h:
-            raise ValueError(f"Argument `modes` = {shown(modes)}: this mechanism has {n - h} modes.")
+        kept = numbered(modes, n - h)
         return kept, lowest(lin.elements, max(kept) + 1)
     check_number("bandwidth", bandwidth, above=0)
     if not is_concrete(lin.elements):
@@ -115,30 +112,6 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
         if len(below) < found.values.shape[0] or count >= n - h:
             return tuple(below.tolist()), found
         count *= 2
-
-
-def _numbered(modes: Any) -> tuple[int, ...]:
-    if as_whole(modes) is not None:
-        return tuple(range(check_whole("modes", modes, 1)))
-    if isinstance(modes, str) or not isinstance(modes, Sequence | np.ndarray) or not len(modes):
-        raise TypeError(f"Argument `modes` must be a whole number, or numbers of modes from 0, not {shown(modes)}.")
-    found = [check_whole("modes", number, 0) for number in modes]
-    if len(set(found)) < len(found):
-        raise ValueError(f"Argument `modes` must be numbers of modes, each once, but is {shown(modes)}.")
-    return tuple(sorted(found))
-
-
-def _refuse_left_out(kept: tuple[int, ...], hertz: Any) -> None:
-    """Refuse to leave out a mode that does not vibrate; of concrete numbers."""
-    if not is_concrete(hertz):
-        return
-    plain = np.asarray(hertz)
-    out = [i for i in range(len(plain)) if i not in kept and plain[i] <= STILL * plain[-1]]
-    if out:
-        raise ValueError(
-            f"Mode {out[0] + 1} does not vibrate ({plain[out[0]]:.3g} Hz), so that it cannot follow at once: keep it,"
-            f" as number {out[0]} of `modes`."
-        )
 
 
 def error_of_large(
@@ -162,11 +135,7 @@ def error_of_large(
     end = float(np.max(hertz[list(found.kept)])) if bandwidth is None else bandwidth
     if end <= 0 or end <= STILL * hertz[-1]:
         end = 1.0
-    beside = np.outer(hertz[hertz > 0], BESIDE[[0, -1]]).ravel()
-    grid = np.unique(
-        np.concatenate([end * np.logspace(-2, 0, POINTS), beside[(beside > 1e-2 * end) & (beside <= end)]])
-    )
-    grid = beside_resonances(grid, hertz)
+    grid = compared_at(end, hertz, POINTS, BESIDE[[0, -1]])
     n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
     free, moves = np.asarray(whole.elements.free), np.asarray(whole.orders)
     w = 2 * np.pi * grid

@@ -15,7 +15,7 @@ from ..math.element_matrices import ElementMatrices, between, by_coordinates, ti
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Signal
 from .held import Held, about_axes, held_by, held_of, seeds
-from .second_order_form import kinds_of
+from .second_order_form import orders_of
 
 # Share of a force below which what is left beside those of constraints is round-off.
 IDLE = 1e-9
@@ -126,7 +126,7 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     if weights is not None:
         mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
         b, c, d = b @ mix, jnp.einsum("ij,pjk->pik", read, c), jnp.einsum("ij,pjk,kl->pil", read, d, mix)
-    orders, moves = kinds_of(inputs)
+    orders, moves = orders_of(inputs)
     found = SparseSecondOrder(own, b, c, d, orders, moves)
     if lossy is None:
         _refuse_idle(lin, found)

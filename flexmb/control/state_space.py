@@ -279,7 +279,7 @@ def _matrices_of(
     traced = not is_concrete(m)
     condensed: tuple[int, ...] = ()
     if not traced:
-        _check_times(lin)
+        _refuse_undetermined(lin)
         refuse_negative_mass(lin)
         condensed = _all_massless(lin)
     whole = second_order(lin)
@@ -387,7 +387,7 @@ def _is_along_motion(model: Model | Linearization | SparseLinearization) -> Type
     return isinstance(model, Linearization) and model.matrices.M0.ndim > 2
 
 
-def _check_times(lin: Linearization) -> None:
+def _refuse_undetermined(lin: Linearization) -> None:
     """Refuse a motion at some time of which the degrees of freedom do not determine the configuration."""
     wrong = np.flatnonzero(np.asarray(lin.matrices.result) != RESULTS.successful)
     if len(wrong) and lin.matrices.M0.ndim > 2:

@@ -49,7 +49,7 @@ def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, .
     if traced:
         if bandwidth is not None:
             raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
-        return _numbered(modes, lin.matrices.M0.shape[0])
+        return numbered(modes, lin.matrices.M0.shape[0])
     hertz, result = (np.asarray(of) for of in modal_frequencies(lin))
     check_spectrum(result, True, lin)
     hertz = hertz[np.isfinite(hertz)]
@@ -62,17 +62,40 @@ def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, .
                 " state would be left: up to there the response is that at rest, dcgain() of the full state space."
             )
     else:
-        found = _numbered(modes, len(hertz))
-    out = [i for i in range(len(hertz)) if i not in found and hertz[i] <= STILL * hertz[-1]]
+        found = numbered(modes, len(hertz))
+    refuse_left_out(found, hertz)
+    return found
+
+
+def refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
+    """Refuse to leave out a mode that does not vibrate.
+
+    Args:
+        kept: Numbers of the modes that are kept, from 0.
+        hertz: Frequencies of the modes, ascending, (modes,) [Hz].
+
+    Raises:
+        ValueError: One is left out.
+    """
+    out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL * hertz[-1]]
     if out:
         raise ValueError(
             f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz), so that it cannot follow at once: keep it,"
             f" as number {out[0]} of `modes`."
         )
-    return found
 
 
-def _numbered(modes: Any, count: int) -> tuple[int, ...]:
+def numbered(modes: Any, count: int) -> tuple[int, ...]:
+    """Numbers of the modes that the argument `modes` says, from 0, ascending.
+
+    Args:
+        modes: How many of the lowest, or which, from 0.
+        count: How many there are.
+
+    Raises:
+        TypeError: It is neither.
+        ValueError: There are not so many, or a number stands twice.
+    """
     if (whole := as_whole(modes)) is not None:
         if not 1 <= whole <= count:
             raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {whole}.")
@@ -150,11 +173,7 @@ def error_of(
     if end <= STILL * hertz[-1]:
         # All that is kept moves without stiffness: the band ends well below what vibrates.
         end = float(np.min(hertz[hertz > STILL * hertz[-1]], initial=hertz[-1])) / 10 or 1.0
-    beside = np.outer(hertz, BESIDE).ravel()
-    grid = np.unique(
-        np.concatenate([end * np.logspace(-2, 0, POINTS), beside[(beside > 1e-2 * end) & (beside <= end)]])
-    )
-    grid = beside_resonances(grid, hertz)
+    grid = compared_at(end, hertz, POINTS, BESIDE)
     shape = len(lin.labels.outputs), len(lin.labels.inputs)
     full, least = [], np.zeros(shape)
     for f in grid:
@@ -170,13 +189,20 @@ def error_of(
     return tell_of_error(lin, grid, np.array(full), own, least, end, len(kept), len(hertz))
 
 
-def beside_resonances(grid: np.ndarray, hertz: np.ndarray) -> np.ndarray:
-    """Those of some frequencies that are no resonance, at which there is no response without damping.
+def compared_at(end: float, hertz: np.ndarray, points: int, beside: np.ndarray) -> np.ndarray:
+    """Frequencies of a band at which responses are compared; none is a resonance, where undamped ones have no end.
 
     Args:
-        grid: Frequencies, (n,) [Hz].
+        end: Of the band [Hz].
         hertz: Of modes, (modes,) [Hz].
+        points: So many over the two decades below the end.
+        beside: And these beside each mode, as shares of its frequency, (k,) [-].
+
+    Returns:
+        Ascending, (n,) [Hz].
     """
+    near = np.outer(hertz, beside).ravel()
+    grid = np.unique(np.concatenate([end * np.logspace(-2, 0, points), near[(near > 1e-2 * end) & (near <= end)]]))
     return grid[np.all(np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None], axis=1)]
 
 

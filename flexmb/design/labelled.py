@@ -1,4 +1,4 @@
-"""Libraries of labelled results, where they are installed."""
+"""The modules pandas and xarray, for results in labelled tables and arrays, where they are installed."""
 
 import importlib
 from types import ModuleType

@@ -1,4 +1,4 @@
-"""Answers that designs are asked for, where no analysis is called so already."""
+"""Answers that designs are asked for and that no analysis is called after: mass, stiffness, settling time."""
 
 from typing import Any
 

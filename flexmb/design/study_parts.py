@@ -13,7 +13,7 @@ from typing import Any
 import jax.errors
 import jax.numpy as jnp
 
-from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean
+from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
 from ..linear.buckling import buckling_loads
 from ..linear.modes import frequencies
 from ..linear.stress import stress
@@ -130,8 +130,8 @@ class Called:
 
 def said(fault: BaseException) -> str:
     """What an exception says, in one line."""
-    text = (str(fault).splitlines() or [""])[0]
-    return f"{type(fault).__name__}: {clean(text)}" if text else type(fault).__name__
+    name, text = type(fault).__name__, first_line(fault)
+    return name if text == name else f"{name}: {clean(text)}"
 
 
 def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_whole
 from ..compilation.by_meaning import jit
-from ..errors import AnalysisError, clean, warn
+from ..errors import AnalysisError, clean, first_line, warn
 from ..progress import reporting
 from ..results import RESULTS
 from .choices import Options, combinations, options_of
@@ -191,7 +191,7 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
         except (*REFUSED, _StartError) as fault:
             faults.append(fault)
             why = fault.result if isinstance(fault, _StartError) else RESULTS.impossible_design
-            tried.append(Combination(values, labels, None, why, clean((str(fault).splitlines() or [""])[0])))
+            tried.append(Combination(values, labels, None, why, clean(first_line(fault))))
             continue
         reference = own if reference is None else reference
         dependence.append(ignored)

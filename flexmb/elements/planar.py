@@ -1,4 +1,6 @@
-"""Planar elements. ``help(planar.beam)`` tells of one: its deformations in order, with units, and what it takes.
+"""Planar elements: beams, joints, springs, transmissions, lumped mass and rotary inertia.
+
+``help(planar.beam)`` tells of one: its deformations in order, with units, and what it takes.
 
 - Flexible: truss, beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).

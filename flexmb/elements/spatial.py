@@ -1,4 +1,6 @@
-"""Spatial elements. ``help(spatial.beam)`` tells of one: its deformations in order, with units, and what it takes.
+"""Spatial elements: beams, joints, springs, lumped mass and rotary inertia; moments about fixed axes.
+
+``help(spatial.beam)`` tells of one: its deformations in order, with units, and what it takes.
 
 - Flexible: truss, beam, warping_beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).

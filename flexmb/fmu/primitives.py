@@ -86,7 +86,6 @@ def _by_kind(names: str, decimal: str, whole: str | None = None, truth: str | No
         RULES[name] = translate
 
 
-_U = "(uint64_t){} {} (uint64_t){}"
 _by_kind("add add_any", "({} + {})", "(uint64_t){} + (uint64_t){}", "({} | {})")
 _by_kind("sub", "({} - {})", "(uint64_t){} - (uint64_t){}")
 _by_kind("mul", "({} * {})", "(uint64_t){} * (uint64_t){}", "({} & {})")

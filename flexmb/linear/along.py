@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
+from ..display import unit_of
 from ..mechanics.loads import lacks_potential
 from ..model.by_name import TURNS
 from ..results import RESULTS
@@ -106,11 +107,7 @@ def _of_result(result: Any) -> dict[str, Callable[[], Series]]:
 
 def _coordinate(result: Any, text: str) -> Series:
     index = [str(entry) for entry in result.labels.x].index(text)
-    return Series(np.asarray(result.x)[:, index], text, _unit(result.labels.x[index]), "coordinate")
-
-
-def _unit(entry: Any) -> str:
-    return "m" if entry.kind == "position" else "rad" if entry.symbol == "phi" else "-"
+    return Series(np.asarray(result.x)[:, index], text, unit_of(result.labels.x[index]), "coordinate")
 
 
 def _displacement(result: Any, text: str) -> Series:

@@ -51,10 +51,6 @@ def sparsely(
             raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
         where.refuse(function, given=isinstance(given, Linearization | SparseLinearization))
         about: Any = given if at is None else where.state(as_model(given, function), function)
-        if about is not given and isinstance(given, Model) and given.labels.x != about.labels.x:
-            raise ValueError(
-                f"Argument `at` of fm.{function} is of another model: its nodes are not those of this one."
-            )
         return about
     if isinstance(given, Linearization) or where.at is not None:
         if sparse:

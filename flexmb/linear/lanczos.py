@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..math.sparse import SparseFactors, equilibrating, negative_where_held
+from ..math.subspace import uneven
 from ..results import RESULTS
 
 # Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos
@@ -74,7 +75,7 @@ def with_all_copies(
             return search(*given)
 
     n, count = size
-    start = np.cos(np.arange(n) ** 2)
+    start = uneven(n)
     values, motions = searched(np.zeros(0), np.zeros((n, 0)), start)
     for k in range(SEARCHES):
         order = np.argsort(farness(values), kind="stable")[:count]

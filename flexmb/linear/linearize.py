@@ -404,7 +404,7 @@ class Where(NamedTuple):
             TypeError: ``at`` is none.
             ValueError: ``at`` has many states and none is named, or is of another model.
         """
-        at, count = self.at, model.topology.n_x
+        at = self.at
         if isinstance(at, ManyStates):
             states = at.states()
             if self.step is None and self.time is None:
@@ -418,10 +418,6 @@ class Where(NamedTuple):
             raise TypeError(
                 f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
                 f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."
-            )
-        if at.x.shape[-1] != count:
-            raise ValueError(
-                f"Argument `at` of fm.{function} is of another model: {at.x.shape[-1]}, not {count} coordinates."
             )
         check_state(at, model, function)
         return at

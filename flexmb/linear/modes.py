@@ -1,6 +1,6 @@
 """Natural frequencies, mode shapes and poles of the linearised mechanism."""
 
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.core
@@ -112,6 +112,19 @@ def refuse_unsymmetric(symmetric: bool) -> None:
         )
 
 
+def _asked(
+    model: Any, function: str, count: int | None, where: Where, sparse: bool | None, throw: bool = True
+) -> tuple[SparseLinearization | None, int | None]:
+    """What is asked about by sparse matrices, or None, and how many are wanted, which these are told always."""
+    count = None if count is None else check_whole("count", count, 1)
+    large = None
+    if count is not None or not sparse:
+        large = sparsely(model, function, where, sparse, few=few_of(model, count), throw=throw)
+    if count is None and (sparse or large is not None):
+        raise ValueError(f"With sparse matrices give `count`, the number of {function} wanted.")
+    return large, count
+
+
 def frequencies(
     model: Model | Linearization | SparseLinearization,
     *,
@@ -151,17 +164,12 @@ def frequencies(
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
-    count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    if sparse and count is None:
-        raise ValueError("With `sparse` give a Model and `count`, the number of frequencies wanted.")
-    large = sparsely(model, "frequencies", where, sparse, few=few_of(model, count), throw=throw)
+    large, count = _asked(model, "frequencies", count, where, sparse, throw)
     if large is not None:
-        if count is None:
-            raise ValueError("With sparse matrices give `count`, the number of frequencies wanted.")
         refuse_unsymmetric(large.symmetric)
         with naming_culprit(large):
-            return to_frequency(lowest_values(large.elements, count))
+            return to_frequency(lowest_values(large.elements, cast(int, count)))
     # Of designs it is also told where a state is not stable.
     if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
@@ -240,9 +248,8 @@ def modes(
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
-    count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "modes", where, sparse, few=few_of(model, count), throw=throw)
+    large, count = _asked(model, "modes", count, where, sparse, throw)
     if large is not None:
         return _modes_of_large(large, count)
     lin = linearized(model, "modes", throw, where)
@@ -266,10 +273,8 @@ def modes(
     )
 
 
-def _modes_of_large(lin: SparseLinearization, count: int | None) -> Modes:
+def _modes_of_large(lin: SparseLinearization, count: Any) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
-    if count is None:
-        raise ValueError("With sparse matrices give `count`, the number of modes wanted.")
     refuse_unsymmetric(lin.symmetric)
     with naming_culprit(lin):
         found: Any = lowest(lin.elements, count)
@@ -324,12 +329,9 @@ def poles(
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
         (7.20). Derivatives: (10.4).
     """
-    count = None if count is None else check_whole("count", count, 1)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "poles", where, sparse, few=few_of(model, count))
+    large, count = _asked(model, "poles", count, where, sparse)
     if large is not None:
-        if count is None:
-            raise ValueError("With sparse matrices give `count`, the number of poles wanted.")
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
     if not is_concrete(lin.matrices):
@@ -355,7 +357,7 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
     return values
 
 
-def _poles_of_large(lin: SparseLinearization, count: int) -> Any:
+def _poles_of_large(lin: SparseLinearization, count: Any) -> Any:
     """A few poles by sparse matrices."""
     if not is_concrete(lin.elements):
         return poles_of_elements(lin.elements, count)

@@ -8,6 +8,7 @@ from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.sparse import SparseFactors
+from ..math.subspace import uneven
 from ..results import RESULTS
 from .lanczos import (
     BEFORE,
@@ -124,7 +125,7 @@ def _refuse_unstable(structural: Any, geometric: Any) -> None:
     if left <= FEW:
         most = AllowedMotions(structural, factored, n).largest(-geometric, left)[0]
     else:
-        start = moved.matvec(np.cos(np.arange(n) ** 2))
+        start = moved.matvec(uneven(n))
         with named("Lower the constant loads"):
             most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
     if np.max(most, initial=0.0) >= 1:

@@ -13,6 +13,7 @@ from jaxtyping import Complex
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, refined, softness
 from ..math.element_matrices import ElementMatrices, Whole
+from ..math.subspace import uneven
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
@@ -104,7 +105,7 @@ class _ShiftedPoles:
 
     def _slowness(self, matrix: Any) -> float:
         """Size of what the shifted stiffness makes of forces of a matrix."""
-        found, v = 0.0, np.cos(np.arange(self.n) ** 2)
+        found, v = 0.0, uneven(self.n)
         for _ in range(TURNS):
             v = self.moved_by(matrix, v)
             found = float(np.linalg.norm(v))

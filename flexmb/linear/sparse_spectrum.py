@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import refined
 from ..math.sparse import SparseFactors, negative_where_held
+from ..math.subspace import uneven
 from ..results import RESULTS
 from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
@@ -174,7 +175,7 @@ def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarra
         below = with_mass(at.tangent, mass, -1 / last)
         return more_below(below, n, int(np.sum(inverse > last)))
 
-    start = np.cos(np.arange(n) ** 2)
+    start = uneven(n)
     if rough:
         return search(np.zeros(0), np.zeros((n, 0)), start)
     return with_all_copies(search, passed_over, lambda inverse: -inverse, (n, count))

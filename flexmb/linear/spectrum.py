@@ -342,7 +342,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
     inverse = inverse[np.argsort(-np.abs(inverse))][: len(fast)]
     fast = fast[np.argsort(np.abs(fast))]
     sizes = np.abs(inverse)
-    # Cut where neighbours are apart, the nearest to amidst them.
+    # Cut at the gap nearest to the middle.
     apart = 1 + np.flatnonzero(sizes[1:] < (1 - APART) * sizes[:-1])
     if not len(apart) or sizes[0] == 0 or sizes[-1] == 0:
         return fast

@@ -12,6 +12,7 @@ from ..errors import AnalysisError
 from ..math.by_deformations import product
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import SEMIDEFINITE
+from ..math.subspace import uneven
 from ..results import RESULTS
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import on_host
@@ -188,7 +189,7 @@ def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, 
     found = []
     for transposed in (True, False):
         by, z = change.T if transposed else change, np.zeros(rows, complex)
-        loads = np.cos(np.arange(whole.n) ** 2).astype(complex)
+        loads = uneven(whole.n).astype(complex)
         for _ in range(TURNS):
             z = factors.solve(np.pad(loads, (0, rows - whole.n))[:, None], transposed)[:, 0]
             z = z / np.max(np.abs(z))

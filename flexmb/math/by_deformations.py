@@ -16,6 +16,7 @@ from ..errors import AnalysisError
 from ..results import RESULTS
 from .element_matrices import ElementMatrices, Pieces, times, times_transposed
 from .indices import put
+from .subspace import uneven
 
 # A correction that is so small a share of the solution ends its refinement; one that no longer falls by half, and is
 # larger than LEFT, is refused.
@@ -181,7 +182,7 @@ def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray,
         kind: Type of the numbers.
     """
     forces, n = np.zeros((rows, 1), kind), len(sizes)
-    forces[:n, 0] = np.cos(np.arange(n) ** 2) / sizes
+    forces[:n, 0] = uneven(n) / sizes
     return float(np.max(np.abs(solve(forces)[:n, 0]) / sizes, initial=0.0))
 
 

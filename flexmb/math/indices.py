@@ -1,4 +1,4 @@
-"""Write and add at index arrays that hold no negative and no repeated entry, which JAX would otherwise provide for."""
+"""Writing and adding at index arrays without a negative or a repeated entry, which JAX would otherwise provide for."""
 
 from typing import Any
 

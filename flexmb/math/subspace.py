@@ -22,6 +22,19 @@ MOST_TOGETHER = 3000
 MOST_NUMBERS = 2**27
 
 
+def uneven(n: int, first: int = 0) -> np.ndarray:
+    """Numbers to begin iterations with: cos(k²), which no mode of a symmetric mechanism is orthogonal to.
+
+    Args:
+        n: How many.
+        first: The first k.
+
+    Returns:
+        (n,) [-].
+    """
+    return np.cos(np.arange(first, first + n) ** 2)
+
+
 class _Together(NamedTuple):
     """Rows and columns that hang together, (m,) and (n,), and their entries, (m, n)."""
 
@@ -142,7 +155,7 @@ def determines(matrix: Any) -> bool:
     if not factored.regular:
         return False
     # What it makes of a vector, and back again: round-off says how near to singular it is.
-    v = np.cos(np.arange(matrix.shape[0]) ** 2)
+    v = uneven(matrix.shape[0])
     found = factored.solve(matrix @ v)
     return bool(np.max(np.abs(found - v)) < RANK_TOLERANCE)
 

@@ -1,4 +1,4 @@
-"""Size of the mechanism, by which changes of coordinates become pure numbers that can be compared."""
+"""How large positions and rotations of a mechanism are, with which changes of coordinates are compared."""
 
 from typing import Any
 

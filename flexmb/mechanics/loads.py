@@ -51,15 +51,22 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
         return first
     second = jax.tree.map(lambda a: factors.increment * a, parameters.increment)
     fields = {}
-    for name in ("force", "gravity", "prestress", "x", "e", "temperature"):
-        a, b = getattr(first, name), getattr(second, name)
-        fields[name] = b if a is None else a if b is None else a + b
+    for field in dataclasses.fields(Loads):
+        a, b = getattr(first, field.name), getattr(second, field.name)
+        fields[field.name] = b if a is None else a if b is None else a + b
     return Loads(**fields)
 
 
-def without_gravity(parameters: Parameters) -> Parameters:
-    """The same numbers without gravity."""
-    return dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
+def without_gravity(parameters: Parameters, *, increment: bool = False) -> Parameters:
+    """The same numbers without the gravity of the constant loads; that of the incremental loads stays unless said.
+
+    Args:
+        increment: Whether the gravity of the incremental loads goes too.
+    """
+    found = dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
+    if not increment or found.increment is None:
+        return found
+    return dataclasses.replace(found, increment=dataclasses.replace(found.increment, gravity=None))
 
 
 def has_loads(topology: Topology, parameters: Parameters) -> bool:

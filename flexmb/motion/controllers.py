@@ -12,7 +12,7 @@ from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import is_concrete
 from ..compilation.record import Record, static
-from ..errors import ModelError
+from ..errors import ModelError, first_line
 from .controlled_form import Feedback
 from .drive import Table
 
@@ -109,7 +109,7 @@ def _realised(system: Any) -> Any:
     try:
         return control.ss(system)
     except Exception as fault:
-        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        first = first_line(fault)
         raise ModelError(
             f"The controller's transfer function has no state space: {first}. A proper one has, whose numerators are of"
             " no higher degree than their denominators; give a differentiating action a filter."

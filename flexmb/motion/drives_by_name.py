@@ -14,7 +14,7 @@ from ..checks.mobility import locked_inputs
 from ..compilation.program import Captured, captured, of_time
 from ..compilation.record import Record
 from ..elements.element import Element
-from ..errors import ModelError
+from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
 from ..model.model import Labels, Model, Signal
 from .drive import MOMENTS, Driven, Table, has_table
@@ -260,7 +260,7 @@ def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Ca
     try:
         taken, shape = of_time(value)
     except Exception as fault:
-        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        first = first_line(fault)
         raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != (size,) and not ((size == 1 or one_for_all) and shape == ()):
         wanted = "one number" if size == 1 else f"{size} numbers, one for each component"

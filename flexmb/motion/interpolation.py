@@ -1,6 +1,7 @@
 """Motion between two steps."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, ClassVar
 
 import diffrax
 from jaxtyping import Array, Float
@@ -19,6 +20,7 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
         y1: State at the end.
         a0: Accelerations at the begin, (n,) [1/s^2].
         a1: Accelerations at the end, (n,) [1/s^2].
+        within: State at a time, of the times, states and accelerations at both ends.
     """
 
     t0: Any  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -27,6 +29,7 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
     y1: MotionState
     a0: Float[Array, "n"]
     a1: Float[Array, "n"]
+    within: ClassVar[Callable[..., MotionState]] = staticmethod(between)
 
     def evaluate(self, t0: Any, t1: Any = None, left: bool = True) -> MotionState:
         """State at a time, or its change over an interval."""
@@ -34,4 +37,4 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
         if t1 is not None:
             first, last = self.evaluate(t0), self.evaluate(t1)
             return MotionState(*(b - a for a, b in zip(first, last, strict=True)))
-        return between((self.t0, self.t1), (self.y0, self.y1), (self.a0, self.a1), t0)
+        return self.within((self.t0, self.t1), (self.y0, self.y1), (self.a0, self.a1), t0)

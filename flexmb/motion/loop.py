@@ -15,7 +15,7 @@ from ..arguments import check_number, is_concrete
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
-from ..errors import ModelError
+from ..errors import ModelError, first_line
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model, Signal
 from .controlled_form import ControlledForm, Feedback, PortPlaces, driven_by_inputs
@@ -119,7 +119,7 @@ def _now(controller: Feedback | Sampled, count: int):
     names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
     functions = {name: getattr(controller, name) for name in names}
     taken = {name: captured(f, *like) for name, f in functions.items() if f is not None}
-    # Names and windup have done their part, and would choose code.
+    # Names and windup are used up; left in, they would only split the compilation cache.
     return dataclasses.replace(controller, **taken, windup=None, reads=None, drives=None)
 
 
@@ -130,7 +130,7 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
     try:
         given = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
     except Exception as fault:
-        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        first = first_line(fault)
         raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
     if not isinstance(given, tuple) or len(given) != 2:
         raise ModelError("The step of the sampled controller must give the inputs and the state that follows.")

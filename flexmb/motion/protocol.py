@@ -59,7 +59,7 @@ class Tangent(NamedTuple):
 class Equations(Protocol):
     """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z.
 
-    These are all members that integration and solvers use; the three forms of the equations have them. In all of them
+    These are all members that integration and solvers use; the five forms of the equations have them. In all of them
     t is the time [s], and z is (n + m,).
     """
 

@@ -1,4 +1,4 @@
-"""Rosenbrock methods as diffrax solvers."""
+"""Rosenbrock methods for second-order equations with constraints, as diffrax solvers."""
 
 from typing import Any, ClassVar
 

@@ -1,4 +1,4 @@
-"""What the solvers of this room share."""
+"""Base classes of the solvers of motion, which take the equations as they are and keep their constraints."""
 
 from typing import Any
 

@@ -46,6 +46,18 @@ class OverLoad:
         """The equilibria, over the load factor."""
         return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
 
+    def check_critical(self: Any) -> None:
+        """Refuse to answer about critical points where there are none.
+
+        Raises:
+            ValueError: The path has met no critical point.
+        """
+        if not self.critical_points:
+            raise ValueError(
+                "This path has no critical points: follow it further, with more load or a `stop` that is met later,"
+                " until path.critical_points has some."
+            )
+
     def summary(self: Any) -> Summary:
         """Outcome, steps, load factor and critical points."""
         points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]

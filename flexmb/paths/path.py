@@ -104,7 +104,12 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         return Linearization(self.matrices, self.model)
 
     def at_critical_points(self) -> "Path":
-        """The critical points as states of a path of their own, in their order; at least one."""
+        """The critical points as states of a path of their own, in their order.
+
+        Raises:
+            ValueError: There are none.
+        """
+        self.check_critical()
         found = []
         for point in self.critical_points:
             near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
@@ -287,22 +292,27 @@ def path(
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
-    left = _switches(switch)
+    to_switch = _switches(switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     if large:
         with one_thread():
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
-            found = _sparse_path(bent, step, max_steps, stop, left, progress, throw, hanging=sparse is None)
+            found = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=sparse is None)
         if found is not None:
-            return _checked(*found, stop, left, throw)
+            return _checked(*found, stop, to_switch, throw)
     model = as_determined(model, "path")
     model = model if imperfection is None else bent_by_modes(model, imperfection)
-    return _checked(*_dense_path(model, step, max_steps, stop, left, progress), stop, left, throw)
+    return _checked(*_dense_path(model, step, max_steps, stop, to_switch, progress), stop, to_switch, throw)
 
 
 def _dense_path(
-    model: Model, step: float, max_steps: int, stop: Mapping[str, float] | None, left: dict[int, int], progress: Any
+    model: Model,
+    step: float,
+    max_steps: int,
+    stop: Mapping[str, float] | None,
+    to_switch: dict[int, int],
+    progress: Any,
 ) -> tuple[Path, Walker]:
     """See :func:`path`; the path, and the walk that found it."""
 
@@ -313,7 +323,7 @@ def _dense_path(
         return _largest_stress(model, Linearization(found_at(step).matrices, model))
 
     walker = Walker(DenseEquations(model), step, stops_of(model, stop, largest_stress))
-    code = _walked(walker, max_steps, stop, left, progress, largest_stress)
+    code = _walked(walker, max_steps, stop, to_switch, progress, largest_stress)
     found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
         found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
@@ -340,7 +350,7 @@ def _sparse_path(
     step: float,
     max_steps: int,
     stop: Mapping[str, float] | None,
-    left: dict[int, int],
+    to_switch: dict[int, int],
     progress: Any,
     throw: bool,
     hanging: bool,
@@ -359,7 +369,7 @@ def _sparse_path(
         # Dense matrices take what meets no stiffness not to move at first.
         return None
     try:
-        code = _walked(walker, max_steps, stop, left, progress, largest_stress)
+        code = _walked(walker, max_steps, stop, to_switch, progress, largest_stress)
     except AnalysisError as fault:
         path = fault.path = path_of(equations, walker, walker.steps, RESULTS[fault.code])
         if throw:
@@ -372,7 +382,7 @@ def _walked(
     walker: Walker,
     max_steps: int,
     stop: Mapping[str, float] | None,
-    left: dict[int, int],
+    to_switch: dict[int, int],
     progress: Any,
     largest_stress: Callable[[Step], float],
 ) -> RESULTS:
@@ -381,7 +391,7 @@ def _walked(
         raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
     with reporting(progress, "states, load factor") as report:
         try:
-            return walker.walk(max_steps, left, report)
+            return walker.walk(max_steps, to_switch, report)
         except KeyboardInterrupt:
             if report is None:
                 raise
@@ -398,7 +408,7 @@ def _largest_stress(model: Model, at: Any) -> float:
 P = TypeVar("P", Path, SparsePath)
 
 
-def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int], throw: bool) -> P:
+def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int], throw: bool) -> P:
     """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
     code = RESULTS(int(found.result))
     if code == RESULTS.max_steps and np.max(np.abs(np.asarray(found.load_factor))) < NO_LOAD:
@@ -410,7 +420,7 @@ def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, left: d
         error.path = found
         raise
     if code == RESULTS.successful:
-        _warn_of_unused(found, walker, stop, left)
+        _warn_of_unused(found, walker, stop, to_switch)
     return found
 
 
@@ -433,14 +443,14 @@ def _switches(switch: Any) -> dict[int, int]:
 
 
 def _warn_of_unused(
-    found: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, left: dict[int, int]
+    found: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int]
 ) -> None:
     """Warn of what a path was asked for and did not come to."""
     if stop and found.stopped_by is None:
         warn(unmet(found.model, stop, walker.steps, walker.conditions, len(walker.critical)))
-    if left:
+    if to_switch:
         count = sum(point.kind == "bifurcation" for point in found.critical_points)
-        which = ", ".join(map(str, sorted(left)))
+        which = ", ".join(map(str, sorted(to_switch)))
         warn(
             f"Argument `switch` asks for bifurcation {which}, but there are {count} of them on the path, up to load"
             f" factor {short(found.load_factor[-1])}."

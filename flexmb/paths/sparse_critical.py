@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import AnalysisError
 from ..linear.lanczos import named
 from ..math.sparse import SparseFactors, negative_where_held
+from ..math.subspace import uneven
 from ..results import RESULTS
 
 # Critical values that are told: those nearest to zero.
@@ -236,9 +237,9 @@ def _flexibility(
 
 
 def _near(start: np.ndarray) -> np.ndarray:
-    """What iterations begin with; no symmetric mechanism has a mode orthogonal to its uneven entries."""
+    """What iterations begin with: what they are near to, and uneven entries."""
     n = len(start)
-    return start / max(np.linalg.norm(start), 1e-300) + np.cos(np.arange(1.0, n + 1) ** 2) / np.sqrt(n)
+    return start / max(np.linalg.norm(start), 1e-300) + uneven(n, 1) / np.sqrt(n)
 
 
 def _allowed(tangent: Any, sizes: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Equilibrium paths of large mechanisms, by sparse factors."""
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -29,21 +29,6 @@ from .walk import Step, Walker
 OF_DENSE = (*DENSE, "matrices", "eigenvalues", "frequencies", "multipliers", "iterations", "symmetric", "moving")
 
 
-class SparseStates(NamedTuple):
-    """Equilibria of a large mechanism, one after the other; attributes as of :class:`SparsePath`."""
-
-    load_factor: Float[Array, "steps"]
-    x: Float[Array, "steps n_x"]
-    e: Float[Array, "steps n_e"]
-    sigma: Float[Array, "steps n_e"]
-    felt: Felt
-    reactions: Float[Array, "steps n_x"]
-    external: Float[Array, "steps n_x"]
-    critical_values: Float[np.ndarray, "steps n"]
-    negative: Int[np.ndarray, "steps"]
-    stable: Bool[np.ndarray, "steps"]
-
-
 class SparsePath(OverLoad, ByName, Along, Result, Record):
     """Equilibria along a path of a large mechanism, steps first.
 
@@ -67,7 +52,7 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
             eight eigenvalues of stiffness and mass that are nearest to zero are real and positive, or with damping the
             sixteen nearest poles do not grow: flutter of these.
         critical_points: Limit and bifurcation points in the order of the path.
-        critical_states: The states there, in the same order; None where there are none.
+        critical_states: The states there, as a path in the same order; None where there are none.
         result: Code of RESULTS.
         model: The mechanism, with its imperfections.
         stopped_by: Name of the condition of ``stop`` that ended the path; None where none did.
@@ -84,7 +69,7 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
     negative: Int[np.ndarray, "steps"]
     stable: Bool[np.ndarray, "steps"]
     critical_points: tuple[CriticalPoint, ...]
-    critical_states: SparseStates | None
+    critical_states: "SparsePath | None"
     result: Int[Array, ""]
     model: Model
     stopped_by: str | None = static(default=None)
@@ -130,16 +115,13 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         )
 
     def at_critical_points(self) -> "SparsePath":
-        """The critical points as states of a path of their own, in their order; at least one."""
-        if self.critical_states is None:
-            raise ValueError("This path has no critical points.")
-        return SparsePath(
-            **self.critical_states._asdict(),
-            critical_points=self.critical_points,
-            critical_states=self.critical_states,
-            result=self.result,
-            model=self.model,
-        )
+        """The critical points as states of a path of their own, in their order.
+
+        Raises:
+            ValueError: There are none.
+        """
+        self.check_critical()
+        return self if self.critical_states is None else self.critical_states
 
     def factors(self, step: int) -> LoadFactors:
         """Load factors of the constant and of the incremental loads at one step.
@@ -154,8 +136,8 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         return Stressed(self.x, self.sigma, self.felt, self.e)
 
 
-def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> SparseStates:
-    """What a path reports of its states.
+def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> dict[str, Any]:
+    """What a path reports of its states, by the names of its attributes.
 
     Args:
         equations: Of the mechanism.
@@ -182,7 +164,7 @@ def states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critica
         for i in np.flatnonzero(stable):
             own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
             stable[i] = is_steady(moving_element_matrices(topology, parameters, *own))
-    return SparseStates(
+    return dict(
         load_factor=jax.device_put(np.array([s.load for s in steps])),
         x=jax.device_put(x),
         e=jax.device_put(e),
@@ -207,12 +189,14 @@ def path_of(
         steps: Those of its states that are told.
         code: Why the walk ended.
     """
-    critical = walker.critical_steps
-    return SparsePath(
-        **states_at(equations, walker.ramp, steps)._asdict(),
-        critical_points=tuple(walker.critical),
-        critical_states=states_at(equations, walker.ramp, critical, True) if critical else None,
-        result=jax.device_put(np.int32(code)),
-        model=equations.model,
-        stopped_by=walker.ended or None,
-    )
+    whole: dict[str, Any] = {
+        "critical_points": tuple(walker.critical),
+        "result": jax.device_put(np.int32(code)),
+        "model": equations.model,
+    }
+    there = None
+    if walker.critical_steps:
+        critical = _states_at(equations, walker.ramp, walker.critical_steps, critical=True)
+        there = SparsePath(**critical, **whole, critical_states=None)
+    states = _states_at(equations, walker.ramp, steps)
+    return SparsePath(**states, **whole, critical_states=there, stopped_by=walker.ended or None)

@@ -11,6 +11,7 @@ from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..math.bordered import Bordered
 from ..math.sparse import SparseFactors
+from ..math.subspace import uneven
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
@@ -215,7 +216,7 @@ class SparseEquations:
             largest = np.max(np.abs(motion))
             return v / motion[int(np.argmax(np.abs(motion) > (1 - 1e-6) * largest))]
 
-        phi, m = np.cos(np.arange(1.0, n + 1) ** 2) * sizes, rest
+        phi, m = uneven(n, 1) * sizes, rest
         psi = phi
         for _ in range(5):
             solved = factors.solve(np.concatenate([weight * phi, rest]))

@@ -283,7 +283,7 @@ class Stride(NamedTuple):
     last: Last | None
 
 
-class Left(NamedTuple):
+class Departure(NamedTuple):
     """That the walk left its branch at a bifurcation.
 
     Attributes:
@@ -713,7 +713,7 @@ class Walker:
             if report is not None:
                 report(len(self.steps), begin.load)
             length = min(length, self.longest(begin.tangent))
-            # So that what is no number ends the walk too.
+            # Written so that NaN ends the walk.
             if not SMALLEST_STEP * self.step <= length < np.inf:
                 taken = self.leap(begin)
                 if taken is None:
@@ -724,7 +724,7 @@ class Walker:
             else:
                 short = self.end - begin.load - length * float(begin.tangent.load)
                 if 0 <= short < 0.2 * length * float(begin.tangent.load):
-                    # No crumb is left before the end.
+                    # Stretch this step to the end rather than leave a tiny last one.
                     length *= 1.25
                 end = self.advance(begin.point, begin.tangent, length)
                 regular = bool(end.regular)
@@ -738,18 +738,18 @@ class Walker:
                 if taken is None:
                     length /= SHORTER
                     continue
-            left = self.pass_critical_points(taken, switch)
-            if left is not None:
-                if left.new is None:
+            departure = self.pass_critical_points(taken, switch)
+            if departure is not None:
+                if departure.new is None:
                     return RESULTS.not_converged
-                taken = left.new
+                taken = departure.new
             elif self.ended is not None:
                 return RESULTS.successful
             if taken.last is not None:
                 self.steps.append(taken.last.step)
                 self.ended = taken.last.name
                 return RESULTS.successful
-            if left is not None:
+            if departure is not None:
                 self.steps.append(taken.end)
                 continue
             again = self.come_round(taken)
@@ -760,7 +760,7 @@ class Walker:
             length = next_length(length, taken.end.corrections, taken.end.cosine)
         return self.code
 
-    def pass_critical_points(self, taken: Stride, switch: dict[int, int]) -> Left | None:
+    def pass_critical_points(self, taken: Stride, switch: dict[int, int]) -> Departure | None:
         """Name the critical points up to where the walk leaves a step: its end, or a bifurcation to another branch."""
         motions, loaded = self.motions(taken)
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
@@ -779,5 +779,5 @@ class Walker:
                 if along_phi > along_load:
                     # The walk came along phi itself, and the other branch is the one that follows the load.
                     phi, others = loaded[i], []
-                return Left(self.branch(crossing.zero.step, phi, others, side))
+                return Departure(self.branch(crossing.zero.step, phi, others, side))
         return None

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import checked_times, is_concrete, shown
 from ..compilation.record import Record, static
 from ..control.state_space import state_matrices
 from ..display import Result, Summary, listed, short, span
@@ -107,12 +107,9 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     a, b, c, d, inputs, outputs = _system(system)
     if not isinstance(trajectory, Mapping) or not trajectory:
         raise ModelError(f"Argument `trajectory` must be a dictionary of outputs and laws, not {shown(trajectory)}.")
-    check_numbers("Argument `times`", times)
     if not is_concrete(times):
         raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
-    grid = np.asarray(times, float)
-    if grid.ndim != 1 or len(grid) < 2 or not np.all(np.diff(grid) > 0):
-        raise ValueError("Argument `times` must be at least two times, ascending.")
+    grid = checked_times(times)
     names = list(trajectory)
     for name in names:
         if name not in outputs:

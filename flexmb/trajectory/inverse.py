@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import checked_times, is_concrete, shown
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short, span
@@ -183,7 +183,7 @@ def inverse_dynamics(
         THEORY.md 14, eq. (14.13) to (14.15).
     """
     as_determined(model, "trajectory.inverse_dynamics")
-    times = _checked_times(times)
+    times = jnp.asarray(checked_times(times), float)
     if not isinstance(trajectory, Mapping) or not trajectory:
         raise ModelError(f"Argument `trajectory` must be a dictionary of names and laws, not {shown(trajectory)}.")
     wanted, prescribed = _sorted(model, trajectory)
@@ -414,17 +414,6 @@ def _check_inputs(model: Model) -> None:
                 f"Input '{signal.name}' moves something that is held, and inverse dynamics gives forces, moments and"
                 " stresses. Leave it out, say prescribe() of what moves, and give its law in the trajectory."
             )
-
-
-def _checked_times(times: ArrayLike) -> Float[Array, "n_t"]:
-    check_numbers("Argument `times`", times)
-    # On the host, where they are known within another program too.
-    known = np.asarray(times, float) if is_concrete(times) else None
-    if np.ndim(times) != 1 or np.shape(times)[0] < 2:
-        raise ValueError(f"Argument `times` must be at least two times, not {shown(times)}.")
-    if known is not None and not bool(np.all(np.diff(known) > 0)):
-        raise ValueError("Argument `times` must be ascending, without a time twice.")
-    return jnp.asarray(times, float)
 
 
 def _explain(names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:

@@ -15,10 +15,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, check_numbers, check_whole, is_concrete, shown
+from ..arguments import check_number, check_numbers, check_whole, checked_times, is_concrete, shown
 from ..compilation.program import of_time
 from ..compilation.record import Record
 from ..display import Result, Summary, short
+from ..errors import first_line
 
 # Peaks of velocity, acceleration and jerk of a move by one in one second.
 PEAKS = {5: (15 / 8, 10 / math.sqrt(3), 60.0), 7: (35 / 16, 84 / (5 * math.sqrt(5)), 52.5)}
@@ -397,7 +398,7 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
     try:
         taken, shape = of_time(law)
     except Exception as fault:
-        first = (str(fault).strip().splitlines() or [type(fault).__name__])[0]
+        first = first_line(fault)
         raise TypeError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != ():
         raise ValueError(f"{what} must give one number, but gives shape {shape}.")
@@ -455,21 +456,19 @@ def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[i
 
     if not is_concrete(times):
         raise TypeError("Argument `times` must be concrete numbers: derivatives are taken by the values.")
-    check_numbers("Argument `times`", times)
+    known = checked_times(times)
     check_numbers("The values at the times", values)
-    times, values = np.asarray(times, float), jnp.asarray(values, float)
-    if times.ndim != 1 or len(times) < 2 or not np.all(np.diff(times) > 0):
-        raise ValueError("Argument `times` must be two or more times, ascending, without a time twice.")
-    if values.shape != times.shape:
-        raise ValueError(f"There must be one value for each of the {len(times)} times, but they have {values.shape}.")
+    values = jnp.asarray(values, float)
+    if values.shape != known.shape:
+        raise ValueError(f"There must be one value for each of the {len(known)} times, but they have {values.shape}.")
     # The coefficients are linear in the values, of which derivatives are taken where they are traced.
     concrete = is_concrete(values)
-    columns = np.asarray(values)[:, None] if concrete else np.eye(len(times))
+    columns = np.asarray(values)[:, None] if concrete else np.eye(len(known))
     bounds = ends(columns.shape[1])
     fitted = scipy.interpolate.make_interp_spline(
-        times, columns, k=degree, bc_type=None if bounds is None else (bounds, bounds)
+        known, columns, k=degree, bc_type=None if bounds is None else (bounds, bounds)
     )
-    breaks = np.unique(np.clip(fitted.t, times[0], times[-1]))
+    breaks = np.unique(np.clip(fitted.t, known[0], known[-1]))
     orders = range(degree + 1)
     matrix = np.stack([fitted(breaks[:-1], nu=order) / math.factorial(order) for order in orders], axis=1)
     return Law(jnp.asarray(breaks), jnp.asarray(matrix[:, :, 0] if concrete else jnp.asarray(matrix) @ values))

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, check_numbers, is_concrete, shown
+from ..arguments import check_number, checked_times, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -115,10 +115,7 @@ class TimeVarying(Result, Record):
         """
         import control
 
-        names = [
-            [name.replace(".", " ") for name in own]
-            for own in (self.state_labels, self.input_labels, self.output_labels)
-        ]
+        names = self._plain_names()
         parts = [np.asarray(part) for part in self(t)]
         return control.StateSpace(*parts, states=names[0], inputs=names[1], outputs=names[2])
 
@@ -203,10 +200,7 @@ class TimeVarying(Result, Record):
 
         y, z = self.solution(times, u, initial, rtol=rtol, substeps=substeps)
         times, u, _ = self._given(times, u, initial)
-        names = [
-            [name.replace(".", " ") for name in own]
-            for own in (self.state_labels, self.input_labels, self.output_labels)
-        ]
+        names = self._plain_names()
         return control.TimeResponseData(
             np.asarray(times),
             np.asarray(y),
@@ -304,10 +298,7 @@ class TimeVarying(Result, Record):
 
     def _given(self, times: ArrayLike, u: Any, initial: ArrayLike | None):
         """Times, inputs (k, n_u) and initial state as arrays."""
-        check_numbers("Argument `times`", times)
-        times = jnp.asarray(times, float)
-        if times.ndim != 1 or len(times) < 2 or (is_concrete(times) and not np.all(np.diff(np.asarray(times)) > 0)):
-            raise ValueError("Argument `times` must be at least two times, ascending, without a time twice.")
+        times = jnp.asarray(checked_times(times), float)
         self._within("times", times)
         sizes, known = (len(self.input_labels), times.shape[0]), ", ".join(self.input_labels) or "none"
         if isinstance(u, Mapping):

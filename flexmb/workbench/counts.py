@@ -8,7 +8,7 @@ from ..build.builder import Builder
 from ..checks.mobility import Mobility, mobility
 from ..display import counted
 from ..elements.nodes import NodeKind
-from ..errors import MechanismError, ModelError, heard
+from ..errors import MechanismError, ModelError, first_line, heard
 from ..model.model import Model
 from ..model.roles import HELD
 
@@ -156,7 +156,7 @@ def _invalid(builder: Builder, fault: MechanismError, parts: tuple[Part, ...]) -
             f" {_release_of(found)}"
         )
     if fault.code != "overconstrained" or not found.overconstraints:
-        told.append(str(fault).split("\n")[0])
+        told.append(first_line(fault))
     # Where degrees of freedom are to be found, no motion is left undetermined.
     under = found.underconstraints if builder.dofs else 0
     over = found.overconstraints

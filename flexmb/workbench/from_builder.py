@@ -12,7 +12,7 @@ from ..build.builder import Builder
 from ..build.carry import built, carried, recorded
 from ..build.description import Description
 from ..compilation.formulas import formulas, text_of
-from ..errors import ModelError, clean
+from ..errors import ModelError, clean, first_line
 from ..model.model import Model
 from ..spacar.read import SpacarModel
 from . import fields
@@ -102,7 +102,7 @@ def _traced(
     try:
         found, _ = formulas(numbers, floats)
     except NOT_FOLLOWED as fault:
-        first = (str(fault).strip().splitlines() or [""])[0]
+        first = first_line(fault)
         return None, f"the function needs to know their values ({type(fault).__name__}: {clean(first[:200])})"
     return [one.item().text for one in found], ""
 

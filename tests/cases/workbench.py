@@ -28,8 +28,6 @@ FLAGS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
-    "--window-size=1280,800",
 )
 
 
@@ -155,13 +153,20 @@ class Client:
 
 
 @contextlib.contextmanager
-def browsing(folder: Path) -> Iterator[Any]:
-    """Headless Chromium that reaches this machine alone, quiet where motion is a matter of taste."""
-    from selenium import webdriver
+def browsing(folder: Path, reached: str = "127.0.0.1", size: tuple[int, int] = (1280, 800)) -> Iterator[Any]:
+    """Headless Chromium that reaches one host alone, quiet where motion is a matter of taste.
 
+    Args:
+        folder: Of what it keeps.
+        reached: The host; none where it is empty.
+        size: Of its window [px].
+    """
+    webdriver = pytest.importorskip("selenium.webdriver")
+    hosts = "MAP * ~NOTFOUND" + (f", EXCLUDE {reached}" if reached else "")
+    own = f"--user-data-dir={folder}", f"--host-resolver-rules={hosts}", f"--window-size={size[0]},{size[1]}"
     options = webdriver.ChromeOptions()
     options.binary_location = str(BROWSER)
-    for flag in (*FLAGS, f"--user-data-dir={folder}"):
+    for flag in (*FLAGS, *own):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))

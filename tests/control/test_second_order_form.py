@@ -117,6 +117,27 @@ def test_a_loaded_leaf_spring_on_a_floor_that_moves():
         assert gain[12, column] == pytest.approx(float(stress), rel=1e-7)
 
 
+def test_weight_counts_once_whichever_loads_it_belongs_to():
+    """A body beside a leaf spring, whose clamp turns, under gravity of the constant or of the incremental loads."""
+    found = []
+    for increment in (False, True):
+        b = fm.Builder()
+        b.node("a", (0, 0))
+        b.node("c", (0.1, 0))
+        b.add(planar.beam, "a", "c", name="leaf", section=fm.Rectangle(0.018, 0.5e-3, STEEL), released=(2, 3))
+        b.dof("leaf", 2, 3)
+        b.add(planar.body, "c", name="body", mass=0.02, center=(0.12, 0.01), inertia=1e-5)
+        b.fix("a")
+        b.gravity((0.6, -9.81), increment=increment)
+        b.input("a", "phi", "displacement")
+        b.output("a", "phi", "reaction")
+        b.output("c", "y")
+        found.append(fm.control.second_order(fm.linearize(b.build(), increment=1.0 if increment else None)))
+    assert abs(found[0].B0[0, 0]) > 0
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(other, one, rtol=1e-12, atol=1e-14)
+
+
 # -- state spaces ---------------------------------------------------------------------------------------------------
 
 

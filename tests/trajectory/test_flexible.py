@@ -92,6 +92,8 @@ def test_what_cannot_be_inverted_is_refused(model, found):
         fm.trajectory.stable_inversion(model, {"tip": LAW}, TIMES[:1000])
     with pytest.raises(fm.ModelError, match=r"no output.*tip, hub"):
         fm.trajectory.stable_inversion(model, {"top": LAW}, TIMES)
+    with pytest.raises(ValueError, match="without a time twice"):
+        fm.trajectory.stable_inversion(model, {"tip": LAW}, TIMES[::-1])
     with pytest.raises(fm.ModelError, match="as many laws as inputs"):
         fm.trajectory.stable_inversion(model, {"tip": LAW, "hub": LAW}, TIMES)
     with pytest.warns(fm.FlexmbWarning, match="begin earlier"):

@@ -144,6 +144,8 @@ def test_wrong_inputs_are_refused():
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES, inputs=["motor"])
     with pytest.raises(TypeError, match="of known structure"):
         jax.jit(lambda model: fm.trajectory.inverse_dynamics(model, {"pivot.phi": law}, TIMES).u0)(pendulum())
+    with pytest.raises(ValueError, match=r"at least two times, not 0\.1"):
+        fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, 0.1)
     # A level arm cannot be turned by a force along it.
     with pytest.raises(fm.AnalysisError, match=r"depend on one another, or one has none.*It is so at 0 s"):
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law}, TIMES[::50], inputs=["pull"])

@@ -174,6 +174,8 @@ def test_what_cannot_be_asked_says_so(elevator):
         elevator.response(TIMES, TIMES[1:])
     with pytest.raises(ValueError, match="each of the 6 states"):
         elevator.response(TIMES, initial=[1.0])
+    with pytest.raises(ValueError, match="without a time twice"):
+        elevator.solution([0.0, 0.0])
     with pytest.raises(ValueError, match="`modes`"):
         elevator.reduced(4)
     with pytest.raises(TypeError, match="takes a Motion"):

@@ -1,53 +1,23 @@
 """The page in a browser without a network: what moves, what answers, and that nothing is fetched."""
 
-import json
 import re
-import shutil
 import time
 
 import numpy as np
 import pytest
 from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.workbench import browsing, faults, needs_browser, requests
 
 import flexmb as fm
 from flexmb import planar, spatial
 
-BROWSER, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
-MISSING = [name for name, found in (("chromium", BROWSER), ("chromium-driver", DRIVER)) if not found]
-pytestmark = [
-    pytest.mark.skipif(bool(MISSING), reason=f"no browser: apt-get install {' '.join(MISSING)}"),
-    pytest.mark.timeout(90),
-]
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--enable-unsafe-swiftshader",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--host-resolver-rules=MAP * ~NOTFOUND",
-    "--window-size=1000,700",
-)
+pytestmark = [needs_browser, pytest.mark.timeout(90)]
 
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('browser')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    driver.set_page_load_timeout(30)
-    driver.set_script_timeout(30)
-    # Motion starts when a test asks for it.
-    quiet = {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]}
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", quiet)
-    yield driver
-    driver.quit()
+    with browsing(tmp_path_factory.mktemp("browser"), reached="", size=(1000, 700)) as driver:
+        yield driver
 
 
 @pytest.fixture(scope="module")
@@ -115,14 +85,8 @@ def test_the_page_loads_without_a_network_and_without_a_fault(page):
     press(page, "t", "n", "m")
     page.find_element("id", "save").click()
     until(page, "document.getElementById('live').textContent === 'Picture saved.'")
-    faults = [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
-    assert not faults
-    messages = [json.loads(entry["message"])["message"] for entry in page.get_log("performance")]
-    asked = {
-        message["params"]["request"]["url"].split(":")[0]
-        for message in messages
-        if message["method"] == "Network.requestWillBeSent"
-    }
+    assert not faults(page)
+    asked = {address.split(":")[0] for address in requests(page)}
     # The page itself, and the picture that was saved from it.
     assert "file" in asked
     assert asked <= {"file", "data", "blob"}
@@ -217,7 +181,7 @@ def test_every_kind_of_page_is_drawn(browser, pages, name, tmp_path):
     )
     assert colours > 1
     assert saved >= colours
-    assert not [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
+    assert not faults(page)
     assert ask(page, "document.getElementById('fault').hidden")
     coloured = pages[name].colours is not None
     assert ask(page, "document.getElementById('legend').hidden") == (not coloured)
@@ -408,7 +372,7 @@ def test_a_notebook_shows_it_in_a_frame(browser, view, tmp_path):
         until(browser, "Boolean(v && v.project)")
         browser.execute_script("window.flexmb.seek(0.25)")
         np.testing.assert_allclose(points(browser), swung(view, 0, view.amplitude, 0.25), atol=1e-6 * LENGTH)
-        assert not [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+        assert not faults(browser)
     finally:
         browser.switch_to.default_content()
 

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from cases.workbench import ask, browsing, faults, needs_browser, opened, requests, served, until, wait_for
+from cases.workbench import ask, faults, needs_browser, opened, requests, served, until, wait_for
 
 import flexmb as fm
 from flexmb import planar
@@ -69,12 +69,6 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def workbench(folder):
     with served(folder=folder) as own:
-        yield own
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with browsing(tmp_path_factory.mktemp("browser")) as own:
         yield own
 
 

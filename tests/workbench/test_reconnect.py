@@ -11,7 +11,6 @@ from cases.workbench import (
     Client,
     Process,
     ask,
-    browsing,
     faults,
     needs_browser,
     opened,
@@ -36,12 +35,6 @@ class QuietHandler(http.server.SimpleHTTPRequestHandler):
 
     def log_message(self, format, *args):
         """Say nothing."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with browsing(tmp_path_factory.mktemp("browser")) as driver:
-        yield driver
 
 
 def names(page):
