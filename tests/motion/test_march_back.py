@@ -19,7 +19,8 @@ from flexmb.motion.protocol import MotionState, Tangent
 from flexmb.motion.tape import Span
 
 TIGHT = 1e-8
-ROWS = jnp.array([0.0, 0.3, 0.31, 1.2, 2.0])
+# The second lies within the first step.
+ROWS = jnp.array([0.0, 4e-4, 0.3, 0.31, 1.2, 2.0])
 
 
 class Oscillator(NamedTuple):
