@@ -2059,7 +2059,7 @@ FAULTS = [
         "test_jobs.py -k stage",
     ),
     Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "test_jobs.py -k twenty"),
-    Fault("cli.py", "--set takes NAME=NUMBER", "--set takes NAME", "test_jobs.py -k misused"),
+    Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
     Fault("model/by_name.py", "component, 0.5)", "component, 2.0)", "model/test_by_name.py -k shaft"),
@@ -2994,7 +2994,7 @@ FAULTS = [
     ),
     Fault("answers/motion.py", "/ max(extent, 1.0)", "/ extent", "answers/test_answers.py -k tolerances"),
     Fault("answers/answers.py", "if mode not in OF_MOTION or", "if True or", "answers/test_answers.py -k tolerances"),
-    Fault("cli.py", "        if name in limits:\n", "        if False:\n", "test_cli.py -k wrong_call"),
+    Fault("cli.py", "        if name in found:\n", "        if False:\n", "test_cli.py -k wrong_call"),
     Fault(
         "motion/sudden.py",
         "not named and not is_concrete(f)",
@@ -3035,6 +3035,35 @@ FAULTS = [
         "linear/test_buckling.py -k unsymmetric",
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
+    # The command line, files and answers.
+    Fault(
+        "cli.py",
+        "(read.warnings if read else ()), *dict.fromkeys(said)]",
+        "(read.warnings if read else ())]",
+        "design/test_study.py -k warnings_of_the_work",
+    ),
+    Fault(
+        "design/checkpoint.py",
+        "            warn(\n",
+        "            str(\n",
+        "design/test_study.py -k incomplete_checkpoint",
+    ),
+    Fault("cli.py", 'if "pi" in numbers:', "if False:", "test_cli.py -k wrong_call"),
+    Fault("spacar/lines.py", ' if name != "pi"', "", "test_cli.py -k wrong_call"),
+    Fault(
+        "spacar/read.py",
+        "statements(text, numbers or {})",
+        "statements(text, numbers)",
+        "spacar/test_arithmetic.py -k needs_no_numbers",
+    ),
+    Fault("spacar/read.py", 'if "pi" in numbers:', "if False:", "spacar/test_arithmetic.py -k needs_no_numbers"),
+    Fault(
+        "design/stroke.py",
+        'raise StrokeError(f"{called} is fixed',
+        'raise ModelError(f"{called} is fixed',
+        "test_cli.py -k wrong_call",
+    ),
+    Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
 
 if __name__ == "__main__":
