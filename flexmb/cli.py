@@ -564,6 +564,8 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
         raise AnalysisError(found.data["status"], found.data["message"])
     given(found.model)
     if number == 9:
+        if not found.data["states"]:
+            raise ModelError("INPUTX, INPUTE: every motion is prescribed; an FMU of mode 9 needs a degree of freedom")
         return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
     system = trajectory.time_varying(found.found)
     # The motion has nominal inputs as loads among others; which they are, the answer says.

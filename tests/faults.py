@@ -3063,6 +3063,14 @@ FAULTS = [
         'raise ModelError(f"{called} is fixed',
         "test_cli.py -k wrong_call",
     ),
+    Fault("control/state_space.py", "if condensed and not names:", "if not names:", "test_cli.py -k driven_throughout"),
+    Fault(
+        "control/state_space.py",
+        "axis=tuple(range(np.ndim(of) - 1))).tolist()",
+        "axis=0).tolist()",
+        "test_cli.py -k driven_throughout",
+    ),
+    Fault("cli.py", 'if not found.data["states"]:', "if False:", "test_cli.py -k driven_throughout"),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
 

@@ -788,3 +788,48 @@ def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
     result = call("run", path, "--mode", mode, "--json", "-")
     assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "singular_mass")
     assert result.stderr.startswith("negative.dat: singular_mass: The mass matrix is singular")
+
+
+CRANK = """PLTOR 1 1 3
+PLRBEAM 2 2 3 4
+PLRBEAM 3 4 5 6
+X 2 0 0
+X 4 0.06 0.08
+X 6 0.3 0
+FIX 1
+FIX 2
+FIX 6 2
+INPUTE 1 1
+END
+HALT
+XM 6 1.0
+XM 4 0.3
+END
+HALT
+INE 1 1 1
+OUTX 1 6 1
+OUTXDP 2 6 1
+END
+END
+"""
+
+
+def test_a_state_space_of_what_is_driven_throughout(tmp_path):
+    # By how much the slider follows the crank, which turns rod and crank about their common pin.
+    follows = -0.08 - 0.08 * 0.06 / 0.24
+    path = tmp_path / "crank.dat"
+    path.write_text(CRANK.replace("OUTXDP 2 6 1\n", ""))
+    data = json.loads(call("run", path, "--mode", "9", "--json", "-").stdout)
+    assert (data["status"], data["A"], data["B"], data["C"], data["states"]) == ("ok", [], [], [[]], [])
+    np.testing.assert_allclose(data["D"], [[follows]], rtol=1e-12)
+    assert "A: empty" in call("run", path, "--mode", "9", "--plot", tmp_path / "a.svg").stdout
+    result = call("fmu", path, "--to", tmp_path / "a.fmu")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "an FMU of mode 9 needs a degree of freedom" in result.stderr
+    # An acceleration as input brings both of its integrals.
+    path.write_text(CRANK.replace("INE ", "INEDP "))
+    data = json.loads(call("run", path, "--mode", "9", "--json", "-").stdout)
+    assert data["states"] == ["moved by acceleration 1.1", "d moved by acceleration 1.1"]
+    assert (data["A"], data["B"]) == ([[0, 1], [0, 0]], [[0], [1]])
+    np.testing.assert_allclose(data["C"], [[follows, 0], [0, 0]], rtol=1e-12)
+    np.testing.assert_allclose(data["D"], [[0], [follows]], rtol=1e-12)
