@@ -3071,6 +3071,13 @@ FAULTS = [
         "test_cli.py -k driven_throughout",
     ),
     Fault("cli.py", 'if not found.data["states"]:', "if False:", "test_cli.py -k driven_throughout"),
+    Fault("design/over_stroke.py", "> close:", "> 1:", "design/test_verdict.py -k reached_is_found"),
+    Fault(
+        "design/over_stroke.py",
+        "min(side, key=abs) for side in sides",
+        "max(side, key=abs) for side in sides",
+        "design/test_verdict.py -k reached_is_found",
+    ),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
 

@@ -123,7 +123,7 @@ class Verdict(Result):
         if reached:
             return f"{reached[0].name} limits it to {measured(reached[0].stroke or 0.0, self.unit)}"
         if "stroke" in self.unanswered:
-            return f"no more than that, {self.unanswered['stroke']}"
+            return f"no more is known, {self.unanswered['stroke']}"
         return "good enough" if self.limits else "nothing is known that limits it"
 
     def __str__(self) -> str:

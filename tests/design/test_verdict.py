@@ -278,6 +278,26 @@ def test_no_equilibrium_ends_the_stroke():
     assert dataclasses.asdict(found.limits[0])["name"] == "fatigue"
 
 
+def test_the_end_of_what_is_reached_is_found():
+    """A rigid bar of length 1 that stands on its foot: its top cannot go further than that to either side."""
+    b = fm.Builder()
+    for name, place in {"foot": (0, 0), "top": (0, 1), "wall": (0, 2)}.items():
+        b.node(name, place)
+    b.add(planar.truss, "foot", "top", name="bar", released=())
+    b.add(planar.truss, "top", "wall", name="spring", section=fm.Rigidity(EA=1.0))
+    b.mass("top", 1.0)
+    b.fix("foot")
+    b.fix("wall")
+    found = fm.verdict(b.build(), {"top.x": 1.6}, steps=4)
+    np.testing.assert_array_equal(found.stroke[1:-1], [-0.8, -0.4, 0, 0.4, 0.8])
+    # To a hundredth of the stroke that is asked: 0.0125 apart, of halves of 0.4.
+    np.testing.assert_allclose(found.stroke[[0, -1]], [-0.9875, 0.9875], rtol=1e-12)
+    told = "no equilibrium was found at -1 m (not_converged) and 1 m (not_converged)"
+    assert found.unanswered["stroke"] == told
+    assert found.summary().title == f"Verdict on top.x, -987.5 mm to 987.5 mm: no more is known, {told}"
+    assert not found.good
+
+
 def test_the_page_is_drawn(page):
     figure = fm.plot.verdict(page)
     panels = {ax.get_title(): ax for ax in figure.axes}
