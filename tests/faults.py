@@ -3078,6 +3078,21 @@ FAULTS = [
         "max(side, key=abs) for side in sides",
         "design/test_verdict.py -k reached_is_found",
     ),
+    Fault("linear/buckling.py", "jnp.where(nothing, jnp.inf, noise)", "noise", "linear/test_buckling.py -k own_axis"),
+    Fault(
+        "linear/sparse_multipliers.py",
+        "    bounded &= np.any(",
+        "    _ = np.any(",
+        "linear/test_buckling.py -k own_axis",
+    ),
+    Fault("spacar/read.py", 'if "ALPHA" in lines and', "if False and", "spacar/test_read.py -k expansion"),
+    Fault("spacar/write.py", "and name in self.warmed ", "", "spacar/test_read.py -k expansion"),
+    Fault(
+        "design/judgement.py",
+        "if sizes[i] > ALIKE * max(1.0, np.max(sizes)):",
+        "if True:",
+        "design/test_verdict.py -k what_moves_it",
+    ),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
 

@@ -180,6 +180,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
     _warn_of_stiffness(r)
+    _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -402,6 +403,14 @@ def _warn_of_rigid_leaves(r: Reading) -> None:
                     f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
                 )
                 r.warnings.append((declared.statement, text))
+
+
+def _warn_of_expansion(r: Reading) -> None:
+    """ALPHA of an element whose temperature does not change."""
+    for number, lines in r.lines.items():
+        if "ALPHA" in lines and ("TEMP", number) not in r.given and ("DELTEMP", number) not in r.given:
+            text = f"of element {number} changes nothing: TEMP {number} value or DELTEMP {number} value warms it"
+            r.warnings.append((r.given["ALPHA", number], text))
 
 
 def _warn_of_drawing(r: Reading) -> None:
