@@ -11,7 +11,7 @@ import scipy.linalg
 import flexmb as fm
 from flexmb import planar
 from flexmb.arguments import as_floats
-from flexmb.linear.buckling import multipliers_of
+from flexmb.linear.buckling import multipliers_about, multipliers_of
 from flexmb.mechanics.deformation import deformations, zero_near
 from flexmb.mechanics.loads import LoadFactors
 from flexmb.statics.sparse import balanced
@@ -223,5 +223,7 @@ def test_bars_along_their_own_axis_have_no_multiplier(length, count):
         assert np.all(np.isinf(fm.buckling_loads(model)))
         if not increment:
             assert len(fm.buckling(model).multipliers) == 0
+            about = multipliers_about(model.topology, model.parameters, fm.linearize(model).matrices)
+            assert np.all(np.isinf(about))
             assert np.all(np.isinf(fm.buckling_loads(model, count=1, sparse=True)))
             assert np.all(np.isinf(fm.verdict(model, {f"n{count}.x": length / 10}, steps=1).curves["buckling"]))
