@@ -216,29 +216,36 @@ def _check_call(
             check_writable(path)
 
 
-def _numbers(given: list[str] | None) -> dict[str, float]:
-    """Values of parameters by name, of texts such as "t=0.5e-3"."""
+def _number(about: str, word: str) -> float:
+    """A number of an option; ``about`` is what stands before a fault of it."""
     from .spacar.lines import Fault, parse
 
+    try:
+        return parse("", "value", (word.strip(),))["value"]
+    except Fault as fault:
+        _refuse(f"flexmb: {about}: {str(fault).partition(';')[0]}.")
+
+
+def _numbers(option: str, such_as: str, given: list[str] | None) -> dict[str, float]:
+    """Numbers by name, of texts such as "t=0.5e-3"."""
     found: dict[str, float] = {}
     for text in given or ():
-        name, equals, word = (part.strip() for part in text.partition("="))
-        if not equals or not name.isidentifier():
-            _refuse(f"flexmb: --set takes NAME=NUMBER, such as t=0.5e-3, not '{clean(text)}'.")
+        name, _, word = (part.strip() for part in text.rpartition("="))
+        if not name:
+            _refuse(f"flexmb: {option} takes NAME=NUMBER, such as {such_as}, not '{clean(text)}'.")
         if name in found:
-            _refuse(f"flexmb: --set gives '{clean(name)}' twice; give it once.")
-        try:
-            found[name] = parse("--set", "value", (word,))["value"]
-        except Fault as fault:
-            _refuse(f"flexmb: --set {clean(name)}: {str(fault).partition(';')[0]}.")
+            _refuse(f"flexmb: {option} gives '{clean(name)}' twice; give it once.")
+        found[name] = _number(f"{option} {clean(name)}", word)
     return found
 
 
-def _read(model: Path, given: list[str] | None) -> Any:
-    """What the input file says."""
+def _read(model: Path, given: list[str] | None) -> tuple[Any, dict[str, float]]:
+    """What the input file says, and the values of its parameters."""
     from . import read_spacar
 
-    numbers = _numbers(given)
+    numbers = _numbers("--set", "t=0.5e-3", given)
+    if "pi" in numbers:
+        _refuse("flexmb: --set pi: {pi} is 3.14159.. in every file; give the parameter another name.")
     try:
         read = read_spacar(model, numbers=numbers)
     except SpacarError as fault:
@@ -249,7 +256,40 @@ def _read(model: Path, given: list[str] | None) -> Any:
         if name not in read.parameters:
             known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
             _refuse(f"flexmb: --set {clean(name)}: {read.name} has no {{{clean(name)}}}; it has: {clean(known)}.")
-    return read
+    return read, numbers
+
+
+def _tell_answer(
+    data: dict[str, Any],
+    of: str,
+    text: str | None,
+    json_path: str | None = None,
+    plot: Path | None = None,
+    found: Any = None,
+    picture: str = "",
+) -> None:
+    """Write, draw and tell an answer with its warnings; end with exit status 1 where its status is not "ok".
+
+    Args:
+        of: Name of the file that was asked about.
+        text: What the terminal shows; None where there is no answer.
+        found: Result that is drawn; None where there is none.
+        picture: Function of :mod:`flexmb.plot` that draws it, in place of its own.
+    """
+    from .answers.files import to_json
+    from .files import write_whole
+
+    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
+    if plot is not None and found is not None:
+        from .plot.answer import image_of
+
+        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:], picture)))
+    if json_path == "-" or text is not None:
+        warnings = "".join(f"warning: {warning}\n" for warning in data["warnings"])
+        _tell(to_json(data) if json_path == "-" else f"{warnings}{text}")
+    if data["status"] != "ok":
+        _complain(f"{of}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
+        raise typer.Exit(EXIT_FAILED)
 
 
 def _run(
@@ -272,7 +312,7 @@ def _run(
 
     _check_call(release, json_path, save, log, plot, model)
     _prepare_jax()
-    read = _read(model, given)
+    read, _ = _read(model, given)
     try:
         found = answer(
             read.builder,
@@ -412,22 +452,16 @@ def _verdict(
 ) -> None:
     from . import __version__, read_spacar
     from . import verdict as judge
-    from .answers.files import to_json
-    from .files import write_whole
+    from .design.stroke import StrokeError
 
     if plot is not None and plot.suffix not in PICTURES:
         _refuse(f"flexmb verdict: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
     of, equals, word = stroke.rpartition("=")
-    length = _number("--stroke", "[NAME=]NUMBER, such as 3.x=5e-3", word)
-    limits = {}
-    for text in limit or ():
-        name, _, word = (part.strip() for part in text.rpartition("="))
-        if name in limits:
-            _refuse(f"flexmb verdict: --limit gives '{clean(name)}' twice; give it once.")
-        limits[name] = _number("--limit", "NAME=NUMBER, such as force=2", word)
+    length = _number("--stroke takes [NAME=]NUMBER, such as 3.x=5e-3", word)
+    limits = _numbers("--limit", "force=2", limit)
     _check_call("none", json_path, None, None, plot, model)
     _prepare_jax()
-    read, dimensions, found = _read(model, given), _numbers(given), None
+    (read, dimensions), found = _read(model, given), None
     data: dict[str, Any] = {"model": clean(model.name), "flexmb": __version__, "status": "ok", "message": ""}
 
     def build(**numbers: Any) -> Any:
@@ -439,32 +473,14 @@ def _verdict(
             wanted: Any = {of.strip(): length} if equals else length
             found = judge(built, wanted, dimensions=dimensions or None, limits=limits)
             data |= found.to_dict()
+        except StrokeError as fault:
+            _refuse(f"flexmb verdict: --stroke: {fault}")
         except (ModelError, AnalysisError) as fault:
             data |= {"status": getattr(fault, "code", "not_valid"), "message": str(fault)}
         except ValueError as fault:
             _refuse(f"flexmb verdict: {' '.join(str(fault).split())}")
     data["warnings"] = [*read.warnings, *dict.fromkeys(said)]
-    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
-    if plot is not None and found is not None:
-        from .plot.answer import image_of
-
-        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:], "verdict")))
-    if json_path == "-" or found is not None:
-        warnings = "".join(f"warning: {text}\n" for text in data["warnings"])
-        _tell(to_json(data) if json_path == "-" else f"{warnings}{found}")
-    if found is None:
-        _complain(f"{read.name}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
-        raise typer.Exit(EXIT_FAILED)
-
-
-def _number(option: str, form: str, word: str) -> float:
-    """A number of an option."""
-    from .spacar.lines import Fault, parse
-
-    try:
-        return parse(option, "value", (word.strip(),))["value"]
-    except Fault as fault:
-        _refuse(f"flexmb: {option} takes {form}: {str(fault).partition(';')[0]}.")
+    _tell_answer(data, read.name, None if found is None else str(found), json_path, plot, found, "verdict")
 
 
 @app.command(cls=Once)
@@ -498,25 +514,22 @@ def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, re
         check_writable(to)
     number = _number_of_unit(mode)
     _prepare_jax()
-    read = _read(model, given)
-    said, unit, code, message = [], None, "", ""
+    read, _ = _read(model, given)
+    said, unit, status, message = [], None, "ok", ""
     try:
         with heard() as said:
             unit = _unit(read, number, release)(to, int(fmi))
         WRITTEN.append(to)
     except (AnalysisError, MechanismError) as fault:
-        code, message = fault.code, str(fault)
+        status, message = fault.code, str(fault)
     except SpacarError as fault:
         _refuse(str(fault))
     except ModelError as fault:
         _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
     except OSError as fault:
         _refuse(f"flexmb: cannot write '{clean(to)}': {fault.strerror or fault}.")
-    warnings = "".join(f"warning: {text}\n" for text in [*read.warnings, *dict.fromkeys(said)])
-    if unit is None:
-        _complain(f"{read.name}: {code}: {(message.splitlines() or [''])[0]}")
-        raise typer.Exit(EXIT_FAILED)
-    _tell(f"{warnings}{unit!r}")
+    data = {"status": status, "message": message, "warnings": [*read.warnings, *dict.fromkeys(said)]}
+    _tell_answer(data, read.name, None if unit is None else repr(unit))
 
 
 def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
@@ -551,6 +564,8 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
         raise AnalysisError(found.data["status"], found.data["message"])
     given(found.model)
     if number == 9:
+        if not found.data["states"]:
+            raise ModelError("INPUTX, INPUTE: every motion is prescribed; an FMU of mode 9 needs a degree of freedom")
         return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
     system = trajectory.time_varying(found.found)
     # The motion has nominal inputs as loads among others; which they are, the answer says.
@@ -632,17 +647,18 @@ StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
     from . import __version__
-    from .answers.files import to_json
     from .design.study_file import read_study
-    from .files import write_whole
 
     if plot is not None and plot.suffix not in PICTURES:
         _refuse(f"flexmb {command}: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
     _check_call("none", json_path, save, None, plot, path)
     _prepare_jax()
-    name, found, saved = clean(path.name), None, None
+    name, said, read, text, found = clean(path.name), [], None, None, None
+
     try:
-        data, text, saved, found = work(read_study(path))
+        with heard() as said:
+            read = read_study(path)
+            data, text, saved, found = work(read)
     except StudyError as fault:
         _refuse(f"flexmb: {fault}")
     except SpacarError as fault:
@@ -651,21 +667,12 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
         _refuse(f"flexmb: cannot read or write '{clean(fault.filename or path)}': {fault.strerror or fault}.")
     except (AnalysisError, ModelError) as fault:
         # What was asked of it has no answer: the JSON says so too.
-        text = (str(fault).splitlines() or [""])[0]
-        data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": text}
-    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
-    if saved is not None:
+        why = (str(fault).splitlines() or [""])[0]
+        data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
+    else:
         _store(save, saved)
-    if plot is not None and found is not None:
-        from .plot.answer import image_of
-
-        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:])))
-    if json_path == "-" or found is not None:
-        warnings = "".join(f"warning: {warning}\n" for warning in data.get("warnings", ()))
-        _tell(to_json(data) if json_path == "-" else f"{warnings}{text}")
-    if data["status"] != "ok":
-        _complain(f"{name}: {data['status']}: {data['message']}")
-        raise typer.Exit(EXIT_FAILED)
+    data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(said)]
+    _tell_answer(data, name, text, json_path, plot, found)
 
 
 @app.command(cls=Once)

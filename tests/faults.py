@@ -2059,7 +2059,7 @@ FAULTS = [
         "test_jobs.py -k stage",
     ),
     Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "test_jobs.py -k twenty"),
-    Fault("cli.py", "--set takes NAME=NUMBER", "--set takes NAME", "test_jobs.py -k misused"),
+    Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
     Fault("model/by_name.py", "component, 0.5)", "component, 2.0)", "model/test_by_name.py -k shaft"),
@@ -2997,7 +2997,7 @@ FAULTS = [
     ),
     Fault("answers/motion.py", "/ max(extent, 1.0)", "/ extent", "answers/test_answers.py -k tolerances"),
     Fault("answers/answers.py", "if mode not in OF_MOTION or", "if True or", "answers/test_answers.py -k tolerances"),
-    Fault("cli.py", "        if name in limits:\n", "        if False:\n", "test_cli.py -k wrong_call"),
+    Fault("cli.py", "        if name in found:\n", "        if False:\n", "test_cli.py -k wrong_call"),
     Fault(
         "motion/sudden.py",
         "not named and not is_concrete(f)",
@@ -3125,6 +3125,71 @@ FAULTS = [
         "without_gravity(parameters)",
         "control/test_second_order_form.py -k weight_counts",
     ),
+    # The command line, files and answers.
+    Fault(
+        "cli.py",
+        "(read.warnings if read else ()), *dict.fromkeys(said)]",
+        "(read.warnings if read else ())]",
+        "design/test_study.py -k warnings_of_the_work",
+    ),
+    Fault(
+        "design/checkpoint.py",
+        "            warn(\n",
+        "            str(\n",
+        "design/test_study.py -k incomplete_checkpoint",
+    ),
+    Fault("cli.py", 'if "pi" in numbers:', "if False:", "test_cli.py -k wrong_call"),
+    Fault("spacar/lines.py", ' if name != "pi"', "", "test_cli.py -k wrong_call"),
+    Fault(
+        "spacar/read.py",
+        "statements(text, numbers or {})",
+        "statements(text, numbers)",
+        "spacar/test_arithmetic.py -k needs_no_numbers",
+    ),
+    Fault("spacar/read.py", 'if "pi" in numbers:', "if False:", "spacar/test_arithmetic.py -k needs_no_numbers"),
+    Fault(
+        "design/stroke.py",
+        'raise StrokeError(f"{called} is fixed',
+        'raise ModelError(f"{called} is fixed',
+        "test_cli.py -k wrong_call",
+    ),
+    Fault("control/state_space.py", "if condensed and not names:", "if not names:", "test_cli.py -k driven_throughout"),
+    Fault(
+        "control/state_space.py",
+        "axis=tuple(range(np.ndim(of) - 1))).tolist()",
+        "axis=0).tolist()",
+        "test_cli.py -k driven_throughout",
+    ),
+    Fault("cli.py", 'if not found.data["states"]:', "if False:", "test_cli.py -k driven_throughout"),
+    Fault("design/over_stroke.py", "> close:", "> 1:", "design/test_verdict.py -k reached_is_found"),
+    Fault(
+        "design/over_stroke.py",
+        "min(side, key=abs) for side in sides",
+        "max(side, key=abs) for side in sides",
+        "design/test_verdict.py -k reached_is_found",
+    ),
+    Fault("linear/buckling.py", "jnp.where(nothing, jnp.inf, noise)", "noise", "linear/test_buckling.py -k own_axis"),
+    Fault(
+        "linear/buckling.py",
+        "jnp.where(_is_nothing(topology, parameters, m.G0, curvature, m.DFx), jnp.inf, noise)",
+        "noise",
+        "linear/test_buckling.py -k own_axis",
+    ),
+    Fault(
+        "linear/sparse_multipliers.py",
+        "    bounded &= np.any(",
+        "    _ = np.any(",
+        "linear/test_buckling.py -k own_axis",
+    ),
+    Fault("spacar/read.py", 'if "ALPHA" in lines and', "if False and", "spacar/test_read.py -k expansion"),
+    Fault("spacar/write.py", "and name in self.warmed ", "", "spacar/test_read.py -k expansion"),
+    Fault(
+        "design/judgement.py",
+        "if sizes[i] > ALIKE * max(1.0, np.max(sizes)):",
+        "if True:",
+        "design/test_verdict.py -k what_moves_it",
+    ),
+    Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
 
 if __name__ == "__main__":

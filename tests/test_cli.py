@@ -305,6 +305,9 @@ MISUSED = {
     "verdict guide.dat --stroke 1e-3 --limit force": "flexmb: --limit takes NAME=NUMBER, such as force=2",
     "verdict guide.dat --stroke 1e-3 --limit force=4 --limit force=100": "--limit gives 'force' twice; give it once",
     "verdict guide.dat --stroke 3.x=-1": "Argument `stroke` must be positive",
+    "verdict guide.dat --stroke 99.x=1e-3": "There is no coordinate or deformation '99.x' to drive",
+    "verdict guide.dat --stroke 3.q=1e-3": "There is no coordinate or deformation '3.q' to drive. Did you mean '3.",
+    "verdict guide.dat --stroke 1.x=1e-3": "Stroke '1.x' is fixed in this model",
     "verdict guide.dat --stroke 1e-3 --limit farce=1": "Limit of 'farce': there is no such curve. There are: force",
     "verdict guide.dat --stroke 1e-3 --plot page.gif": "--plot writes .png, .svg or .pdf, not 'page.gif'.",
     "run": "flexmb run: Missing argument 'MODEL.dat' (flexmb run --help).",
@@ -356,6 +359,8 @@ MISUSED = {
     "run thick.dat --mode 7 --set m=1e999": "--set m: value must be a finite number, but '1e999' is too large",
     "run thick.dat --mode 7 --set m=1 --set m=2": "--set gives 'm' twice; give it once",
     "run thick.dat --mode 7 --set m=1 --set q=2": "--set q: thick.dat has no {q}; it has: {m}.",
+    "run round.dat --mode 7 --set t=1": "--set t: round.dat has no {t}; it has: none.",
+    "run round.dat --mode 7 --set pi=3": "--set pi: {pi} is 3.14159.. in every file; give the parameter another name.",
     "run guide.dat --mode 1": "guide.dat: TIMESTEP: modes 1 and 4 need it",
     "run endless.dat --mode 1": "endless.dat:26: TIMESTEP: 999999999 steps of 46 numbers take 1.38e+13 bytes",
     "check guide.dat --mode 7": "No such option: --mode",
@@ -378,6 +383,7 @@ def workplace(tmp_path, monkeypatch):
     (tmp_path / "empty.dat").write_text("")
     (tmp_path / "utf16.dat").write_text(text, encoding="utf-16")
     (tmp_path / "thick.dat").write_text(re.sub("(?m)^XM 3 .*$", "XM 3 {m}", text))
+    (tmp_path / "round.dat").write_text(re.sub("(?m)^XM 3 .*$", "XM 3 {pi/30}", text))
     (tmp_path / "endless.dat").write_text(re.sub("(?m)^(XM 3 .*)$", r"\1\nTIMESTEP 1 999999999", text))
     (tmp_path / "folder.dat").mkdir()
     (tmp_path / "taken").mkdir()
@@ -435,7 +441,7 @@ def test_a_coordinate_by_its_number_is_shown_by_its_name(tmp_path):
     path = tmp_path / "guide.dat"
     path.write_text(mechanism_path("pf2db").read_text())
     result = call("verdict", path, "--stroke", "3.1=1e-3")
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert "no coordinate or deformation '3.1' to drive. Did you mean '3.x'?" in result.stderr
     for none in ("3.9", "3.\u00b2"):
         assert "to drive. " in call("verdict", path, "--stroke", f"{none}=1e-3").stderr
@@ -782,3 +788,48 @@ def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
     result = call("run", path, "--mode", mode, "--json", "-")
     assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "singular_mass")
     assert result.stderr.startswith("negative.dat: singular_mass: The mass matrix is singular")
+
+
+CRANK = """PLTOR 1 1 3
+PLRBEAM 2 2 3 4
+PLRBEAM 3 4 5 6
+X 2 0 0
+X 4 0.06 0.08
+X 6 0.3 0
+FIX 1
+FIX 2
+FIX 6 2
+INPUTE 1 1
+END
+HALT
+XM 6 1.0
+XM 4 0.3
+END
+HALT
+INE 1 1 1
+OUTX 1 6 1
+OUTXDP 2 6 1
+END
+END
+"""
+
+
+def test_a_state_space_of_what_is_driven_throughout(tmp_path):
+    # By how much the slider follows the crank, which turns rod and crank about their common pin.
+    follows = -0.08 - 0.08 * 0.06 / 0.24
+    path = tmp_path / "crank.dat"
+    path.write_text(CRANK.replace("OUTXDP 2 6 1\n", ""))
+    data = json.loads(call("run", path, "--mode", "9", "--json", "-").stdout)
+    assert (data["status"], data["A"], data["B"], data["C"], data["states"]) == ("ok", [], [], [[]], [])
+    np.testing.assert_allclose(data["D"], [[follows]], rtol=1e-12)
+    assert "A: empty" in call("run", path, "--mode", "9", "--plot", tmp_path / "a.svg").stdout
+    result = call("fmu", path, "--to", tmp_path / "a.fmu")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "an FMU of mode 9 needs a degree of freedom" in result.stderr
+    # An acceleration as input brings both of its integrals.
+    path.write_text(CRANK.replace("INE ", "INEDP "))
+    data = json.loads(call("run", path, "--mode", "9", "--json", "-").stdout)
+    assert data["states"] == ["moved by acceleration 1.1", "d moved by acceleration 1.1"]
+    assert (data["A"], data["B"]) == ([[0, 1], [0, 0]], [[0], [1]])
+    np.testing.assert_allclose(data["C"], [[follows, 0], [0, 0]], rtol=1e-12)
+    np.testing.assert_allclose(data["D"], [[0], [follows]], rtol=1e-12)

@@ -216,7 +216,7 @@ def state_matrices(
     """State-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
     Motions without mass are condensed statically (their damping is left out), so that the states are those of the
-    degrees of freedom that carry mass.
+    degrees of freedom that carry mass. Where everything is held there are none, and D says how the outputs follow.
 
     An input that is the displacement of what is held adds no states: they are the degrees of freedom less what the
     input moves at once by its inertia, and are then named "shifted". A velocity adds its integral to the states, an
@@ -244,8 +244,8 @@ def state_matrices(
 
     Raises:
         ModelError: An input moves nothing, or an output takes a rate of an input.
-        AnalysisError: singular_mass where nothing carries mass, or some motion a negative one; what the linearisation
-            failed by.
+        AnalysisError: singular_mass where no degree of freedom carries mass, or some motion a negative one; what the
+            linearisation failed by.
         ValueError: Both ``modes`` and ``bandwidth`` are given, there are no such modes, no mode is below the bandwidth,
             or a motion would be left out that does not vibrate.
         NotImplementedError: Modes are to be kept, and an unsymmetric stiffness gives none.
@@ -291,16 +291,16 @@ def _matrices_of(
     names = [f"mode {i + 1}" for i in kept]
     if not traced and not kept:
         names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
-        if not names:
+        if condensed and not names:
             raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     orders, moves = tuple(whole.orders.tolist()), tuple(whole.moves.tolist())
     found = _realised(tuple(whole[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
     if traced:
         # No number stands where a rate of an input would have to.
         d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
-        return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)), None
+        return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)) if names else [], None
     _refuse_rates(lin, np.asarray(found.late), orders)
-    shifted = [np.any(np.asarray(of).reshape(-1, len(names)), axis=0).tolist() for of in found.shifted]
+    shifted = [np.any(of, axis=tuple(range(np.ndim(of) - 1))).tolist() for of in map(np.asarray, found.shifted)]
     if condensed and lin.matrices.M0.ndim == 2 and not kept:
         _warn_of_lost_damping(lin, whole, found.matrices)
     error = error_of(lin, kept, bandwidth, whole, found.matrices) if kept else None
@@ -359,8 +359,6 @@ def _warn_of_lost_damping(lin: Linearization, whole: SecondOrder, found: StateMa
 
 def _names(names: list[str], lin: Any, orders: tuple[int, ...], shifted: Any) -> list[str]:
     """Names of the states: of degrees of freedom or modes, of displacements that inputs are rates of, and of rates."""
-    if not names:
-        return []
     labels = lin.labels.inputs
     moved = [(f"moved by {s.name}", order) for s, order in zip(labels, orders, strict=True) if order]
     z, v = ([f"{name} shifted" if by else name for name, by in zip(names, of, strict=True)] for of in shifted)

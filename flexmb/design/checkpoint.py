@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 import struct
-import warnings
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..errors import clean
+from ..errors import clean, warn
 from ..files import write_whole
 from ..results import RESULTS
 from .designs import Designs
@@ -199,10 +198,9 @@ class Checkpoint:
             self.parts.append(part)
             good = self.file.tell()
         if good < self.path.stat().st_size:
-            warnings.warn(
+            warn(
                 f"The last record of checkpoint '{clean(self.path)}' is incomplete, as after a kill: its designs are"
-                " computed again.",
-                stacklevel=4,
+                " computed again."
             )
             self.file.truncate(good)
         self.file.seek(good)

@@ -123,7 +123,7 @@ class Verdict(Result):
         if reached:
             return f"{reached[0].name} limits it to {measured(reached[0].stroke or 0.0, self.unit)}"
         if "stroke" in self.unanswered:
-            return f"no more than that, {self.unanswered['stroke']}"
+            return f"no more is known, {self.unanswered['stroke']}"
         return "good enough" if self.limits else "nothing is known that limits it"
 
     def __str__(self) -> str:
@@ -254,8 +254,9 @@ def _by_dimension(page: Verdict) -> str:
         return f"{first.name} has no derivative by them"
     # Where both ends of a limit are given, the upper one is meant.
     wanted = 1 if first.upper is None else -1
-    told = []
-    for i in np.argsort(-np.abs(np.nan_to_num(row))):
-        way = "larger" if row[i] * wanted > 0 else "smaller" if row[i] else "any"
-        told.append(f"{way} {found.dimensions[i]} ({row[i]:+.3g})")
-    return f"{listed(told)}: percent of {first.name} for one percent"
+    told, sizes = [], np.abs(np.nan_to_num(row))
+    for i in np.argsort(-sizes):
+        # What is but round-off is no advice.
+        if sizes[i] > ALIKE * max(1.0, np.max(sizes)):
+            told.append(f"{'larger' if row[i] * wanted > 0 else 'smaller'} {found.dimensions[i]} ({row[i]:+.3g})")
+    return f"{listed(told)}: percent of {first.name} for one percent" if told else f"none of them moves {first.name}"

@@ -51,6 +51,7 @@ class StrokeQuestions:
         self.at: dict[float, AtStroke] = {}
         self.values: dict[float, dict[str, float]] = {}
         self.unanswered: dict[str, str] = {}
+        self.missing: dict[float, str] = {}
         self.questions: dict[str, Callable[[AtStroke, Any], dict[str, Any]]] = {
             "drive": lambda at, rest: {"force": at.force, "drive stiffness": at.stiffness},
             "stress": lambda at, rest: _stresses(_stress(at)),
@@ -67,13 +68,10 @@ class StrokeQuestions:
         """Find the state at a stroke and ask everything; False, with a note, where there is none."""
         if stroke in self.values:
             return True
-        at = self.driven.at(self.model, stroke, throw=throw)
-        code = RESULTS(int(at.held.result))
-        if code is not RESULTS.successful:
-            last = max((s for s in self.at if s * stroke >= 0), key=abs)
-            self.unanswered["stroke"] = f"beyond {measured(last, self.unit)} no equilibrium was found ({code.name})"
+        at, own = self._state(stroke, throw), {}
+        if at is None:
             return False
-        self.at[stroke], own = at, {}
+        self.at[stroke] = at
         for subject, ask in list(self.questions.items()):
             try:
                 with heard():
@@ -85,6 +83,35 @@ class StrokeQuestions:
                     del self.questions[subject]
         self.values[stroke] = own
         return True
+
+    def approach(self, last: float, missing: float, close: float) -> None:
+        """Look at the last stroke that has an equilibrium, between one that has and one that has none.
+
+        Each is looked for from the undeformed mechanism: the search goes there by load steps of its own, and from the
+        equilibrium before it comes no further.
+
+        Args:
+            last: Stroke with an equilibrium, () [m or rad].
+            missing: Stroke without, () [m or rad].
+            close: How near to each other both are to come, () [m or rad].
+        """
+        while abs(missing - last) > close:
+            middle = (last + missing) / 2
+            last, missing = (last, middle) if self._state(middle) is None else (middle, missing)
+        self.look(last)
+
+    def _state(self, stroke: float, throw: bool = False) -> AtStroke | None:
+        """The state at a stroke; None, with a note, where there is none."""
+        at = self.driven.at(self.model, stroke, throw=throw)
+        code = RESULTS(int(at.held.result))
+        if code is RESULTS.successful:
+            return at
+        self.missing[stroke] = code.name
+        sides = ([s for s in self.missing if s < 0], [s for s in self.missing if s > 0])
+        nearest = [min(side, key=abs) for side in sides if side]
+        told = " and ".join(f"{measured(s, self.unit)} ({self.missing[s]})" for s in nearest)
+        self.unanswered["stroke"] = f"no equilibrium was found at {told}"
+        return None
 
     def _stiffnesses(self, at: AtStroke, rest: Any) -> dict[str, Any]:
         """Of the node along every axis but the driven one, infinite where this model is rigid."""

@@ -27,6 +27,10 @@ from ..model.parameters import Loads, Parameters
 from ..model.topology import RoleIndices, Topology
 
 
+class StrokeError(ModelError):
+    """What a stroke is asked of is not said, is not there, or is fixed."""
+
+
 class AtStroke(NamedTuple):
     """A mechanism at a stroke.
 
@@ -175,19 +179,20 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
             its one input acts on, else its one degree of freedom.
 
     Raises:
-        ModelError: No such coordinate or deformation, or one that nothing can drive.
+        StrokeError: No such coordinate or deformation, none is named where the model does not say it, or it is fixed.
+        ModelError: No motion of the mechanism moves it.
     """
     kind, index = _of_model(model) if name is None else _named(model, name)
     entry, own = getattr(model.labels, kind)[index], getattr(model.topology, kind)
     called = f"Stroke '{name_of(entry)}'"
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
-        raise ModelError(
+        raise StrokeError(
             f"{called}: an Euler parameter is no angle. Drive a hinge of the model, or 'turn of {node}.e1' of one built"
             f" with b.prescribe('{node}', 'rotation', axis=..)."
         )
     if index in np.asarray(own.fixed):
-        raise ModelError(f"{called} is fixed in this model. {_what_moves(model)}")
+        raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")
     given = np.asarray(own.prescribed)
     free = _without_dofs(model, kind, np.setdiff1d(given, index))
     held = _without_dofs(model, kind, np.union1d(given, index))
@@ -233,7 +238,7 @@ def _named(model: Model, name: str) -> tuple[str, int]:
         if not number.isdecimal() or not model.labels.coordinates(of):
             near = near or difflib.get_close_matches(str(name), places, 1)
         hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model)
-        raise ModelError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
+        raise StrokeError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
     return places[name]
 
 
@@ -248,7 +253,7 @@ def _of_model(model: Model) -> tuple[str, int]:
         found = [(kind, i) for i in moved] or found
     found = found or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
     if len(found) != 1:
-        raise ModelError(f"Say of what the stroke is, such as stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
+        raise StrokeError(f"Say of what the stroke is, such as stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
     return found[0]
 
 

@@ -1,6 +1,7 @@
 """Is it good enough: what a mechanism does over its stroke, and what limits that first, on one page."""
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -26,6 +27,8 @@ USUAL = {"yield": 1.0, "fatigue": 1.0, "buckling": 1.0}
 LEAST = ("buckling", "frequency", "stiffness")
 # A limit is located to this share of the way between two strokes.
 CLOSE = 1e-6
+# So is the end of what is reached, to this share of the stroke that is asked.
+CLOSE_END = 0.01
 
 
 def verdict(
@@ -54,7 +57,8 @@ def verdict(
             largest size of any other; or both, as (lower, upper) with None for none. They stand beside the usual ones,
             1 for "yield", "fatigue" and "buckling".
         node: Whose support stiffness and parasitic motion are asked; the driven one unless given.
-        steps: Strokes to each side.
+        steps: Strokes to each side. Where one of them has no equilibrium, the last that has is looked for before it,
+            to a hundredth of the stroke, and that side ends there.
         count: How many frequencies.
         progress: True for a bar, or a function called with the number of strokes looked at and of all.
 
@@ -88,10 +92,11 @@ def verdict(
     with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:
         asked.look(0.0, throw=True)
         for side in sides:
-            for s in side:
+            for last, s in itertools.pairwise([0.0, *side]):
                 if report is not None:
                     report(len(asked.values), 1 + sum(map(len, sides)))
                 if not asked.look(s):
+                    asked.approach(last, s, CLOSE_END * abs(side[-1]))
                     break
     asked.say_what_is_missing()
     curves, strokes = asked.curves(), np.array(sorted(asked.values))

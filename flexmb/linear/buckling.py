@@ -32,9 +32,9 @@ from ..statics.solve import held_values, solve_state
 from .choice import few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize
 from .shapes import Shapes
-from .sparse_buckling import ROUND_OFF, moved_by_loads, sparse_modes, sparse_multipliers
+from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
 from .sparse_linearize import SparseLinearization, sparse_linearization
-from .sparse_multipliers import UNBOUNDED
+from .sparse_multipliers import ROUND_OFF, UNBOUNDED
 from .spectrum import is_real
 
 # Loads that move a mechanism by more than this before it buckles (extents, radians) are told.
@@ -116,20 +116,24 @@ def scaled_stiffness(
         raised: Structure, numbers and the same state in which the incremental loads grow, where that holds more.
 
     Returns:
-        Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-].
+        Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-]; infinite
+        where all that is scaled is.
 
     Source:
         THEORY.md 7, eq. (7.4).
     """
     if parameters.increment is None:
-        stays, scaled, sigma, moved = at.K0, at.G0, at.sigma, sizes_of(topology, parameters)
+        stays, scaled, curvature = at.K0, at.G0, at.curvature
+        sigma, moved = at.sigma, sizes_of(topology, parameters)
     else:
         stays = at.K0 + at.G0
         grown = (topology, parameters, at) if raised is None else raised
         curvature, sigma, moved = curvature_of_increment(*grown, near)
         scaled = at.transfer.DFx.T @ curvature @ at.transfer.DFx
     tangent = at.x, near, at.jacobian, at.S, at.transfer.DFx
-    return stays, scaled, jax.lax.stop_gradient(_noise(topology, parameters, tangent, stays, sigma, moved))
+    noise = _noise(topology, parameters, tangent, stays, sigma, moved)
+    nothing = _is_nothing(topology, parameters, scaled, curvature, at.transfer.DFx)
+    return stays, scaled, jax.lax.stop_gradient(jnp.where(nothing, jnp.inf, noise))
 
 
 def _noise(
@@ -155,6 +159,30 @@ def _noise(
     # Root of the trace of its square: an upper bound of its eigenvalues.
     noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
     return jnp.where(jnp.isfinite(noise), noise, 0.0)
+
+
+def _is_nothing(
+    topology: Topology,
+    parameters: Parameters,
+    scaled: Float[Array, "n_q n_q"],
+    curvature: Float[Array, "n_x n_x"] | None,
+    dfx: Float[Array, "n_x n_q"],
+) -> Bool[Array, ""]:
+    """Whether the stiffness that is scaled is but round-off, as that of a bar along its own axis.
+
+    An entry of an element's curvature may be the difference of numbers as large as its largest entry, all measured by
+    the sizes of the coordinates: it is wrong by the round-off of that.
+    """
+    if curvature is None:
+        return jnp.array(True)
+    sizes, most = jnp.asarray(sizes_of(topology, parameters)), jnp.zeros_like(scaled)
+    for block in topology.blocks:
+        if block.e.shape[1]:
+            own, size = curvature[block.x[:, :, None], block.x[:, None, :]], sizes[block.x]
+            largest = jnp.max(jnp.abs(own) * size[:, :, None] * size[:, None, :], axis=(1, 2), initial=0.0)
+            reached = jnp.sum(jnp.abs(dfx[block.x]) / size[:, :, None], axis=1)
+            most = most + (reached.T * largest) @ reached
+    return jnp.all(jnp.abs(scaled) <= ROUND_OFF * most)
 
 
 def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
@@ -235,6 +263,8 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
     tangent = m.x, m.e, jacobian, m.S, m.DFx
     noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))
+    curvature = deformation_curvature(topology, parameters, m.x, m.e, m.sigma)
+    noise = jnp.where(_is_nothing(topology, parameters, m.G0, curvature, m.DFx), jnp.inf, noise)
     return multipliers_of(m.K0, m.G0, noise, unsymmetric=lacks_potential(topology))
 
 

@@ -29,13 +29,9 @@ from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_
 from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization
 from .sparse_linearize import SparseLinearization
-from .sparse_multipliers import Buckled, MultiplierMatrices, smallest_of_sparse
+from .sparse_multipliers import ROUND_OFF, Buckled, MultiplierMatrices, smallest_of_sparse
 from .sparse_solve import on_host
 from .sparse_spectrum import asks_for_all
-
-# Stress resultants are wrong by their round-off: that of a deformation beside what the whole mechanism's extent would
-# make of it, and that of a constraint force beside the largest of the forces that it balances.
-ROUND_OFF = 1e-15
 
 
 class _Growth(NamedTuple):

@@ -24,6 +24,10 @@ from .lanczos import (
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
+# Stress resultants are wrong by their round-off: that of a deformation beside what the whole mechanism's extent would
+# make of it, and that of a constraint force beside the largest of the forces that it balances. An
+# element's curvature is wrong by that of its largest entry.
+ROUND_OFF = 1e-15
 # Stiffness of an element below zero by more than this share is negative.
 NEGATIVE = 1e-9
 
@@ -84,9 +88,21 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
     # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
     bounded, motions = np.isfinite(found.values), np.zeros((len(own.sizes), count))
     motions[own.free] = found.motions
+    # As of dense matrices: where all of what is scaled is but round-off, no load acts.
+    bounded &= np.any(np.abs(found.geometric) > _round_off(own.sizes, given.scaled, motions))
     elastic = energies(own, motions)
     elastic += np.einsum("ij,ij->j", found.motions, staying.curved @ found.motions)
     return found._replace(values=np.where(bounded, -elastic / np.where(bounded, found.geometric, 1.0), np.inf))
+
+
+def _round_off(sizes: np.ndarray, scaled: Pieces, motions: np.ndarray) -> np.ndarray:
+    """How much of v^T G v of motions, (n_x, count), may be but round-off of curvatures: of each element's largest."""
+    most = np.zeros(motions.shape[1])
+    for rows, columns, own in scaled:
+        largest = np.max(np.abs(own) * sizes[rows][:, :, None] * sizes[columns][:, None, :], axis=(1, 2), initial=0.0)
+        left, right = (np.sum(np.abs(motions[of]) / sizes[of][:, :, None], axis=1) for of in (rows, columns))
+        most += np.einsum("e,ek,ek->k", largest, left, right)
+    return ROUND_OFF * most
 
 
 def _refuse_negative(elastic: Pieces) -> None:

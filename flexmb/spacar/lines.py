@@ -99,9 +99,9 @@ class Statement:
 
 
 def placeholders(found: list[Statement]) -> tuple[str, ...]:
-    """Names of the parameters that placeholders name, each once."""
+    """Names of the parameters that placeholders name, each once; pi is none, but a number of its own."""
     words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
-    return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w)))
+    return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w) if name != "pi"))
 
 
 def read_text(path: str | os.PathLike) -> str:
@@ -151,7 +151,7 @@ def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Stat
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
         raw = re.split("[%#;]", line, maxsplit=1)[0].strip()
         if raw:
-            keyword, *words = raw.split() if numbers is None else _words(raw, numbers)
+            keyword, *words = raw.split() if numbers is None or "{" not in raw else _words(raw, numbers)
             # Outside of ASCII, other letters have the same capitals: the ligature of f and i those of FI.
             found.append(Statement(number, keyword.upper() if keyword.isascii() else keyword, tuple(words), raw))
     return found

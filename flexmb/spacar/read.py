@@ -93,7 +93,8 @@ def read_spacar(
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
         callables: User routines by the names that USERSIG and USERINP give.
-        numbers: What placeholders such as "{t}" or "{E*w*t**3/12}" stand for, by name; they may be traced.
+        numbers: What the names in placeholders such as "{t}" or "{pi*t**2/4}" stand for; they may be traced. Only pi
+            is known without being given.
 
     Returns:
         SpacarModel with an unbuilt Builder, so that more can be added.
@@ -107,7 +108,8 @@ def read_spacar(
     name, text = _source(path_or_text)
     faults = _Faults()
     r = Reading(dict(callables or {}))
-    found = statements(text, numbers)
+    # What has no name in it, such as "{2*pi}", is a number without any being given.
+    found = statements(text, numbers or {})
     try:
         _read(r, found, faults)
     except _Enough:
@@ -125,6 +127,8 @@ def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -
     for name, value in callables.items():
         if not callable(value):
             raise TypeError(f"Argument `callables`: '{clean(name)}' must be a function, but is {clean(value)}.")
+    if "pi" in numbers:
+        raise ValueError("Argument `numbers`: 'pi' is 3.14159.. in every file; give the parameter another name.")
     for name, value in numbers.items():
         scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
         if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
@@ -176,6 +180,7 @@ def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
     _warn_of_screws(r)
     _warn_of_rigid_leaves(r)
     _warn_of_stiffness(r)
+    _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
         what = "has no element" if found else "is empty"
@@ -398,6 +403,14 @@ def _warn_of_rigid_leaves(r: Reading) -> None:
                     f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
                 )
                 r.warnings.append((declared.statement, text))
+
+
+def _warn_of_expansion(r: Reading) -> None:
+    """ALPHA of an element whose temperature does not change."""
+    for number, lines in r.lines.items():
+        if "ALPHA" in lines and ("TEMP", number) not in r.given and ("DELTEMP", number) not in r.given:
+            text = f"of element {number} changes nothing: TEMP {number} value or DELTEMP {number} value warms it"
+            r.warnings.append((r.given["ALPHA", number], text))
 
 
 def _warn_of_drawing(r: Reading) -> None:

@@ -107,6 +107,7 @@ class _Writer:
         self.builder, self.settings = builder, settings
         self.concrete = like or builder
         self.rigidities: dict[int, Any] = {}
+        self.warmed = {of for own in builder.loads.values() for _, of, _ in own.get("temperature", {})}
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
@@ -363,7 +364,8 @@ class _Writer:
             lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness and not idle else []
             heavy = not all(map(is_zero, mass)) or (mass and not stiffness)
             lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
-        if alpha is not None and not kind.sized and m.element.thermal is not None:
+        # Of an element that is not warmed it would be said to change nothing.
+        if alpha is not None and name in self.warmed and not kind.sized and m.element.thermal is not None:
             lines.append(line_of("ALPHA", number, one_of(alpha)))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)

@@ -461,7 +461,8 @@ def test_what_has_no_answer_says_so_as_json(study):
     for command in ("sweep", "tune"):
         result = call(command, study, "--json", "-")
         assert result.exit_code == 1
-        assert json.loads(result.stdout)["status"] == "underconstrained"
+        data = json.loads(result.stdout)
+        assert (data["status"], data["warnings"]) == ("underconstrained", [])
         assert result.stderr.startswith("study.toml: underconstrained: ")
         assert result.stderr.count("\n") == 1
 
@@ -532,3 +533,57 @@ def test_warnings_stand_before_the_answer(command, study):
     result = call(command, study)
     assert result.exit_code == 0
     assert result.stdout.splitlines()[0] == "warning: guide.dat: parameter 'q' is in no line"
+
+
+COLUMN = """PLBEAM 1 1 2 3 4
+PLBEAM 2 3 4 5 6
+X 1 0 0
+X 3 0 0.5
+X 5 0 1
+FIX 1
+FIX 2
+RLSE 1 1 2 3
+RLSE 2 1 2 3
+END
+HALT
+ESTIFF 1 1e4 {EI}
+ESTIFF 2 1e4 {EI}
+EM 1 {EI}
+EM 2 {EI}
+XF 5 0 -1
+END
+END
+"""
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("sweep", "Of 2 designs 1 are at an equilibrium that is not stable"),
+        ("tune", "The design that was found is at an equilibrium that is not stable"),
+    ],
+)
+def test_warnings_of_the_work_are_in_the_answer(command, words, tmp_path):
+    # It bears its load of 1 from EI = 4/pi^2 = 0.405 on.
+    (tmp_path / "column.dat").write_text(COLUMN)
+    (tmp_path / "own.py").write_text(
+        "import flexmb as fm\ndef height(model):\n    return fm.equilibrium(model).at('5')[1]\n"
+    )
+    study = tmp_path / "study.toml"
+    study.write_text(
+        "model = 'column.dat'\n[parameters]\nEI = { value = 2, lower = 0.36, upper = 4 }\n"
+        "[answers]\nm = { mass = true }\nheight = 'own:height'\n[tune]\nminimize = 'm'\n[sweep]\npoints = 2\n"
+    )
+    result = call(command, study, "--json", study.with_suffix(".json"))
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.startswith(f"warning: {words}")
+    assert [text.startswith(words) for text in json.loads(study.with_suffix(".json").read_text())["warnings"]] == [True]
+
+
+def test_an_incomplete_checkpoint_is_a_warning_of_the_answer(study, tmp_path):
+    call("sweep", study, "--checkpoint", tmp_path / "c")
+    with (tmp_path / "c").open("ab") as file:
+        file.write(b"half")
+    result = call("sweep", study, "--checkpoint", tmp_path / "c", "--json", "-")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert json.loads(result.stdout)["warnings"][0].startswith("The last record of checkpoint")

@@ -23,9 +23,9 @@ LENGTH, WIDTH, T, DISTANCE = 0.1, 0.018, 0.5e-3, 0.1
 DELTA = 1e-3 * LENGTH
 
 
-def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=False):
+def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=False, width=WIDTH):
     """T2 driven at half the height, P, where the force tilts nothing; its leaf springs do not stretch."""
-    leaf = fm.Rectangle(WIDTH, t, material)
+    leaf = fm.Rectangle(width, t, material)
     b = fm.Builder()
     for name, place in {"A": (0, 0), "B": (0, length), "C": (DISTANCE, length), "D": (DISTANCE, 0)}.items():
         b.node(name, place)
@@ -47,8 +47,8 @@ def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=Fal
     return b.build()
 
 
-def of_dimensions(t, length):
-    return guide(t, length)
+def of_dimensions(t, length, width=WIDTH):
+    return guide(t, length, width=width)
 
 
 EI = STEEL.E * WIDTH * T**3 / 12
@@ -56,7 +56,7 @@ EI = STEEL.E * WIDTH * T**3 / 12
 
 @pytest.fixture(scope="module")
 def page():
-    return fm.verdict(of_dimensions, {"P.x": DELTA}, dimensions={"t": T, "length": LENGTH}, steps=1)
+    return fm.verdict(of_dimensions, {"P.x": DELTA}, dimensions={"t": T, "length": LENGTH, "width": WIDTH}, steps=1)
 
 
 def test_guide_is_the_closed_form(page):
@@ -96,9 +96,15 @@ def test_the_page_says_what_limits_and_what_moves_it(page):
         assert table[name]["t"] == pytest.approx(t, rel=1e-5)
         assert table[name]["length"] == pytest.approx(length, rel=1e-5)
     assert table["parasitic y"]["length"] == pytest.approx(-1, rel=1e-5)
+    # Stress is that of any width, but for round-off, which is no advice.
+    assert abs(table["fatigue"]["width"]) < 1e-9
+    assert table["force"]["width"] == pytest.approx(1, rel=1e-9)
     rows = page.summary().rows
     assert rows["by dimension"] == "larger length (-2), smaller t (+1): percent of fatigue for one percent"
     assert rows["limits first"].startswith("none within the stroke; fatigue comes nearest, 0.0063 of it")
+    told = dataclasses.replace(found, dimensions=("width",), table=found.table[:, 2:])
+    alone = dataclasses.replace(page, sensitivities=told).summary().rows
+    assert alone["by dimension"] == "none of them moves fatigue"
     assert rows["over-constraints"] == "none"
     assert "y rigid in this model" in rows["support stiffness"]
     assert "no constant loads" in rows["stability"]
@@ -276,6 +282,26 @@ def test_no_equilibrium_ends_the_stroke():
     assert not found.good
     assert "no equilibrium was found" in found.unanswered["stroke"]
     assert dataclasses.asdict(found.limits[0])["name"] == "fatigue"
+
+
+def test_the_end_of_what_is_reached_is_found():
+    """A rigid bar of length 1 that stands on its foot: its top cannot go further than that to either side."""
+    b = fm.Builder()
+    for name, place in {"foot": (0, 0), "top": (0, 1), "wall": (0, 2)}.items():
+        b.node(name, place)
+    b.add(planar.truss, "foot", "top", name="bar", released=())
+    b.add(planar.truss, "top", "wall", name="spring", section=fm.Rigidity(EA=1.0))
+    b.mass("top", 1.0)
+    b.fix("foot")
+    b.fix("wall")
+    found = fm.verdict(b.build(), {"top.x": 1.6}, steps=4)
+    np.testing.assert_array_equal(found.stroke[1:-1], [-0.8, -0.4, 0, 0.4, 0.8])
+    # To a hundredth of the stroke that is asked: 0.0125 apart, of halves of 0.4.
+    np.testing.assert_allclose(found.stroke[[0, -1]], [-0.9875, 0.9875], rtol=1e-12)
+    told = "no equilibrium was found at -1 m (not_converged) and 1 m (not_converged)"
+    assert found.unanswered["stroke"] == told
+    assert found.summary().title == f"Verdict on top.x, -987.5 mm to 987.5 mm: no more is known, {told}"
+    assert not found.good
 
 
 def test_the_page_is_drawn(page):

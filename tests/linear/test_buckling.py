@@ -11,7 +11,7 @@ import scipy.linalg
 import flexmb as fm
 from flexmb import planar
 from flexmb.arguments import as_floats
-from flexmb.linear.buckling import multipliers_of
+from flexmb.linear.buckling import multipliers_about, multipliers_of
 from flexmb.mechanics.deformation import deformations, zero_near
 from flexmb.mechanics.loads import LoadFactors
 from flexmb.statics.sparse import balanced
@@ -208,3 +208,26 @@ def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, m
             function(model, count=1, sparse=True)
     # Euler's column of length 1, by two beams; the force across it bends it at first already.
     assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)
+
+
+@pytest.mark.parametrize("length", [0.3, 1.1, 0.123, 1 / 7])
+@pytest.mark.parametrize("count", [1, 3])
+def test_bars_along_their_own_axis_have_no_multiplier(length, count):
+    """Their curvature along the axis is the difference of two equal numbers, and what is left of it is round-off."""
+    for increment in (False, True):
+        b = fm.Builder()
+        b.node("n0", (0.0, 0.0))
+        for i in range(count):
+            b.node(f"n{i + 1}", (length * (i + 1), 0.0))
+            b.add(planar.truss, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=94.5))
+            b.fix(f"n{i + 1}", "y")
+        b.fix("n0")
+        b.force(f"n{count}", (1.0, 0.0), increment=increment)
+        model = b.build()
+        assert np.all(np.isinf(fm.buckling_loads(model)))
+        if not increment:
+            assert len(fm.buckling(model).multipliers) == 0
+            about = multipliers_about(model.topology, model.parameters, fm.linearize(model).matrices)
+            assert np.all(np.isinf(about))
+            assert np.all(np.isinf(fm.buckling_loads(model, count=1, sparse=True)))
+            assert np.all(np.isinf(fm.verdict(model, {f"n{count}.x": length / 10}, steps=1).curves["buckling"]))

@@ -158,3 +158,14 @@ def test_a_file_names_the_line_and_says_no_more_than_a_line():
     assert lines[0].startswith("text:2: X: node 1: '{1+1+")
     assert lines[1].startswith(r"text:3: X: node 3: '{t\x07}' may have")
     assert all(line.isprintable() and len(line) < 500 for line in lines)
+
+
+def test_a_file_without_names_needs_no_numbers():
+    text = "PLTRUSS 1 1 2\nX 2 1 0\nFIX 1\nFIX 2 2\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nESTIFF 1 {100 * pi}\nEND\nEND\n"
+    found = fm.read_spacar(text)
+    assert float(found.builder.members["1"].properties["section"].EA) == pytest.approx(100 * math.pi, rel=1e-15)
+    assert found.parameters == ()
+    with pytest.raises(fm.SpacarError, match=r"text:9: ESTIFF: .* there is no parameter 'k' .* by numbers=\{\.\.\} in"):
+        fm.read_spacar(text.replace("pi", "k"))
+    with pytest.raises(ValueError, match=r"'pi' is 3\.14159"):
+        fm.read_spacar(text, numbers={"pi": 3.0})

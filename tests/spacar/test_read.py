@@ -771,3 +771,22 @@ def test_signals_about_axes_have_no_keyword(tmp_path):
     builder.output("4", "rx", name="roll", local=True)
     with pytest.raises(fm.ModelError, match="output 'roll' is about an axis that turns"):
         fm.write_spacar(builder, tmp_path / "out.dat")
+
+
+def test_an_expansion_without_a_change_of_temperature_is_told(tmp_path):
+    text = BAR.replace("XM 2", "ALPHA 1 1e-5\nXM 2")
+    (warning,) = fm.read_spacar(text).warnings
+    assert warning.endswith(": ALPHA: of element 1 changes nothing: TEMP 1 value or DELTEMP 1 value warms it")
+    for warm in ("TEMP", "DELTEMP"):
+        assert fm.read_spacar(text.replace("XM 2", f"{warm} 1 20\nXM 2")).warnings == []
+    # The material of a catalogue states it, whatever is asked: nothing is written that would be told.
+    b = fm.read_spacar(BAR).builder
+    section = fm.Rectangle(0.018, 5e-4, fm.materials.stainless_301)
+    b.members["1"].properties["section"] = section
+    written = tmp_path / "bar.dat"
+    for warm in (False, True):
+        if warm:
+            b.temperature("1", 20.0)
+        fm.write_spacar(b, written)
+        assert ("ALPHA 1 1.66e-05\n" in written.read_text()) == warm
+        assert fm.read_spacar(written).warnings == []
