@@ -3083,14 +3083,14 @@ FAULTS = [
     ),
     Fault(
         "motion/march_back.py",
-        "(by_begin, by_z.at[:n].add(by_a0)),",
-        "(by_begin, by_z),",
+        "by_z.at[:n].add(by_a0)),",
+        "by_z),",
         "motion/test_march_back.py -k themselves",
     ),
-    Fault("motion/march_back.py", "    if not linear:", "    if False:", "motion/test_march_back.py -k themselves"),
+    Fault("motion/march_back.py", "    if not own.linear:", "    if False:", "motion/test_march_back.py -k themselves"),
     Fault(
         "motion/march_back.py",
-        "by_start = jax.tree.map(jnp.add, by_start, still)",
+        "by_start = jax.tree.map(jnp.add, by_start, of_still)",
         "pass",
         "motion/test_march_back.py -k by_hand",
     ),

@@ -151,7 +151,8 @@ class SparseFactors:
         """Factor a matrix whose rows and columns are multiplied by a scale; whether the factors can be trusted."""
         import scipy.sparse
 
-        self._scale, self._factors = scale, None
+        self._scale = scale
+        self._factors: Any = None
         # Not as a product of sparse matrices, which drops entries that are zero here and may not be in the next matrix.
         columns = np.repeat(scale, np.diff(matrix.indptr))
         data = matrix.data * scale[matrix.indices] * columns

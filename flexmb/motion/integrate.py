@@ -129,14 +129,16 @@ def _solved(
         onto = problem.jumps, problem.stops
         return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, moved)
 
-    def given(equations: Equations, span: Span, start: MotionState, integrator: Integrator, moved: Array):
+    def given(*own: Any) -> Any:
+        equations, span, start, integrator, moved = own
+
         def first(fast: Float[Array, ""]):
             return _first_step(integrator, fast, span.t1 - span.t0, parts, False)
 
         allowed = (integrator.rtol, integrator.atol)
         return equations, span, start, moved, allowed, first, integrator.max_steps
 
-    own = equations, Span(t0, t1, times, problem.stops), start, integrator, moved
+    own: tuple[Any, ...] = equations, Span(t0, t1, times, problem.stops), start, integrator, moved
     if problem.order is not None:
         # Its numbers are concrete: there are no derivatives.
         return march_chain(*given(*own))
@@ -304,7 +306,7 @@ def begin(problem: Problem, form: str, t: Float[Array, ""], given: Start) -> Mot
 
 
 def integrate(
-    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], given: Reached
+    problem: Problem, integrator: Integrator, span: Any, times: Float[Array, "n_t"], given: Reached
 ) -> Integrated:
     """Motion from one time to another, compiled.
 

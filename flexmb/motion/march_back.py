@@ -7,7 +7,6 @@ begin of a motion, and where it must stop, take the steps behind them along, up 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -26,7 +25,7 @@ class _Back(NamedTuple):
 
     Attributes:
         step: To go back over.
-        ready: Number of steps of its group, of which one is kept, whose begins are known; without what is kept.
+        ready: Number of steps behind the last one that is kept, up to this one, whose begins are known.
         row: Next row, from the last.
         end: Derivatives by the state at the end of the step, and by its accelerations and multipliers.
         numbers: Derivatives by the numbers of the equations that vary.
@@ -38,14 +37,95 @@ class _Back(NamedTuple):
     ready: Int[Array, ""]
     row: Int[Array, ""]
     end: tuple[MotionState, Float[Array, "r"]]
-    numbers: list[Array]
+    numbers: list[Any]
     span: Span | None
-    tape: Tape
+    tape: Tape | None
+
+
+class _Way(NamedTuple):
+    """What the way back goes over.
+
+    Attributes:
+        equations: Equations of motion.
+        linear: Whether a step of no length at the start finds its accelerations and multipliers.
+        times: Times of the motion.
+        rows: Derivatives by its states.
+    """
+
+    equations: Varied
+    linear: bool
+    times: Span
+    rows: MotionState
+
+    def stepped(self, numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array, known: Any):
+        """State, accelerations and multipliers at the end of a step."""
+        of: Equations = self.equations.whole(numbers)
+        n = state.u.shape[0]
+        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z, known)
+        after = of.settle(t1, taken.end, taken.by_z[:n, :n])
+        return jax.tree.map(lambda a, b: jnp.where(known, a, b), after, state), taken.z
+
+    def over_rows(self, ends: Any, row: Any, by: tuple[Any, ...]):
+        """Derivatives by the rows in a step, from the last one, added to those by its ends and by their times."""
+        every = self.times.times
+
+        def within(at: tuple[Any, Any]):
+            return (at[0] >= 0) & (every[jnp.maximum(at[0], 0)] > ends[0][0])
+
+        def added(at: tuple[Any, Any]):
+            row, (by_ends, by_times) = at
+            _, pull = jax.vjp(lambda ends, t: between(ends[0], ends[1], ends[2], t), ends, every[row])
+            of_ends, of_time = pull(jax.tree.map(lambda rows: rows[row], self.rows))
+            by_ends = jax.tree.map(jnp.add, by_ends, of_ends)
+            return row - 1, (by_ends, None if by_times is None else by_times.at[row].add(of_time))
+
+        return jax.lax.while_loop(within, added, (row, by))
+
+    def turn(self, m: _Back) -> _Back:
+        """Back over one step, or on from one that is kept to where the step begins."""
+        tape: Any = m.tape
+        first = m.step - (m.step - tape.kept) % tape.apart
+        filling = (m.step >= tape.kept) & (first + m.ready < m.step)
+        step = jnp.where(filling, first + m.ready, m.step)
+        t0, t1 = jnp.where(step == 0, self.times.t0, tape.ends[jnp.maximum(step - 1, 0)]), tape.ends[step]
+        known = (step > 0) if self.linear else True
+        state, z = tape.at(tape.place(step))
+        n = state.u.shape[0]
+
+        def stepped(numbers: list[Any], state: MotionState, z: Array, *times: Array):
+            begin, end = times or (t0, t1)
+            return self.stepped(numbers, state, z, begin, end, known)
+
+        varied = () if m.span is None else (t0, t1)
+        (after, z1), pull = jax.vjp(stepped, self.equations.numbers, state, z, *varied)
+        ends = (t0, t1), (state, after), (z[:n], z1[:n])
+        by = jax.tree.map(jnp.zeros_like, ends), None if m.span is None else m.span.times
+        row, (by_ends, by_rows) = self.over_rows(ends, jnp.where(filling, -1, m.row), by)
+        (by_t0, by_t1), (by_state, by_after), (by_a0, by_a1) = by_ends
+        after_all = jax.tree.map(jnp.add, m.end[0], by_after)
+        numbers, by_begin, by_z, *by_times = pull((after_all, m.end[1].at[:n].add(by_a1)))
+        span = m.span
+        if span is not None:
+            span = _added(span._replace(times=by_rows), self.times, t0, by_times[0] + by_t0)
+            span = _added(span, self.times, t1, by_times[1] + by_t1)
+        back = _Back(
+            m.step - 1,
+            jnp.where(m.step - 1 < first, 0, m.ready),
+            row,
+            (jax.tree.map(jnp.add, by_begin, by_state), by_z.at[:n].add(by_a0)),
+            jax.tree.map(jnp.add, m.numbers, numbers),
+            span,
+            None,
+        )
+        on = m._replace(ready=m.ready + 1, tape=None)
+        chosen = jax.tree.map(lambda a, b: jnp.where(filling, a, b), on, back)
+        place = jnp.where(filling & (m.step >= 0), tape.place(step + 1), tape.room - 1)
+        return chosen._replace(tape=tape.put(place, after, z1))
 
 
 def march_back(
     equations: Varied, span: Varied, start: Varied, tape: Tape, changes: Marched
-) -> tuple[list[Array], list[Array], list[Array]]:
+) -> tuple[list[Any], list[Any], list[Any]]:
     """Derivatives by numbers of the equations, by times and by the start of a motion.
 
     Args:
@@ -61,112 +141,26 @@ def march_back(
     own: Equations = equations.whole(equations.numbers)
     times: Span = span.whole(span.numbers)
     begin: MotionState = start.whole(start.numbers)
-    n, linear = begin.u.shape[0], own.linear
-
-    def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array, known: Any):
-        """What a step leads to, the one of no length at the start, that finds z, as well."""
-        of: Equations = equations.whole(numbers)
-        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z, known)
-        after = of.settle(t1, taken.end, taken.by_z[:n, :n])
-        return jax.tree.map(lambda a, b: jnp.where(known, a, b), after, state), taken.z
-
-    def over_rows(ends: tuple[Any, ...], row: Any, by: tuple[Any, ...]):
-        """Derivatives of the rows in a step, from the last one, added to those by its ends."""
-
-        def within(at: tuple[Any, Any]):
-            return (at[0] >= 0) & (times.times[jnp.maximum(at[0], 0)] > ends[0][0])
-
-        def added(at: tuple[Any, Any]):
-            row, (by_ends, by_times) = at
-            by_row = jax.tree.map(lambda rows: rows[row], changes.states)
-            _, pull = jax.vjp(lambda ends, t: between(*ends, t), ends, times.times[row])
-            of_ends, of_time = pull(by_row)
-            by_ends = jax.tree.map(jnp.add, by_ends, of_ends)
-            return row - 1, (by_ends, None if by_times is None else by_times.at[row].add(of_time))
-
-        return jax.lax.while_loop(within, added, (row, by))
-
-    def turn(m: _Back) -> _Back:
-        tape = m.tape
-        # Of a step that is not kept, those from the last one that is are taken first.
-        first = m.step - (m.step - tape.kept) % tape.apart
-        filling = (m.step >= tape.kept) & (first + m.ready < m.step)
-        step = jnp.where(filling, first + m.ready, m.step)
-        t0, t1 = jnp.where(step == 0, times.t0, tape.ends[jnp.maximum(step - 1, 0)]), tape.ends[step]
-        known = (step > 0) if linear else True
-        state, z = tape.at(tape.place(step))
-        if m.span is None:
-            (after, z1), pull = jax.vjp(
-                lambda numbers, state, z: stepped(numbers, state, z, t0, t1, known), m_numbers, state, z
-            )
-        else:
-            (after, z1), pull = jax.vjp(
-                lambda numbers, state, z, t0, t1: stepped(numbers, state, z, t0, t1, known),
-                m_numbers,
-                state,
-                z,
-                t0,
-                t1,
-            )
-        ends = (t0, t1), (state, after), (z[:n], z1[:n])
-        by = jax.tree.map(jnp.zeros_like, ends), None if m.span is None else m.span.times
-        row, (by_ends, by_times) = over_rows(ends, jnp.where(filling, -1, m.row), by)
-        (by_t0, by_t1), (by_state, by_after), (by_a0, by_a1) = by_ends
-        after_all = jax.tree.map(jnp.add, m.end[0], by_after)
-        numbers, by_begin, by_z, *by_time = pull((after_all, m.end[1].at[:n].add(by_a1)))
-        by_begin = jax.tree.map(jnp.add, by_begin, by_state)
-        found = _Back(
-            m.step - 1,
-            jnp.where(m.step - 1 < first, 0, m.ready),
-            row,
-            (by_begin, by_z.at[:n].add(by_a0)),
-            jax.tree.map(jnp.add, m.numbers, numbers),
-            m.span,
-            tape,
-        )
-        if m.span is not None and by_time:
-            spread = m.span._replace(times=by_times)
-            spread = _added(spread, times, t0, by_time[0] + by_t0)
-            found = found._replace(span=_added(spread, times, t1, by_time[1] + by_t1))
-        going = m.step >= 0
-        # What was taken only to know where a later one begins.
-        only = m._replace(ready=m.ready + 1)
-        put = tape.put(jnp.where(filling & going, tape.place(step + 1), tape.room - 1), after, z1)
-        chosen = jax.tree.map(
-            lambda a, b: jnp.where(filling, a, b), only._replace(tape=None), found._replace(tape=None)
-        )
-        return chosen._replace(tape=put)
-
-    m_numbers = equations.numbers
-    nothing = jax.tree.map(jnp.zeros_like, (begin, tape.z[0]))
-    none = None if not span.numbers else jax.tree.map(jnp.zeros_like, times)
-    m = _Back(
-        tape.count - 1,
-        jnp.zeros((), jnp.int32),
-        tape.saved - 1,
-        nothing,
-        jax.tree.map(jnp.zeros_like, m_numbers),
-        none,
-        tape,
-    )
-    m = whole_loop(lambda m: m.step >= 0, turn, m)
-    by_start, by_z = m.end
-    numbers = m.numbers
-    if not linear:
+    saved: Any = tape.saved
+    nothing, none = jax.tree.map(jnp.zeros_like, ((begin, tape.z[0]), equations.numbers))
+    by_span = jax.tree.map(jnp.zeros_like, times) if span.numbers else None
+    m = _Back(tape.steps - 1, jnp.zeros((), jnp.int32), saved - 1, nothing, none, by_span, tape)
+    m = whole_loop(lambda m: m.step >= 0, _Way(equations, own.linear, times, changes.states).turn, m)
+    (by_start, by_z), numbers, by_span = m.end, m.numbers, m.span
+    if not own.linear:
         # Found before the first step.
         def found(numbers: list[Any], state: MotionState, t0: Array):
-            return equations.whole(numbers).acceleration(t0, state)[0]
+            of: Equations = equations.whole(numbers)
+            return of.acceleration(t0, state)[0]
 
-        _, pull = jax.vjp(found, m_numbers, begin, times.t0)
-        more, by_state, by_t0 = pull(by_z)
-        numbers = jax.tree.map(jnp.add, numbers, more)
-        by_start = jax.tree.map(jnp.add, by_start, by_state)
-        none = None if m.span is None else _added(m.span, times, times.t0, by_t0)
-    else:
-        none = m.span
-    still = jax.tree.map(lambda rows: jnp.where(tape.still[:, None], rows, 0.0).sum(axis=0), changes.states)
-    by_start = jax.tree.map(jnp.add, by_start, still)
-    return numbers, _of(span, none), _of(start, by_start)
+        _, pull = jax.vjp(found, equations.numbers, begin, times.t0)
+        *more, by_t0 = pull(by_z)
+        numbers, by_start = jax.tree.map(jnp.add, (numbers, by_start), tuple(more))
+        by_span = None if by_span is None else by_span._replace(t0=by_span.t0 + by_t0)
+    still: Any = tape.still
+    of_still = jax.tree.map(lambda rows: jnp.where(still[:, None], rows, 0.0).sum(axis=0), changes.states)
+    by_start = jax.tree.map(jnp.add, by_start, of_still)
+    return numbers, _of(span, by_span), _of(start, by_start)
 
 
 def _added(by: Span, times: Span, t: Array, change: Array) -> Span:
@@ -194,10 +188,4 @@ def _of(argument: Varied, by: Any) -> list[Array]:
     """Derivatives by the numbers that vary, of those by all of an argument."""
     if not argument.numbers:
         return []
-    marked = argument.whole([_Mark() for _ in argument.numbers])
-    whole: Sequence[Any] = jax.tree.leaves(marked)
-    return [own for own, mark in zip(jax.tree.leaves(by), whole, strict=True) if isinstance(mark, _Mark)]
-
-
-class _Mark:
-    """Stands for a number that varies."""
+    return [own for own, varies in zip(jax.tree.leaves(by), argument.varies, strict=True) if varies]

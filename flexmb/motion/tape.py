@@ -40,7 +40,7 @@ class Tape(NamedTuple):
         states: States at their begins, of those that are kept; behind these a place for what is not, and room for
             those from one that is kept to the next.
         z: Accelerations and multipliers there.
-        count: Number of steps.
+        steps: Number of steps.
         saved: Number of rows that were saved.
         still: Which rows are the start itself, (n_t,).
     """
@@ -48,7 +48,7 @@ class Tape(NamedTuple):
     ends: Float[Array, "most"]
     states: MotionState
     z: Float[Array, "places r"]
-    count: Int[Array, ""]
+    steps: Int[Array, ""]
     saved: Int[Array, ""] | None = None
     still: Bool[Array, "n_t"] | None = None
 
@@ -84,11 +84,11 @@ class Tape(NamedTuple):
             z: Accelerations and multipliers there, (n + m,).
             taken: Whether it was.
         """
-        place, last = self.place(self.count), self.ends.shape[0] - 1
+        place, last = self.place(self.steps), self.ends.shape[0] - 1
         # What was not taken is overwritten by what is.
         place = jnp.where(place < self.room, place, self.room - 1)
-        ends = self.ends.at[jnp.where(taken, self.count, last)].set(end)
-        return self.put(place, state, z)._replace(ends=ends, count=self.count + taken.astype(jnp.int32))
+        ends = self.ends.at[jnp.where(taken, self.steps, last)].set(end)
+        return self.put(place, state, z)._replace(ends=ends, steps=self.steps + taken.astype(jnp.int32))
 
     def put(self, place: Int[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tape:
         """The tape with a state, and what belongs to it, at a place."""

@@ -32,7 +32,7 @@ class Oscillator(NamedTuple):
     size, states, unknowns, cubic = 1, 0, 1, 0.0
 
     @property
-    def linear(self):
+    def linear(self) -> bool:
         return True
 
     def residual(self, t, state, z):
@@ -63,7 +63,7 @@ class Unsettled(Oscillator):
     """The same, whose first accelerations are asked for."""
 
     @property
-    def linear(self):
+    def linear(self) -> bool:
         return False
 
 
@@ -173,7 +173,7 @@ def test_a_tape_finds_its_places(monkeypatch):
     for step in range(most + 1):
         state = MotionState(jnp.full(1, float(step)), jnp.zeros(1), jnp.zeros(0))
         own = own.with_step(step + 0.5, state, jnp.zeros(2), jnp.array(True))
-    assert int(own.count) == most + 1
+    assert int(own.steps) == most + 1
     np.testing.assert_array_equal(own.ends[: most + 1], np.arange(most + 1) + 0.5)
     kept = [step for step in range(most + 1) if step < 4 or (step - 4) % own.apart == 0]
     assert own.apart == 5
