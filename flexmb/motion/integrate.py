@@ -150,9 +150,10 @@ def _solved(
         return march(*given(*own), taped=True, kinks=kinks_of(own[0]))
 
     def back(parts: list[Varied], tape: Tape, changes: Marched):
+        equations, span, start, *rest = parts
         # The tolerances and what came before choose the steps, which are as they are.
-        rest = [[jnp.zeros_like(number) for number in part.numbers] for part in parts[3:]]
-        return *march_back(*parts[:3], tape, changes), *rest
+        none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
+        return *march_back(equations, span, start, tape, changes), *none
 
     return with_derivative(plain, ahead, back, *own)
 
