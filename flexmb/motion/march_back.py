@@ -137,6 +137,9 @@ def march_back(
 
     Returns:
         Derivatives by the numbers of each that vary.
+
+    Source:
+        THEORY.md 10, eq. (10.5).
     """
     own: Equations = equations.whole(equations.numbers)
     times: Span = span.whole(span.numbers)
