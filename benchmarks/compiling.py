@@ -7,6 +7,7 @@ that of a second answer: from nothing, for a cache, and with it, and of the whol
 seven.
 """
 
+import dataclasses
 import json
 import os
 import statistics
@@ -27,6 +28,7 @@ ANSWERS = (
     "motion of a guide in space",
     "motion of a beam in space",
     "motion of a spectral beam in space",
+    "derivative of the motion of a guide in the plane",
 )
 WAYS = ("from nothing", "for a cache", "with it")
 WHOLE = "whole process with it, above import jax.numpy"
@@ -81,6 +83,7 @@ def answered(what: str, folder: str = "") -> tuple[float, float, float]:
     """
     import time
 
+    import jax
     import numpy as np
 
     import flexmb as fm
@@ -110,12 +113,25 @@ def answered(what: str, folder: str = "") -> tuple[float, float, float]:
     times = np.linspace(0, 1e-3, 11)
     # Names are loaded when they are asked for.
     name, *arguments = {"equilibrium": ("equilibrium",), "path": ("path",), "motion": ("simulate", times)}[
-        what.split()[0]
+        "motion" if "motion" in what else what.split()[0]
     ]
+
+    def asked(model: Any) -> Any:
+        return getattr(fm, name)(model, *arguments).x
+
+    def derivative(model: Any) -> Any:
+        def last(share: Any):
+            scaled = jax.tree.map(lambda number: share * number, model.parameters.properties)
+            parameters = dataclasses.replace(model.parameters, properties=scaled)
+            return asked(dataclasses.replace(model, parameters=parameters))[-1].sum()
+
+        return jax.grad(last)(1.0)[None]
+
+    question = derivative if what.startswith("derivative") else asked
 
     def once() -> tuple[float, np.ndarray]:
         start = time.process_time()
-        found = np.asarray(getattr(fm, name)(model, *arguments).x)
+        found = np.asarray(question(model))
         return time.process_time() - start, found.reshape(-1, found.shape[-1])[-1]
 
     first, found = once()
@@ -166,7 +182,7 @@ def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
                 times[way].append(taken)
             times.setdefault(WHOLE, []).append(found["with it"][2] - _said("imported")[0])
         medians[what] = {way: statistics.median(own) for way, own in times.items()}
-        print(f"{what:<42}" + "".join(f"{taken:7.2f} s {way}" for way, taken in medians[what].items()), flush=True)
+        print(f"{what:<50}" + "".join(f"{taken:7.2f} s {way}" for way, taken in medians[what].items()), flush=True)
     return medians
 
 

@@ -33,6 +33,8 @@ STEADY_TOLERANCE = 1e-9
 # A motion is steady whose equations are the same when what is prescribed has gone on so far (extents, radians), but for
 # such a share.
 ONWARDS, SAME = 0.1, 1e-6
+# Of entries less than this share of the largest, round-off of the others would be seen.
+BESIDE = 1e-8
 
 
 def linearize_motion(motion: Motion) -> Linearization:
@@ -143,6 +145,10 @@ def _speed(
     return jnp.max(jnp.abs(speeds), initial=0.0)
 
 
+def _diagonal(pair: list[np.ndarray]) -> np.ndarray:
+    return np.abs(np.diag(pair[0]))
+
+
 def _warn_of_change(numbers: tuple[Any, ...], found: Matrices, time: float) -> None:
     """Warn where the equations are others a little later."""
     speed = float(_speed(*numbers, jnp.asarray(time, float)))
@@ -153,11 +159,15 @@ def _warn_of_change(numbers: tuple[Any, ...], found: Matrices, time: float) -> N
         [np.asarray(sum(getattr(of, name) for name in names)) for of in (found, later)]
         for names in (("M0",), ("C0", "D0"), ("K0", "N0", "G0"))
     )
-    heavy, stiff = (np.max(np.abs(pair[0]), initial=0.0) for pair in (mass, stiffness))
-    # Rates are measured by what is critical damping too: they may be round-off alone.
-    between = max(np.sqrt(heavy * stiff), np.max(np.abs(rates[0]), initial=0.0))
-    pairs = ((mass, heavy), (rates, between), (stiffness, stiff))
-    change = max(np.max(np.abs(one - other), initial=0.0) / (size or 1.0) for (one, other), size in pairs)
+    # Each entry beside those of its row and column on the diagonal: they are of different units.
+    heavy, stiff = (
+        np.sqrt(np.maximum(own, BESIDE * np.max(own, initial=0.0))) for own in map(_diagonal, (mass, stiffness))
+    )
+    sizes = np.outer(heavy, heavy), np.maximum(np.outer(heavy, stiff), np.outer(stiff, heavy)), np.outer(stiff, stiff)
+    pairs = zip((mass, rates, stiffness), sizes, strict=True)
+    change = max(
+        np.max(np.abs(one - other) / np.where(size > 0, size, 1.0), initial=0.0) for (one, other), size in pairs
+    )
     if int(later.result) != RESULTS.successful or change > SAME:
         warn(
             "These degrees of freedom do not rest in this motion: as it goes on, the linearised equations change"

@@ -85,6 +85,9 @@ def balanced_chain(
 def pivots_tell_unstable_chain(topology: Topology, pivots: Pivots) -> bool:
     """Whether more pivots of a symmetric stiffness are negative than constraints make so, by round-off perhaps."""
     joints = np.asarray(pivots.joints)
+    if not np.all(np.isfinite(joints)):
+        # Nothing is loaded, and no stiffness was asked for.
+        return False
     # Metres and radians are made alike, which changes no sign.
     scale = 1 / np.sqrt(np.maximum(np.max(np.abs(joints), axis=1), np.finfo(float).tiny))
     joints = joints * np.outer(scale, scale)

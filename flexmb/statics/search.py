@@ -16,7 +16,7 @@ from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, has_loads, is_idle, nodal_forces, scaled_loads
-from ..mechanics.stress_resultants import free_deformations
+from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
@@ -115,17 +115,17 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
     bending = jnp.where(jnp.any(s.soft != 0), bending, uneven)
     none = jnp.zeros(len(held))
     right = jnp.stack([jnp.concatenate([lacking[free], excess[held]]), jnp.concatenate([bending, none])], axis=1)
-    if has_loads(topology, parameters):
-        # Loads may happen to be zero.
-        nothing_pulls = is_idle(topology, parameters, target) & jnp.all(lacking[free] == 0) & jnp.all(excess[held] == 0)
-    else:
+    loaded, still = has_loads(topology, parameters), s.iterations == 0
+    if loaded:
+        still = still & is_idle(topology, parameters, target) & jnp.all(x == parameters.reference)
+    if not loaded or is_nonlinear_at_rest(topology):
         # What round-off of the deformations pulls.
         sized = [(r, c, jnp.abs(d)) for r, c, d in found.constraints]
         error = ROUND_OFF * along(n_e, sized, found.sizes)
         largest = jnp.abs(jax.jvp(lambda e: elastic_stress(topology, parameters, factors, e), (strained,), (error,))[1])
         pulled = along(n_x, [(c, r, jnp.abs(d)) for c, r, d in transposed], largest)
-        nothing_pulls = jnp.all(jnp.abs(lacking[free]) <= pulled[free])
-    return LinearEquations(found._replace(elastic=[]), right, e), (s.iterations == 0) & nothing_pulls
+        still = still & jnp.all(jnp.abs(lacking[free]) <= pulled[free])
+    return LinearEquations(found._replace(elastic=[]), right, e), still
 
 
 @kernel

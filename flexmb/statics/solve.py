@@ -131,7 +131,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
     sizes = sizes_of(topology, parameters)
     tracks = topology.counts_turns
     loaded = has_loads(topology, parameters)
-    idle = is_idle(topology, parameters, target) if loaded else True
+    idle, laws = is_idle(topology, parameters, target), is_nonlinear_at_rest(topology)
     # What is moved goes by steps, of which a pendulum's fall has no need.
     moved = topology.x.prescribed.shape[0] + topology.e.prescribed.shape[0] > 0
     falls = topology.n_q > 0 and not moved and parameters.loads.temperature is None
@@ -152,9 +152,12 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         energy = soft @ k0 @ soft
         dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
         change = onto + at.transfer.DFx @ dq
-        # Where loads are zero and laws pull nothing, no stiffness is asked for.
-        nothing_pulls = idle & jnp.all(residual == 0) if loaded else _is_round_off(at, residual, sizes)
-        still = (s.iterations == 0) & nothing_pulls
+        # Undeformed, where loads are zero and laws pull nothing, no stiffness is asked for.
+        still = s.iterations == 0
+        if loaded:
+            still = still & idle & jnp.all(s.trial == parameters.reference)
+        if not loaded or laws:
+            still = still & _is_round_off(at, residual, sizes)
         change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
         first = jnp.where(s.tries == 0, size, s.first)

@@ -316,6 +316,17 @@ def test_a_load_that_happens_to_be_zero_asks_for_no_stiffness(sparse):
     np.testing.assert_allclose(named[3], plain[3], rtol=1e-9)
 
 
+def test_a_rigid_arm_with_a_load_that_happens_to_be_zero():
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1.0, 0))
+    b.rotation("r")
+    b.add(planar.rigid_beam, "a", "r", "b")
+    b.fix("a")
+    b.force("b", (0.0, 0.0))
+    np.testing.assert_array_equal(fm.equilibrium(b.build(check=False), sparse=True).x, [0, 0, 1, 0, 0])
+
+
 def named(place):
     return "n" + "".join(map(str, place))
 

@@ -101,3 +101,17 @@ def test_wrong_calls_are_named(given, words):
         fm.equilibria(pushed(), **{"increment": 0.0, **given})
     with pytest.raises(fm.ModelError, match="no incremental loads"):
         fm.equilibria(truss().build(), increment=[0.1])
+
+
+def test_a_stroke_goes_back_to_nothing():
+    """From a state to one without any load or stroke: that of a bar that stands where it stood."""
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1.0, 0))
+    b.fix("a", "y")
+    b.fix("b", "y")
+    b.add(planar.truss, "a", "b", name="bar", section=fm.Rigidity(EA=1e3))
+    b.prescribe("a", "x", 1.0, increment=True)
+    b.dof("bar", 1)
+    found = fm.equilibria(b.build(), increment=np.array([0.0, 0.2, 0.0]))
+    np.testing.assert_allclose(found.x[:, [0, 2]], [[0, 1], [0.2, 1.2], [0, 1]], rtol=0, atol=1e-12)
