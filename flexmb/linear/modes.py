@@ -107,8 +107,9 @@ def refuse_unsymmetric(symmetric: bool) -> None:
     """
     if not symmetric:
         raise NotImplementedError(
-            "Loads or laws without a potential, such as moments about fixed axes in space, make the stiffness"
-            " unsymmetric, so that frequencies may be complex: ask for fm.poles of the same instead."
+            "Loads or laws without a potential, such as moments about fixed axes in space, or the speed of a state of"
+            " motion make the stiffness unsymmetric, so that frequencies may be complex: ask for fm.poles of the same"
+            " instead."
         )
 
 

@@ -42,6 +42,8 @@ def with_property(
     wanted = [name for name, *_ in labels.elements if name in having] if elements is None else list(elements)
     if strangers := [name for name in wanted if name not in having]:
         raise ModelError(f"Element '{strangers[0]}' has no property '{path}' that is one number.")
+    if elements is not None and not wanted:
+        raise ModelError("Argument `elements` is empty: name elements, or leave it out for all that have the property.")
     if not wanted:
         raise ModelError(f"No element of this model has a property '{path}' that is one number.")
     place = {name: i for i, name in enumerate(wanted)}
