@@ -42,7 +42,7 @@ class _Back(NamedTuple):
     tape: Tape | None
 
 
-class _Way(NamedTuple):
+class _WayBack(NamedTuple):
     """What the way back goes over.
 
     Attributes:
@@ -148,7 +148,7 @@ def march_back(
     nothing, none = jax.tree.map(jnp.zeros_like, ((begin, tape.z[0]), equations.numbers))
     by_span = jax.tree.map(jnp.zeros_like, times) if span.numbers else None
     m = _Back(tape.steps - 1, jnp.zeros((), jnp.int32), saved - 1, nothing, none, by_span, tape)
-    m = whole_loop(lambda m: m.step >= 0, _Way(equations, own.linear, times, changes.states).turn, m)
+    m = whole_loop(lambda m: m.step >= 0, _WayBack(equations, own.linear, times, changes.states).turn, m)
     (by_start, by_z), numbers, by_span = m.end, m.numbers, m.span
     if not own.linear:
         # Found before the first step.
