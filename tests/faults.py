@@ -3102,8 +3102,8 @@ FAULTS = [
     ),
     Fault(
         "motion/march_back.py",
-        "filling = (m.step >= tape.kept) & (first",
-        "filling = (m.step < 0) & (first",
+        "filling = first + m.ready < m.step",
+        "filling = m.step < -1",
         "motion/test_march_back.py -k long",
     ),
     Fault(

@@ -84,8 +84,8 @@ class _WayBack(NamedTuple):
     def turn(self, m: _Back) -> _Back:
         """Back over one step, or on from one that is kept to where the step begins."""
         tape: Any = m.tape
-        first = m.step - (m.step - tape.kept) % tape.apart
-        filling = (m.step >= tape.kept) & (first + m.ready < m.step)
+        first = tape.last_kept(m.step)
+        filling = first + m.ready < m.step
         step = jnp.where(filling, first + m.ready, m.step)
         t0, t1 = jnp.where(step == 0, self.times.t0, tape.ends[jnp.maximum(step - 1, 0)]), tape.ends[step]
         known = (step > 0) if self.linear else True

@@ -53,11 +53,6 @@ class Tape(NamedTuple):
     still: Bool[Array, "n_t"] | None = None
 
     @property
-    def kept(self) -> int:
-        """So many steps from the first are kept."""
-        return KEPT
-
-    @property
     def apart(self) -> int:
         """Distance of those that are kept behind the first ones, in steps."""
         return _apart(self.ends.shape[0])
@@ -66,6 +61,10 @@ class Tape(NamedTuple):
     def room(self) -> int:
         """Where the room for those from one that is kept to the next begins."""
         return self.z.shape[0] - self.apart
+
+    def last_kept(self, step: Int[Array, ""]) -> Int[Array, ""]:
+        """The step itself if it is kept, or the last one before it that is."""
+        return step - jnp.where(step < KEPT, 0, (step - KEPT) % self.apart)
 
     def place(self, step: Int[Array, ""]) -> Int[Array, ""]:
         """Where a step is to be found, once the room holds those from the last one that is kept."""
