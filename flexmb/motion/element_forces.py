@@ -394,15 +394,24 @@ def acting_matrices(
     sigma = stress(kinematics.e, kinematics.ed)
     forces, rows, masses = [], [], []
     for block, (_, _, (_, sdd)), (d, j) in found:
+        forces += _pulled_by(block, sigma, sdd, d, j)
         if d is not None:
-            forces.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
             rows.append((block.e, block.x, d))
         if j is not None:
-            forces.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
             masses.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
     n_x = at.x.shape[0]
     acting = Acting(kinematics, sigma, scatter_vector(n_x, forces))
     return acting, scatter_matrix((at.near.shape[0], n_x), rows), scatter_matrix((n_x, n_x), masses)
+
+
+def _pulled_by(block: PreparedBlock, sigma: Float[Array, "n_e"], sdd: Any, d: Any, j: Any):
+    """D_x^T sigma and J^T H s_ddot of every element, those that there are, each with its coordinates."""
+    found = []
+    if d is not None:
+        found.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
+    if j is not None:
+        found.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
+    return found
 
 
 def _derived_forces(
@@ -506,11 +515,11 @@ def force_derivatives(
         Derivative of :func:`acting_forces`.
     """
     n_e, n_x = at.near.shape[0], at.x.shape[0]
-    kinematics, sigma, found = element_derivatives(elements, at, falling, stress, tangents)
+    acting, found = element_derivatives(elements, at, falling, stress, tangents)
     rows = [(block.e, block.x, rows) for block, rows, _ in found if rows is not None]
     by_e = scatter_matrices((n_e, n_x), rows, 3)
     forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in found], 3)
-    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], kinematics, sigma)
+    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], acting.kinematics, acting.sigma)
 
 
 def element_derivatives(
@@ -523,18 +532,19 @@ def element_derivatives(
     """As :func:`force_derivatives`, of each element by itself; arguments as there.
 
     Returns:
-        Kinematics, stress resultants, and of each block it, the derivatives of deformations, rates and second rates by
-        the element's coordinates (None where it does not deform), and those of the forces by coordinates, velocities
-        and accelerations.
+        Acting forces, and of each block it, the derivatives of deformations, rates and second rates by the element's
+        coordinates (None where it does not deform), and those of the forces by coordinates, velocities and
+        accelerations.
     """
     found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
-    derived = []
+    derived, forces = [], []
     for each in found:
-        block = each[0]
+        block, (_, _, (_, sdd)), (jacobians, *_) = each
+        forces += _pulled_by(block, sigma, sdd, *jacobians)
         own = [None if of is None or not block.e.shape[1] else _own(block, of) for of in (stiffness, damping)]
         of = _of_elements(at, sigma, each, *own)
         derived.append((block, None if of.e is None else (of.e, of.ed, of.edd), (of.by_x, of.by_v, of.mass)))
-    return kinematics, sigma, derived
+    return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces)), derived

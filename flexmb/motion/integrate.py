@@ -282,9 +282,9 @@ def _started(
     if isinstance(given, MotionState):
         return given, fine
     start = equations.state_of(*given)
-    form = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     if problem.still or not driving(problem.model.parameters, problem.driven):
         return start, fine
+    form = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     # What is driven takes the rest along; where degrees of freedom do not say how, by the least change.
     state = equations.settle(t, start)
     extent = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)

@@ -44,13 +44,15 @@ class _Carried(NamedTuple):
         v: Derivative of the velocities by the positions; of the accelerations by the velocities it is twice this. None
             where the coordinates are what moves.
         a: Derivative of the accelerations by the positions.
-        passed: Derivative of way and turn of each beam.
+        ways: Way and turn of each beam.
+        passed: Derivative of these.
     """
 
     at: AllCoordinates
     x: Float[Array, "n_x n"]
     v: Float[Array, "n_x n"] | None
     a: Float[Array, "n_x n"] | None
+    ways: Float[Array, "beams way_and_turn"] | None
     passed: Float[Array, "beams way_and_turn n"] | None
 
 
@@ -148,7 +150,7 @@ class TreeForm(Record):
         poses, places = self.tree.felt, self.places
         at = self.form.whole(t, u, w, a)
         if poses is None:
-            return _Carried(at, places, None, None, None)
+            return _Carried(at, places, None, None, None, None)
         found = [_derived_passage_rates(one, at) for one in self.felt]
         ways = _joined([ways for ways, _ in found])
         own = zip(self.felt, [slopes for _, slopes in found], strict=True)
@@ -161,7 +163,7 @@ class TreeForm(Record):
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
         derivatives: Any = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
         by_x, by_v, by_a = derivatives
-        return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, slopes[0])
+        return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, ways[0], slopes[0])
 
     def turned(self, t: Float[Array, ""], u: Float[Array, "n"], to: _Carried, force: Float[Array, "n_x"]):
         """Derivative by what moves of what nodal forces, (n_x,) [N, N m], do along it, (n, n)."""
@@ -172,7 +174,7 @@ class TreeForm(Record):
         def pulled(x: Float[Array, "n_x"], y: Float[Array, "beams k"]):
             return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
 
-        y = passed(self.felt, x)
+        y: Any = to.ways
         of_x, of_y = jax.vmap(lambda *own: jax.jvp(pulled, (x, y), own)[1], (1, 2), (1, 2))(places, to.passed)
         found = places.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
         weights, first = pulled(x, y)[1], 0
@@ -251,15 +253,14 @@ class TreeForm(Record):
             return [None if of is None else put(of, form.held, 0.0) for of in form.tangents(t, e, ed)]
 
         stress = self.stress_of(t, z[n:])
-        _, _, found = element_derivatives(form.elements, moving, form.falling, stress, following)
+        acting, found = element_derivatives(form.elements, moving, form.falling, stress, following)
         every = sum(_along(to, block.x, squares) for block, _, squares in found)
         by_u, by_w, mass = jnp.split(every, 3, axis=1)
         loads = self.by_loads(t, at.x)
         if loads is not None:
             by_u = by_u - to.x.T @ loads @ to.x
         if to.v is not None:
-            _, force = self.forces(t, at, state.memory, z[n:])
-            by_u = by_u + self.turned(t, state.u, to, force)
+            by_u = by_u + self.turned(t, state.u, to, acting.force - form.applied(t, at.x))
         rows = jnp.zeros((0, n))
         if self.tree.held_places.shape[0]:
             pieces = [(block.e, _rows_along(to, block.x, own)) for block, own, _ in found if own is not None]
