@@ -37,7 +37,9 @@ def save_motion(motion: Motion, path: str | os.PathLike) -> None:
     labels = motion.labels
     arrays["x_names"] = np.array([str(entry) for entry in labels.x])
     arrays["e_names"] = np.array([str(entry) for entry in labels.e])
-    arrays["u_names"] = np.array([signal.name for signal in labels.inputs], dtype=str)
+    names = [signal.name for signal in labels.inputs]
+    # Without a controller there is no column.
+    arrays["u_names"] = np.array(names if arrays["u"].shape[1] else [], dtype=str)
     about = {
         "flexmb": __version__,
         "units": {name: unit for name, unit in UNITS.items() if name in arrays},

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..arguments import check_number, check_numbers, check_whole
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearized
+from ..math.derivative import DIFFERENTIATED
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import total_mass
 from ..model.model import Model, as_model
@@ -122,9 +123,9 @@ def settling_time(
     begin, end = jnp.asarray(times)[last], jnp.asarray(times)[after]
     before, past = jnp.abs(y[last]) - level, side * y[after] - level
     t = begin + (end - begin) * before / jnp.where(before == past, 1.0, before - past)
-    for _ in range(4):
-        # From a fixed time, so that the last step carries the whole derivative.
-        t = jnp.clip(jax.lax.stop_gradient(t), begin, end)
+    for i in range(4):
+        # The last steps carry the derivatives, from a fixed time.
+        t = jnp.clip(t if i > 4 - DIFFERENTIATED else jax.lax.stop_gradient(t), begin, end)
         at = _exponential(a * (t - begin)) @ z[last]
         rate = side * (c @ a @ at)
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)

@@ -13,6 +13,10 @@ from jax.custom_derivatives import SymbolicZero
 
 from ..compilation.compile import is_staged, jit_beside_options
 
+# Steps of Newton's method that derivatives pass through, from a solution that is a number to them: one step has first
+# derivatives right, two have those up to the third.
+DIFFERENTIATED = 2
+
 
 def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple) -> tuple[Any, Any]:
     """As ``jax.jvp``, for tangents of which many are symbolic zeros: nothing is traced for those.

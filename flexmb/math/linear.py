@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Complex, Float, Int
+from jaxtyping import Array, Bool, Complex, Float
 
 from .indices import TRUSTED, put
 
@@ -44,7 +44,7 @@ class Factors(NamedTuple):
         Args:
             right: Right-hand side, (n,) or (n, k).
         """
-        return _solved(False, *self, right)
+        return _solution(self, right, False)
 
     def solve_transposed(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
         """Solve A^T X = right.
@@ -52,7 +52,7 @@ class Factors(NamedTuple):
         Args:
             right: Right-hand side, (n,) or (n, k).
         """
-        return _solved(True, *self, right)
+        return _solution(self, right, True)
 
     def regular(self) -> Bool[Array, ""]:
         """Whether all pivots are finite and none is below 1e-13 of the largest."""
@@ -68,37 +68,28 @@ def factorise(matrix: Float[Array, "n n"]) -> Factors:
     return Factors(matrix, lu, permutation)
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _solved(
-    transposed: bool,
-    matrix: Float[Array, "n n"],
-    lu: Float[Array, "n n"],
-    permutation: Int[Array, "n"],
-    right: Float[Array, "n *k"],
-):
-    """Solution by factors of a matrix or of its transpose, with derivatives that cost a solve and no new factors."""
+def _solution(factors: Factors, right: Float[Array, "n *k"], transposed: bool) -> Float[Array, "n *k"]:
+    """Solution with a matrix or with its transpose, whose derivatives cost a solve and no new factors.
+
+    It is told as the solution of its equation. By factors alone, those of a tangent that is solved for, as in a rule of
+    derivatives, would be numbers that know nothing of the matrix, and its further derivatives would be lost.
+    """
+    own = factors.matrix.T if transposed else factors.matrix
+
+    def by_factors(other_way: bool):
+        return lambda _, right: _by_factors(factors, right, transposed != other_way)
+
+    return jax.lax.custom_linear_solve(lambda x: own @ x, right, by_factors(False), by_factors(True))
+
+
+def _by_factors(factors: Factors, right: Float[Array, "n *k"], transposed: bool):
+    _, lu, permutation = factors
     if transposed:
         y = _triangular(lu, right, lower=False, transpose_a=True)
         y = _triangular(lu, y, lower=True, unit_diagonal=True, transpose_a=True)
         return put(jnp.zeros_like(y), permutation, y)
     y = _triangular(lu, right[permutation], lower=True, unit_diagonal=True)
     return _triangular(lu, y, lower=False)
-
-
-@_solved.defjvp
-def _solved_jvp(transposed: bool, primals: tuple[Array, ...], tangents: tuple[Any, ...]):
-    matrix, lu, permutation, _ = primals
-    change, _, _, moved = tangents
-    found = _solved(transposed, *primals)
-    own, change = (matrix.T, change.T) if transposed else (matrix, change)
-
-    def by_factors(other_way: bool):
-        return lambda _, right: _solved(transposed != other_way, matrix, lu, permutation, right)
-
-    # A dX = dB - dA X. In reverse the factors would be numbers that know nothing of the matrix; so further derivatives
-    # are those of the equation.
-    left = moved - change @ found
-    return found, jax.lax.custom_linear_solve(lambda x: own @ x, left, by_factors(False), by_factors(True))
 
 
 def _triangular(matrix: Float[Array, "n n"], right: Float[Array, "n *k"], **options: Any):

@@ -17,7 +17,7 @@ from ..build.description import TURNS, Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
-from ..elements.sections import MaterialDamping, Rectangle
+from ..elements.sections import MaterialDamping, Rectangle, Section
 from ..errors import ModelError
 from ..files import write_whole
 from ..model.roles import Role
@@ -195,11 +195,8 @@ class _Writer:
                 raise ModelError(
                     f"{what} has a section that varies along it, which a SPACAR input file cannot express."
                 )
-            if self.kinds[name].warps and isinstance(m.properties.get("damping"), MaterialDamping):
-                raise ModelError(
-                    f"{what} is damped by its material, its warping too, which a SPACAR input file cannot express: give"
-                    " `damping`."
-                )
+            if isinstance(m.properties.get("damping"), MaterialDamping):
+                self._check_damping(what, self.kinds[name], section)
             if self.kinds[name].sized:
                 self._check_leaf(name, m)
         for name, node in self.builder.nodes.items():
@@ -226,6 +223,19 @@ class _Writer:
             raise ModelError(
                 f"Element '{name}' ({m.element.name}) has a role, a load or an input at its warping, deformations"
                 f" {warping[0]} and {warping[-1]}, which a SPACAR input file cannot express."
+            )
+
+    @staticmethod
+    def _check_damping(what: str, kind: ElementKind, section: Section) -> None:
+        """EDAMP has a number for each rigidity but those of warping and shear, which a material damps too."""
+        own = ["warping"] if kind.warps else []
+        sheared = [n for n in kind.stiffness if n.startswith("shear")]
+        if sheared and not all(is_zero(getattr(section.rigidity(), n)) for n in sheared):
+            own.append("shear")
+        if own:
+            raise ModelError(
+                f"{what} is damped by its material, its {' and its '.join(own)} too, which a SPACAR input file cannot"
+                " express: give `damping`."
             )
 
     def _check_leaf(self, name: str, m: Member) -> None:

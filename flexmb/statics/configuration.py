@@ -11,6 +11,7 @@ from ..arguments import as_floats, check_numbers
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_rate
+from ..math.derivative import DIFFERENTIATED
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
@@ -154,9 +155,12 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
 
     start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(True))
     end = jax.lax.stop_gradient(jax.lax.while_loop(lambda w: w.step < steps, turn, start))
-    # One more step, which derivatives pass through: they are those of the implicit function.
     wanted_x, wanted_e = _wanted(topology, parameters, q)
-    x, _, _ = _corrected(topology, parameters, end.x, end.near, wanted_x, wanted_e)
+
+    def differentiated(_: Array, x: Float[Array, "n_x"]):
+        return _corrected(topology, parameters, x, end.near, wanted_x, wanted_e)[0]
+
+    x = jax.lax.fori_loop(0, DIFFERENTIATED, differentiated, end.x)
     e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
     tangent = transfer(topology, jacobian)
     off = jnp.max(jnp.abs((e - wanted_e)[topology.e.given]), initial=0.0) / jnp.max(sizes)

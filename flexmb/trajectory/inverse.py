@@ -15,6 +15,7 @@ from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError
+from ..math.derivative import DIFFERENTIATED
 from ..math.indices import accumulate, put
 from ..math.linear import factorise
 from ..math.rotation import rotation_since
@@ -582,8 +583,14 @@ def _nominal(
 
     def one(row: tuple[Array, _At]):
         t, at = row
-        # Through this step derivatives pass: they are those of the implicit function.
-        found = _closer(form, wanted, moved, given(form, wanted, t), at)
+        goal = given(form, wanted, t)
+
+        def differentiated(at: _At, _: None):
+            found = _closer(form, wanted, moved, goal, at)
+            return found.at, found
+
+        every = jax.lax.scan(differentiated, at, None, DIFFERENTIATED)[1]
+        found = jax.tree.map(lambda rows: rows[-1], every)
         x = found.at.x
         near, jacobian = deformed(form.elements, x, at.near)
         tangent = transfer(top, jacobian)

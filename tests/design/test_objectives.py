@@ -30,6 +30,7 @@ def test_settling_of_a_decay():
     assert float(jax.jit(of)(at)) == pytest.approx(exact, rel=1e-12)
     for derivative in (jax.jacfwd(of), jax.jacrev(of)):
         assert float(jax.jit(derivative)(at)) == pytest.approx(-exact / 1.7, rel=1e-10)
+    assert float(jax.jit(jax.hessian(of))(at)) == pytest.approx(2 * exact / 1.7**2, rel=1e-8)
 
 
 @pytest.mark.parametrize("hertz", [300.0, 1e5])

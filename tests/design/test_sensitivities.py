@@ -1,5 +1,6 @@
 """Sensitivities against closed forms (E1) and central differences; tolerances against the law of propagation."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -89,6 +90,41 @@ def test_second_order_by_several_dimensions_is_the_closed_form():
     k = 3 * 210e9 * WIDTH * T**3 / 12 / L**3
     of_logarithms = found.curvatures[0] * np.outer(list(sizes.values()), list(sizes.values())) / k
     np.testing.assert_allclose(of_logarithms, np.outer(power, power) - np.diag(power), rtol=0, atol=1e-9)
+
+
+def test_second_order_of_a_loaded_equilibrium_is_that_of_its_equation():
+    """A bar of stiffness k that its spring c guides sideways: k (l - 1) y/l + c y = F with l^2 = 1 + y^2."""
+
+    def pulled(force, k, c):
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (1.0, 0))
+        b.node("C", (1.0, -1.0))
+        b.add(planar.truss, "A", "B", section=fm.Rigidity(EA=k))
+        b.add(planar.truss, "C", "B", section=fm.Rigidity(EA=c))
+        b.fix("A")
+        b.fix("C")
+        b.fix("B", "x")
+        b.dof("B", "y")
+        b.force("B", (0, force))
+        return b.build()
+
+    sizes = {"force": 1.5, "k": 20.0, "c": 1.0}
+    found = fm.sensitivities(pulled, {"y": lambda m: fm.equilibrium(m).at("B")[1]}, sizes, second_order=True)
+    assert found.mode == "reverse"
+
+    def left(y, force, k, c):
+        return k * (1 - 1 / jnp.sqrt(1 + y**2)) * y + c * y - force
+
+    def solved(p):
+        y = float(found.values[0])
+        # From a number on each step of Newton's method has one more derivative right, and more.
+        for _ in range(3):
+            y = y - left(y, *p) / jax.grad(left)(y, *p)
+        return y
+
+    expected = jax.jit(jax.hessian(solved))(jnp.array([*sizes.values()]))
+    np.testing.assert_allclose(found.curvatures[0], expected, rtol=1e-9)
 
 
 def test_arrays_of_dimensions_have_their_own_labels():

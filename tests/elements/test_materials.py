@@ -183,6 +183,14 @@ def test_a_spacar_file_has_the_damping_of_the_material(tmp_path):
     np.testing.assert_allclose(found, expected, rtol=1e-14)
 
 
+@pytest.mark.parametrize(("element", "dimension"), [(planar.beam, 2), (spatial.spectral_beam(2, shear=True), 3)])
+def test_a_spacar_file_cannot_have_the_damping_of_shear(element, dimension, tmp_path):
+    b = cantilever(element, dimension, dataclasses.replace(LEAF, shear=True))
+    with pytest.raises(fm.ModelError, match=r"damped by its material, its shear too, which a SPACAR .* give `damping`"):
+        fm.write_spacar(b, tmp_path / "leaf.dat")
+    assert not (tmp_path / "leaf.dat").exists()
+
+
 def test_without_a_strength_there_is_no_utilisation():
     found = fm.stress(two_rods(mechanisms.steel(), mechanisms.steel(), 1.0).build())
     with pytest.raises(fm.ModelError, match="No material of the elements states its strength"):

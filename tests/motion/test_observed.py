@@ -1,5 +1,6 @@
 """Energies, forces and power along the motion of an oscillator, and the file of it, against the closed form."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -64,7 +65,8 @@ def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
     x, e = kept["x_names"].tolist(), kept["e_names"].tolist()
     assert x == ["foot.x", "foot.y", "mass.x", "mass.y"]
     assert e == ["s.e1"]
-    assert kept["u_names"].tolist() == ["push"]
+    # Nothing moves the input: it has no column, and no name.
+    assert (kept["u"].shape, kept["u_names"].tolist()) == ((len(TIMES), 0), [])
     column = {"x": x.index("mass.x"), "xd": 2, "xdd": 2, "e": 0, "ed": 0, "sigma": 0, "reactions": x.index("foot.x")}
     for name, values in expected().items():
         found = kept[name][:, column[name]] if name in column else kept[name]
@@ -74,6 +76,12 @@ def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
     assert (about["units"]["sigma"], about["units"]["power"]) == ("N, N m", "W")
     assert (about["form"], about["solver"], about["result"]) == ("coordinates", "Rodas5P", "successful")
     assert about["steps"] == int(motion.steps)
+
+
+def test_the_file_names_the_inputs_of_a_controller(motion, tmp_path):
+    fm.save_motion(dataclasses.replace(motion, u=np.ones((len(TIMES), 1))), tmp_path / "run.npz")
+    kept = np.load(tmp_path / "run.npz")
+    assert (kept["u"].shape, kept["u_names"].tolist()) == ((len(TIMES), 1), ["push"])
 
 
 def test_times_that_were_not_reached_are_not_in_the_file(motion, tmp_path):

@@ -94,6 +94,33 @@ def test_torque_of_what_is_prescribed_is_its_reaction():
     np.testing.assert_allclose(moment, torque, rtol=0, atol=1e-10 * np.max(np.abs(torque)))
 
 
+def test_second_derivative_of_a_torque():
+    """That of a massless slider-crank's, which is mass times acceleration times the slope of the slider's place."""
+    law = fm.trajectory.septic(0.1, 1.3, 0.6)
+
+    def torque(length):
+        b = fm.Builder()
+        for name, x in (("hub", 0.0), ("tip", 0.2), ("slider", 0.2 + length)):
+            b.node(name, (x, 0))
+        b.add(planar.beam, "hub", "tip", name="crank")
+        b.add(planar.truss, "tip", "slider", name="rod")
+        b.fix("hub", "x", "y")
+        b.fix("slider", "y")
+        b.mass("slider", 1.0)
+        b.dof("hub", "phi")
+        b.input("hub", "phi")
+        return fm.trajectory.inverse_dynamics(b.build(), {"hub.phi": law}, np.array([0.0, 0.15, 0.6])).u0[1, 0]
+
+    def exact(length):
+        def place(phi):
+            return 0.2 * jnp.cos(phi) + jnp.sqrt(length**2 - 0.04 * jnp.sin(phi) ** 2)
+
+        return jax.grad(jax.grad(lambda t: place(law(t))))(0.15) * jax.grad(place)(law(0.15))
+
+    found, expected = (float(fm.jit(jax.hessian(of))(0.4)) for of in (torque, exact))
+    assert found == pytest.approx(expected, rel=1e-10)
+
+
 def test_flexible_deformations_are_held():
     """The torque of the rigid arm, (J + m L² + rho A L³/3 + rho I L) φ'', and a motion of the whole model."""
     model, law, times = arm(), fm.trajectory.septic(0.0, 0.5, 0.1), np.linspace(0, 0.1, 6)
