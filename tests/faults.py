@@ -1133,6 +1133,9 @@ FAULTS = [
         "math/test_linear.py -k derivative_of_a",
     ),
     Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "statics/test_configuration.py"),
+    Fault(
+        "trajectory/linear_along.py", "not is_concrete(self.A)", "False", "trajectory/test_linear_along.py -k refused"
+    ),
     Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "trajectory/test_inverse.py -k second"),
     Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "design/test_objectives.py -k decay"),
     Fault(

@@ -98,9 +98,17 @@ class TimeVarying(Result, Record):
     def frequencies(self) -> Float[np.ndarray, "n_t n"]:
         """Undamped frequencies at the times, ascending, (n_t, n) [Hz]; negative where the motion grows, NaN if complex.
 
+        Raises:
+            TypeError: Its matrices are traced: they are found on the host.
+
         Source:
             THEORY.md 7, eq. (7.2).
         """
+        if not is_concrete(self.A):
+            raise TypeError(
+                "Frequencies along a motion are found on the host: ask for them outside jax.jit, jax.grad and jax.vmap."
+                " The matrices A and M of the system have derivatives."
+            )
         n = self.M.shape[1]
         return _frequencies_along(-self.M @ self.A[:, n : 2 * n, :n], self.M)
 

@@ -180,3 +180,8 @@ def test_what_cannot_be_asked_says_so(elevator):
         elevator.reduced(4)
     with pytest.raises(TypeError, match="takes a Motion"):
         fm.trajectory.time_varying(3)
+
+
+def test_frequencies_of_what_is_traced_are_refused(elevator):
+    with pytest.raises(TypeError, match=r"outside jax\.jit, jax\.grad"):
+        jax.jit(lambda a: dataclasses.replace(elevator, A=a).frequencies())(elevator.A)
