@@ -188,77 +188,39 @@ def noise_budget(
         raise ValueError(f"Argument `sign` must be -1 or 1, but is {shown(sign)}.")
     lin = linearized(model, "noise_budget", where=Where(at, step, time, increment))
     ins, outs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
-    wanted = places_of("output", outs, outputs)
+    wanted = tuple(places_of("output", outs, outputs))
     loop = None
     if controller is not None:
         loop = controller_of(controller, measured, driven, outs, ins, sign)
     elif measured is not None or driven is not None:
         raise ValueError("Arguments `measured` and `driven` go with a controller.")
     entering = _sources(sources, ins, outs, loop)
-    by_states = loop is None or loop.matrices is not None
-    exact = hertz is None and band is None
-    if exact:
-        _check_white(entering, by_states)
-        if is_concrete(lin.matrices) and (name := damped_without_mass(lin)):
-            warn(
-                f"The motion of {name} carries no mass but is damped, which the exact sum leaves out. Give `band`, by"
-                " which it counts, or give it a mass."
-            )
-    # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
-    system, orders = plain(second_order(lin))
-    entries = entering.inputs, entering.sensors
-    places = None if loop is None else (loop.measured, loop.driven)
-    grid: Any
-    whole, poles, settles, (grid, widths) = _loop(
-        system,
-        loop.matrices if loop is not None and by_states else None,
-        orders=orders,
-        places=places if by_states else None,
-        entries=entries if by_states else (entering.inputs, ()),
-        band=None if band is None else _band(band),
-        exact=exact,
-    )
-    if by_states and is_concrete(poles):
-        _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
-    if hertz is not None:
-        grid, widths = check_hertz(hertz), None
-        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
-            raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
-    elif loop is not None and not by_states:
-        grid, widths = refined(lin, loop, entries, grid), None
-    if by_states and not exact:
-        undamped = undamped_within(poles, grid)
-        settles = settles & ~jnp.any(undamped)
-        if is_concrete(undamped):
-            _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
-    densities = [_density(*one, grid) for one in zip(entering.names, entering.densities, strict=True)]
-    plant = response_of(lin, grid, None, None, None, None).response
-    gain = None if loop is None else loop.by_frequency(grid)
+    if hertz is None and band is None:
+        _check_white(entering, lin, loop)
+    band = None if band is None else _band(band)
+    over = _frequencies(lin, loop, entering, hertz, band)
+    densities = [_density(*one, over.hertz) for one in zip(entering.names, entering.densities, strict=True)]
     spectra, below, variances = _budget(
-        plant,
-        gain,
+        response_of(lin, over.hertz, None, None, None, None).response,
+        None if loop is None else loop.by_frequency(over.hertz),
         densities,
-        grid,
-        widths,
-        settles if by_states else np.array(True),
-        whole if exact else None,
-        places=places,
-        entries=entries,
-        wanted=tuple(wanted),
+        over,
+        places=_places(loop),
+        entries=entering.entries,
+        wanted=wanted,
     )
-    found = NoiseBudget(grid, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
+    found = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
     if is_concrete(found):
         _tell_of_infinite(found)
-        if band is not None and _band(band)[0] == 0:
+        if band is not None and band[0] == 0:
             _tell_of_rest(found)
     return found
 
 
 class _Entering(NamedTuple):
-    """Where noise enters: numbers of inputs, numbers of outputs with a noisy sensor, and of all names and densities."""
+    """Where noise enters: numbers of inputs and of outputs with a noisy sensor, and of all names and densities."""
 
-    inputs: tuple[int, ...]
-    sensors: tuple[int, ...]
+    entries: tuple[tuple[int, ...], tuple[int, ...]]
     names: tuple[str, ...]
     densities: tuple[Any, ...]
 
@@ -286,18 +248,85 @@ def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controll
     names = [inputs[i] for i in at_inputs] + [f"sensor {outputs[i]}" for i in of_sensors]
     if len(names) < len(sources):
         raise ValueError("Argument `sources` names one source twice.")
-    return _Entering(tuple(at_inputs), tuple(of_sensors), tuple(names), (*at_inputs.values(), *of_sensors.values()))
+    entries = tuple(at_inputs), tuple(of_sensors)
+    return _Entering(entries, tuple(names), (*at_inputs.values(), *of_sensors.values()))
 
 
-def _check_white(entering: _Entering, by_states: bool) -> None:
-    """Refuse what has no root mean square over all frequencies, or none that is found without a band."""
+def _places(loop: Controller | None) -> Places | None:
+    """Numbers of the outputs that a controller reads, and of the inputs that it drives."""
+    return None if loop is None else (loop.measured, loop.driven)
+
+
+def _check_white(entering: _Entering, lin: Linearization, loop: Controller | None) -> None:
+    """Refuse what has no sum over all frequencies, or none that is found without a band; warn of what it leaves out."""
     for name, density in zip(entering.names, entering.densities, strict=True):
         if callable(density) or np.ndim(density):
             raise ValueError(f"Source '{name}' is not white: give `hertz` or `band`, over which its noise is summed.")
-    if not by_states:
+    if loop is not None and loop.matrices is None:
         raise ValueError(
             "Of a controller that is a function of frequencies the poles are not known: give `hertz` or `band`."
         )
+    if is_concrete(lin.matrices) and (name := damped_without_mass(lin)):
+        warn(
+            f"The motion of {name} carries no mass but is damped, which the exact sum leaves out. Give `band`, by"
+            " which it counts, or give it a mass."
+        )
+
+
+class _Frequencies(NamedTuple):
+    """Frequencies that spectra are drawn at, and what their sum needs.
+
+    Attributes:
+        hertz: Frequencies, (n_f,) [Hz].
+        widths: Of the band, those that each stands for, (n_f,) [Hz]; None where the trapezoidal rule sums.
+        settles: Whether noise has an end.
+        whole: Where the sum is over all frequencies: the state space that gives it.
+    """
+
+    hertz: Any
+    widths: Float[Array, "n_f"] | None
+    settles: Bool[Array | np.ndarray, ""]
+    whole: EnergyForm | None
+
+
+def _frequencies(
+    lin: Linearization, loop: Controller | None, entering: _Entering, hertz: Any, band: tuple[float, float] | None
+) -> _Frequencies:
+    """The frequencies given, or those that the poles ask for.
+
+    Raises:
+        AnalysisError: unstable; see :func:`noise_budget`.
+    """
+    entries, exact = entering.entries, hertz is None and band is None
+    # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
+    by_states = loop is None or loop.matrices is not None
+    system, orders = plain(second_order(lin))
+    grid: Any
+    whole, poles, settles, (grid, widths) = _loop(
+        system,
+        None if loop is None else loop.matrices,
+        orders=orders,
+        places=_places(loop) if by_states else None,
+        entries=entries if by_states else (entries[0], ()),
+        band=band,
+        exact=exact,
+    )
+    if by_states and is_concrete(poles):
+        _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
+    if hertz is not None:
+        grid, widths = check_hertz(hertz), None
+        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
+            raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
+    elif loop is not None and not by_states:
+        grid, widths = refined(lin, loop, entries, grid), None
+    if not by_states:
+        return _Frequencies(grid, widths, np.array(True), None)
+    if not exact:
+        undamped = undamped_within(poles, grid)
+        settles = settles & ~jnp.any(undamped)
+        if is_concrete(undamped):
+            _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
+    return _Frequencies(grid, widths, settles, whole if exact else None)
 
 
 def _band(band: Any) -> tuple[float, float]:
@@ -405,17 +434,14 @@ def _budget(
     plant: Complex[Array, "n_f n_y n_u"],
     gain: Complex[Array, "n_f n_d n_m"] | None,
     densities: Sequence[Array],
-    grid: Float[Array, "n_f"],
-    widths: Float[Array, "n_f"] | None,
-    settles: Bool[Array, ""],
-    whole: EnergyForm | None,
+    over: _Frequencies,
     *,
     places: Places | None,
     entries: tuple[tuple[int, ...], tuple[int, ...]],
     wanted: tuple[int, ...],
 ):
     """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or exactly."""
-    own = np.array(wanted)
+    (grid, widths, settles, whole), own = over, np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
