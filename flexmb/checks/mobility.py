@@ -10,7 +10,8 @@ import numpy as np
 from ..display import AT_MOST, Result, States, Summary, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
-from ..math.subspace import dense, null_spaces, row_sizes, spread, uneven
+from ..math.linear import uneven
+from ..math.subspace import dense, null_spaces, row_sizes, spread
 from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import AnalysisError
+from ..math.linear import uneven
 from ..math.sparse import SparseFactors, equilibrating, negative_where_held
-from ..math.subspace import uneven
 from ..results import RESULTS
 
 # Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos

@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Pieces, Whole
+from ..math.linear import uneven
 from ..math.sparse import SparseFactors
-from ..math.subspace import uneven
 from ..results import RESULTS
 from .lanczos import (
     BEFORE,

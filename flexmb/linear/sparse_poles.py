@@ -13,7 +13,7 @@ from jaxtyping import Complex
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, refined, softness
 from ..math.element_matrices import ElementMatrices, Whole
-from ..math.subspace import uneven
+from ..math.linear import uneven
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import refined
+from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_where_held
-from ..math.subspace import uneven
 from ..results import RESULTS
 from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS

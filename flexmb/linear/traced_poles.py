@@ -11,8 +11,7 @@ from jaxtyping import Array, Complex, Float, Int
 from ..errors import AnalysisError
 from ..math.by_deformations import product
 from ..math.element_matrices import ElementMatrices, Whole
-from ..math.linear import SEMIDEFINITE
-from ..math.subspace import uneven
+from ..math.linear import SEMIDEFINITE, uneven
 from ..results import RESULTS
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import on_host

@@ -16,7 +16,7 @@ from ..errors import AnalysisError
 from ..results import RESULTS
 from .element_matrices import ElementMatrices, Pieces, times, times_transposed
 from .indices import put
-from .subspace import uneven
+from .linear import uneven
 
 # A correction that is so small a share of the solution ends its refinement; one that no longer falls by half, and is
 # larger than LEFT, is refused.

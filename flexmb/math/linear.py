@@ -18,6 +18,20 @@ TOLD = 1e6
 SMALL = 700
 
 
+def uneven(n: int, first: int = 0, xp: Any = np) -> Any:
+    """Numbers to begin iterations with: cos(k²), which no mode of a symmetric mechanism is orthogonal to.
+
+    Args:
+        n: How many.
+        first: The first k.
+        xp: NumPy, or its like in JAX.
+
+    Returns:
+        (n,) [-].
+    """
+    return xp.cos(xp.arange(float(first), first + n) ** 2)
+
+
 def multiplied(a: Float[Array, "*n i j"], b: Float[Array, "*n j k"]) -> Float[Array, "*n i k"]:
     """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them."""
     if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:

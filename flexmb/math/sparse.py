@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..results import RESULTS
+from .linear import uneven
 
 # Where `sparse` is left out, mechanisms of so many coordinates and more are solved by sparse factors. Static loads on a
 # rack take as long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
@@ -246,7 +247,7 @@ def unresisted(tangent: Any, n: int) -> np.ndarray | None:
     factored = SparseFactors((tangent + scipy.sparse.diags_array(some)).tocsc())
     if not factored.regular:
         return None
-    z = np.cos(np.arange(tangent.shape[0]) ** 2)
+    z = uneven(tangent.shape[0])
     for _ in range(5):
         z[n:] = 0.0
         z = factored.solve(z)

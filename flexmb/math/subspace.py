@@ -9,6 +9,7 @@ import numpy as np
 
 from ..compilation.threads import one_thread
 from ..errors import MechanismError
+from .linear import uneven
 from .sparse import SparseFactors
 
 # Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
@@ -20,19 +21,6 @@ TOGETHER, REFRESHED = 32, 1e-6
 MOST_TOGETHER = 3000
 # Numbers of a dense matrix, of 1 GB.
 MOST_NUMBERS = 2**27
-
-
-def uneven(n: int, first: int = 0) -> np.ndarray:
-    """Numbers to begin iterations with: cos(k²), which no mode of a symmetric mechanism is orthogonal to.
-
-    Args:
-        n: How many.
-        first: The first k.
-
-    Returns:
-        (n,) [-].
-    """
-    return np.cos(np.arange(first, first + n) ** 2)
 
 
 class _Together(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..math.indices import put
-from ..math.linear import factorise
+from ..math.linear import factorise, uneven
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
@@ -115,8 +115,7 @@ def null_vectors(
     z = at.transfer.DFx / sizes[:, None]
     metric = z.T @ z
     factors = factorise(at.K0 + at.G0 + shift * metric)
-    # No symmetric mechanism has a mode orthogonal to these uneven entries.
-    start = z.T @ jnp.cos(jnp.arange(1.0, topology.n_x + 1) ** 2)
+    start = z.T @ uneven(topology.n_x, 1, jnp)
 
     def normalised(v: Float[Array, "n_q"]):
         if beside is not None:

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..linear.lanczos import named
+from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_where_held
-from ..math.subspace import uneven
 from ..results import RESULTS
 
 # Critical values that are told: those nearest to zero.

@@ -10,8 +10,8 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..math.bordered import Bordered
+from ..math.linear import uneven
 from ..math.sparse import SparseFactors
-from ..math.subspace import uneven
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces

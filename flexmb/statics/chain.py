@@ -11,6 +11,7 @@ from ..arguments import is_concrete
 from ..math.block_tridiagonal import parts_of
 from ..math.element_matrices import ElementMatrices
 from ..math.indices import put
+from ..math.linear import uneven
 from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.levels import WIDE, Levels, bordered, levels_of, moving_blocks
 from ..mechanics.loads import LoadFactors
@@ -135,10 +136,9 @@ def _solved(
     ]
     stiffness = jnp.abs(scatter_vector(n_x, diagonals))
     right = jnp.concatenate([forces[topology.x.free], equations.right[n:]])
-    uneven = jnp.cos(jnp.arange(1.0, right.shape[0] + 1) ** 2)
     root = jnp.sqrt(jnp.concatenate([stiffness[topology.x.free], 1 / firmness[topology.e.held]]))
     factors = levels.factors(pieces)
-    every = jnp.concatenate([right, (uneven * root)[:, None]], axis=1)
+    every = jnp.concatenate([right, (uneven(right.shape[0], 1, jnp) * root)[:, None]], axis=1)
     z = jax.vmap(lambda one: levels.solved(factors, one), 1, 1)(every)
     left = (levels.product(pieces, z[:, 2]) - every[:, 2]) / root
     met = jnp.max(jnp.abs(left), initial=0.0) < UNMET

@@ -1,7 +1,7 @@
 """When Newton's method is trusted, and how load steps adapt to it: the rules of all static solutions.
 
 The size of a correction is its largest change of a coordinate, positions in extents of the mechanism, rotations in
-radians. All functions take numbers on the host as well as traced ones. The loops themselves are not shared: each
+radians. Rules across a path take numbers on the host as well as traced ones. The loops themselves are not shared: each
 solves other equations for its correction, and one loop in compiled code holds every turn of Newton's method and of
 the load steps around it, so that its equations are compiled once.
 """
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 # A correction smaller than this is made and ends the iteration: the error left is of the order of its square.
 STEP_TOLERANCE = 1e-9
@@ -61,26 +61,63 @@ AT_LOAD = Newton(largest=0.75, contraction=0.35, round_off=STEP_TOLERANCE**0.5, 
 ACROSS_PATH = Newton(largest=0.3, contraction=0.5, round_off=1e-7, most=10)
 
 
-def near_enough(size: Number, load: Number, tries: Any) -> Any:
-    """Whether a correction after so many others ends the iteration at a share of the load: at 1 it must be small."""
-    return (size < STEP_TOLERANCE) | ((load < 1.0) & (size < LOOSE_TOLERANCE) & (tries > 0))
+class LoadStep(NamedTuple):
+    """How far load steps have led, and where Newton's method is at the next one.
+
+    Attributes:
+        reached: Share of the load that the last equilibrium is at.
+        step: What is added to it.
+        first: Size of the first correction.
+        before: Size of the last; infinite where there is none.
+        tries: Number of corrections so far.
+    """
+
+    reached: Float[Array, ""]
+    step: Float[Array, ""]
+    first: Float[Array, ""]
+    before: Float[Array, ""]
+    tries: Int[Array, ""]
+
+    @property
+    def load(self) -> Float[Array, ""]:
+        """Share of the load that is tried."""
+        return jnp.minimum(self.reached + self.step, 1.0)
+
+    def astray(self, size: Number) -> Any:
+        """Whether the next correction, of this size, is refused."""
+        return AT_LOAD.astray(size, self.before, self.tries)
+
+    def near_enough(self, size: Number) -> Any:
+        """Whether the next correction ends the iteration: at the whole load it must be small."""
+        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (size < LOOSE_TOLERANCE) & (self.tries > 0))
+
+    def after(self, size: Number, done: Any, bad: Any) -> tuple["LoadStep", Any]:
+        """What follows a correction, and whether load steps are too short to go on.
+
+        Args:
+            size: Of the correction.
+            done: Whether it ends the iteration.
+            bad: Whether it is refused.
+        """
+        first = jnp.where(self.tries == 0, size, self.first)
+        # By how much the step would have to be longer for a first correction of the wanted size.
+        fitting = FIRST_CORRECTION * AT_LOAD.largest / first
+        shorter = self.step * jnp.where((self.tries == 0) & (fitting > 0), jnp.clip(fitting, 0.02, 0.5), 0.25)
+        contraction = size / self.before
+        longer = self.step * jnp.clip(jnp.minimum(fitting, jnp.sqrt(WANTED_CONTRACTION / contraction)), 0.5, 4.0)
+        following = LoadStep(
+            reached=jnp.where(done, self.load, self.reached),
+            step=jnp.where(bad, shorter, jnp.where(done, longer, self.step)),
+            first=first,
+            before=jnp.where(bad | done, jnp.inf, size),
+            tries=jnp.where(bad | done, 0, self.tries + 1),
+        )
+        return following, bad & (shorter < SMALLEST_LOAD_STEP)
 
 
-def shorter_load_step(step: Number, first: Number, tries: Any) -> Any:
-    """Load step in place of one whose correction was refused after so many others, the first of size ``first``."""
-    fitting, xp = _fitting(first), library_of(step)
-    return step * xp.where((tries == 0) & (fitting > 0), xp.clip(fitting, 0.02, 0.5), 0.25)
-
-
-def next_load_step(step: Number, first: Number, contraction: Number) -> Any:
-    """Load step after one whose iteration converged: ``contraction`` is its last correction over the one before."""
-    xp = library_of(step)
-    return step * xp.clip(xp.minimum(_fitting(first), xp.sqrt(WANTED_CONTRACTION / contraction)), 0.5, 4.0)
-
-
-def _fitting(first: Number) -> Any:
-    """By how much a load step would have to be longer for a first correction of the wanted size."""
-    return FIRST_CORRECTION * AT_LOAD.largest / first
+def first_load_step() -> LoadStep:
+    """The whole load at once, from none."""
+    return LoadStep(*(jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf)), jnp.zeros((), jnp.int32))
 
 
 def library_of(number: Any) -> Any:

@@ -12,6 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.element_matrices import ElementMatrices, Pieces
 from ..math.indices import put
+from ..math.linear import uneven
 from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
@@ -20,7 +21,7 @@ from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_res
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
+from .newton import LoadStep, first_load_step
 from .solve import CRITICAL, ROUND_OFF, held_values
 from .tangent import elastic_stress, element_matrices, unknowns
 
@@ -46,13 +47,9 @@ class Search(NamedTuple):
 
     done: Iterate
     trial: Iterate
-    reached: Float[Array, ""]
-    step: Float[Array, ""]
-    first: Float[Array, ""]
-    before: Float[Array, ""]
+    steps: LoadStep
     soft: Float[Array, "n"]
     softness: Float[Array, ""]
-    tries: Int[Array, ""]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
     finished: Bool[Array, ""]
@@ -72,10 +69,9 @@ class LinearEquations(NamedTuple):
     e: Float[Array, "n_e"]
 
 
-def _load_of(target: LoadFactors, s: Search) -> tuple[Array, LoadFactors]:
-    """Share of the load that a turn is at, and factors there."""
-    load = jnp.minimum(s.reached + s.step, 1.0)
-    return load, LoadFactors(*(load * jnp.asarray(factor, float) for factor in target))
+def _factors(target: LoadFactors, s: Search) -> LoadFactors:
+    """Load factors that a turn is at."""
+    return LoadFactors(*(s.steps.load * jnp.asarray(factor, float) for factor in target))
 
 
 def _strained(topology: Topology, parameters: Parameters, factors: LoadFactors, carried: Float[Array, "n_e"]):
@@ -94,7 +90,7 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
     """Linear equations of a turn, and whether nothing but round-off is out of balance."""
     free, fast, held = unknowns(topology)
     n_x, n_e = topology.n_x, topology.n_e
-    _, factors = _load_of(target, s)
+    factors = _factors(target, s)
     x, near, carried, multipliers = s.trial
     strained = _strained(topology, parameters, factors, carried)
     sigma = put(elastic_stress(topology, parameters, factors, strained), held, multipliers)
@@ -109,10 +105,10 @@ def linear_equations(topology: Topology, parameters: Parameters, target: LoadFac
     excess = wanted_e - e - along(n_e, found.constraints, shift)
     diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in found.structural]
     stiffness = scatter_vector(n_x, diagonals)
-    # A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones.
-    uneven = jnp.cos(jnp.arange(1.0, len(free) + 1) ** 2) * jnp.sqrt(jnp.abs(stiffness[free]))
+    # Its energy is spread over soft and stiff motions.
+    begin = uneven(len(free), 1, jnp) * jnp.sqrt(jnp.abs(stiffness[free]))
     bending = along(n_x, found.structural, put(jnp.zeros(n_x), free, s.soft))[free]
-    bending = jnp.where(jnp.any(s.soft != 0), bending, uneven)
+    bending = jnp.where(jnp.any(s.soft != 0), bending, begin)
     none = jnp.zeros(len(held))
     right = jnp.stack([jnp.concatenate([lacking[free], excess[held]]), jnp.concatenate([bending, none])], axis=1)
     loaded, still = has_loads(topology, parameters), s.iterations == 0
@@ -141,16 +137,15 @@ def corrected(
 ) -> Search:
     """The search after the solution of its linear equations."""
     free, fast, held = unknowns(topology)
-    load, factors = _load_of(target, s)
+    factors = _factors(target, s)
     x, _, carried, _ = s.trial
     wanted_x, _ = held_values(topology, parameters, factors)
     change = put(put(jnp.zeros(topology.n_x), free, z[: len(free), 0]), fast, wanted_x[fast] - x[fast])
     change = jnp.where(still, 0.0, change)
     size = jnp.max(jnp.abs(change) / sizes_of(topology, parameters), initial=0.0)
-    first = jnp.where(s.tries == 0, size, s.first)
-    bad = AT_LOAD.astray(size, s.before, s.tries)
+    bad = s.steps.astray(size)
     # Where nothing moves, the tangent of the first turn knows neither multipliers nor the stress of what is warmed.
-    done = near_enough(size, load, s.tries) & (still | (s.tries > 0)) & ~bad
+    done = s.steps.near_enough(size) & (still | (s.steps.tries > 0)) & ~bad
     rows, e = equations.elements.constraints, equations.e
     rate = along(topology.n_e, rows, change)
     strained = _strained(topology, parameters, factors, carried)
@@ -172,24 +167,17 @@ def corrected(
     near = deformations(topology, parameters, after, e) if topology.counts_turns else e + rate
     trial = Iterate(after, near, carry, z[len(free) :, 0])
     trial = jax.tree.map(lambda a, b: jnp.where(still, b, a), trial, s.trial)
-    shorter = shorter_load_step(s.step, first, s.tries)
-    longer = next_load_step(s.step, first, size / s.before)
-    failed = bad & (shorter < SMALLEST_LOAD_STEP)
+    steps, failed = s.steps.after(size, done, bad)
     why = jnp.where(code == RESULTS.successful, RESULTS.not_converged, code)
-    reached = jnp.where(done, load, s.reached)
-    finished = failed | (done & (load >= 1.0))
+    finished = failed | (done & (s.steps.load >= 1.0))
     critical = finished & ~failed & (softness > 1 / CRITICAL)
     found = jnp.where(failed, why, jnp.where(critical, RESULTS.critical_state, RESULTS.successful))
     return Search(
         done=jax.tree.map(lambda a, b: jnp.where(done, a, b), trial, s.done),
         trial=jax.tree.map(lambda a, b: jnp.where(bad, b, a), trial, s.done),
-        reached=reached,
-        step=jnp.where(bad, shorter, jnp.where(done, longer, s.step)),
-        first=first,
-        before=jnp.where(bad | done, jnp.inf, size),
+        steps=steps,
         soft=soft,
         softness=softness,
-        tries=jnp.where(bad | done, 0, s.tries + 1),
         iterations=s.iterations + 1,
         result=found.astype(jnp.int32),
         finished=finished,
@@ -201,6 +189,5 @@ def start(topology: Topology, parameters: Parameters) -> Search:
     free, _, held = unknowns(topology)
     none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
     begin = Iterate(jnp.asarray(parameters.reference, float), none, none, jnp.zeros(len(held)))
-    reached, step, first, before = (jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf))
     soft = jnp.zeros(len(free)), jnp.array(0.0)
-    return Search(begin, begin, reached, step, first, before, *soft, zero, zero, zero, jnp.array(False))
+    return Search(begin, begin, first_load_step(), *soft, zero, zero, jnp.array(False))

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.derivative import jvp_of_varied
 from ..math.indices import accumulate, put
-from ..math.linear import diagonal_of, factorise
+from ..math.linear import diagonal_of, factorise, uneven
 from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight
@@ -25,7 +25,7 @@ from ..mechanics.stress_resultants import (
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .newton import AT_LOAD, SMALLEST_LOAD_STEP, near_enough, next_load_step, shorter_load_step
+from .newton import LoadStep, first_load_step
 
 # Round-off of a deformation, beside what the whole mechanism's extent would make of it.
 ROUND_OFF = 1e-13
@@ -94,13 +94,9 @@ class _Search(NamedTuple):
     trial_near: Float[Array, "n_e"]
     strained: Float[Array, "n_e"]
     trial_strained: Float[Array, "n_e"]
-    reached: Float[Array, ""]
-    step: Float[Array, ""]
-    first: Float[Array, ""]
-    before: Float[Array, ""]
+    steps: LoadStep
     soft: Float[Array, "n_q"]
     softness: Float[Array, ""]
-    tries: Int[Array, ""]
     iterations: Int[Array, ""]
     result: Int[Array, ""]
 
@@ -108,7 +104,7 @@ class _Search(NamedTuple):
 def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
     """A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones."""
     diagonal = diagonal_of(k0)
-    return jnp.cos(jnp.arange(1.0, k0.shape[0] + 1) ** 2) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+    return uneven(k0.shape[0], 1, jnp) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
 
 
 def undeformed(topology: Topology, parameters: Parameters) -> Begin:
@@ -137,8 +133,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
     falls = topology.n_q > 0 and not moved and parameters.loads.temperature is None
 
     def turn(s: _Search) -> _Search:
-        going = ~s.finishing
-        load = jnp.where(going, jnp.minimum(s.reached + s.step, 1.0), 1.0)
+        going, steps = ~s.finishing, s.steps
+        load = jnp.where(going, steps.load, 1.0)
         # At the end exactly the target.
         factors = LoadFactors(*((1 - load) * a + load * b for a, b in zip(begin.factors, target, strict=True)))
         wanted = held_values(topology, parameters, factors)
@@ -160,23 +156,20 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
             still = still & _is_round_off(at, residual, sizes)
         change = jnp.where(still, 0.0, change)
         size = jnp.max(jnp.abs(change) / sizes)
-        first = jnp.where(s.tries == 0, size, s.first)
-        bad = going & AT_LOAD.astray(size, s.before, s.tries)
+        bad = going & steps.astray(size)
         if falls:
             # Where nothing is elastic a smaller load makes no smaller correction. Tried once, at the whole load.
-            loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (s.tries < MOST_LOOSE)
-            loose = loose & (s.reached == 0) & (s.step == 1)
+            loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (steps.tries < MOST_LOOSE)
+            loose = loose & (steps.reached == 0) & (steps.step == 1)
             change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
             bad = bad & ~loose
-        done = going & near_enough(size, load, s.tries) & ~bad
+        done = going & steps.near_enough(size) & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
         strained = at.e + at.jacobian @ change
         strained = strained if free is None else strained - free
-        shorter = shorter_load_step(s.step, first, s.tries)
-        step = jnp.where(bad, shorter, jnp.where(done, next_load_step(s.step, first, size / s.before), s.step))
-        failed = bad & (shorter < SMALLEST_LOAD_STEP)
+        following, failed = steps.after(size, done, bad)
         # Zero where nothing is stiff without load: that alone is no critical state.
         softness = jnp.where(still, 0.0, jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)))
         singular = ~jnp.all(jnp.isfinite(change))
@@ -199,13 +192,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
             trial_near=choose(s.near, near, near),
             strained=jnp.where(done, strained, s.strained),
             trial_strained=choose(s.strained, strained, strained),
-            reached=jnp.where(done, load, s.reached),
-            step=step,
-            first=first,
-            before=jnp.where(bad | done, jnp.inf, size),
+            steps=following,
             soft=softer,
             softness=jnp.where(going, softness, s.softness),
-            tries=jnp.where(bad | done, 0, s.tries + 1),
             iterations=s.iterations + going.astype(jnp.int32),
             result=jnp.where(failed, why, s.result).astype(jnp.int32),
         )
@@ -223,13 +212,9 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         trial_near=near0,
         strained=begin.strained,
         trial_strained=begin.strained,
-        reached=jnp.array(0.0),
-        step=jnp.array(1.0),
-        first=jnp.array(1.0),
-        before=jnp.array(jnp.inf),
+        steps=first_load_step(),
         soft=begin.soft,
         softness=jnp.array(0.0),
-        tries=zero,
         iterations=zero,
         result=zero,
     )

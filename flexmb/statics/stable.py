@@ -11,7 +11,7 @@ from ..checks.mobility import shares
 from ..errors import warn
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Whole
-from ..math.linear import diagonal_of
+from ..math.linear import diagonal_of, uneven
 from ..math.sparse import negative_where_held
 from ..model.model import Model
 from ..results import RESULTS, collect, collects
@@ -134,7 +134,7 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
         return factored.solve(np.concatenate([metric @ motion, np.zeros(whole.elements.unknowns[1])]))[:n]
 
     basis, images = np.zeros((n, 0)), np.zeros((n, 0))
-    motion = flexed(np.cos(np.arange(1.0, n + 1) ** 2) * elements.sizes[elements.free])
+    motion = flexed(uneven(n, 1) * elements.sizes[elements.free])
     for _ in range(min(n, STEPS)):
         for _ in range(2):
             motion = motion - basis @ (basis.T @ (metric @ motion))

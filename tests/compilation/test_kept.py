@@ -30,7 +30,8 @@ from flexmb.math import linear
 from flexmb.model.model import Entry
 from flexmb.motion import drive
 from flexmb.motion.rosenbrock import Rodas5P
-from flexmb.statics import newton, solve
+from flexmb.paths import stepper
+from flexmb.statics import newton
 
 
 @pytest.fixture
@@ -396,7 +397,7 @@ class Called:
         (linear, "multiplied", Called()),
         # Numbers that are not written as one.
         (newton, "AT_LOAD", newton.AT_LOAD._replace(most=3)),
-        (solve, "AT_LOAD", newton.ACROSS_PATH),
+        (stepper, "ACROSS_PATH", newton.AT_LOAD),
         (profile, "STIFF", ("EA",)),
         (beams, "CUBIC_MASS", 2 * beams.CUBIC_MASS),
         (clamps, "FOLD", np.float64(0.5)),
