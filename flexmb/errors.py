@@ -84,6 +84,10 @@ class BeamTheoryWarning(FlexmbWarning):
     """A leaf spring is modelled by plain beams, which leave out what would change a stiffness."""
 
 
+class IdleWarning(FlexmbWarning):
+    """A stress or a strain is given that does nothing, since what it acts on is held."""
+
+
 def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
     """Warn, at the line outside of the package that led here.
 
@@ -93,7 +97,9 @@ def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
     """
     listening = _HEARD.get()
     if listening is not None:
-        listening.append(text)
+        said, but = listening
+        if not issubclass(category, but):
+            said.append(text)
         return
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_code.co_filename.startswith((_OWN, contextlib.__file__)):
@@ -101,14 +107,19 @@ def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
     warnings.warn(text, category, stacklevel=level)
 
 
-_HEARD: contextvars.ContextVar[list[str] | None] = contextvars.ContextVar("heard", default=None)
+_Heard = tuple[list[str], tuple[type[FlexmbWarning], ...]]
+_HEARD: contextvars.ContextVar[_Heard | None] = contextvars.ContextVar("heard", default=None)
 
 
 @contextlib.contextmanager
-def heard() -> Iterator[list[str]]:
-    """Collect what the package warns of in this thread, to be told elsewhere; other warnings pass."""
+def heard(*but: type[FlexmbWarning]) -> Iterator[list[str]]:
+    """Collect what the package warns of in this thread, to be told elsewhere; other warnings pass.
+
+    Args:
+        but: Categories that are left out.
+    """
     said: list[str] = []
-    token = _HEARD.set(said)
+    token = _HEARD.set((said, but))
     try:
         yield said
     finally:

@@ -13,7 +13,7 @@ import numpy as np
 from .. import __version__
 from ..build.builder import Builder
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, MechanismError, ModelError, heard
+from ..errors import AnalysisError, IdleWarning, MechanismError, ModelError, heard
 from ..linear.linearize import Linearization
 from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
@@ -115,14 +115,14 @@ def answer(
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = [text for text in warnings or [] if mode not in OF_MOTION or not text.endswith(RATES_IDLE)]
-    # Of overflow on the way nothing is said: what is not finite in the end has a status.
-    with heard() as said, np.errstate(all="ignore"):
+    # What does nothing has been told with the line that says it. Of overflow on the way nothing is said: what is not
+    # finite in the end has a status.
+    with heard(IdleWarning) as said, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, mode_of(mode))
         question = Question(builder, model, name, release, dofs, max_steps, settings or {}, progress=progress)
         found = _answered(question, mode_of(mode), data)
-    # What does nothing has been told with the line that says it.
-    data["warnings"] += [text for text in dict.fromkeys(said) if not text.startswith(("Prestress", "Strain"))]
+    data["warnings"] += dict.fromkeys(said)
     return found
 
 

@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from ..build.builder import Builder
-from ..build.description import TURNS, Key, NamedSignal
+from ..build.description import Key, NamedSignal
 from ..errors import SpacarError
+from ..model.by_name import TURNS
 from ..model.roles import Role
 from ..spacar.laws import Way, laws_of, role_of, ways_of
 from ..spacar.reading import Channel

@@ -14,12 +14,13 @@ from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
+from ..model.by_name import FRAME_OF, TURNS, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
-from .description import TURNS, Description, Key, Member, NamedSignal
+from .description import Description, Key, Member, NamedSignal
 from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
@@ -784,7 +785,7 @@ class Builder(Description):
         if tilt is not None and not (isinstance(tilt, str) and tilt in ("fixed", "free")):
             raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {shown(tilt)}.")
         node = part.removesuffix(".rotation")
-        name, frame = f"turn of {node}", f"frame of {node}"
+        name, frame = turn_of(node), FRAME_OF + node
         properties = complete_properties(spatial.hinge, name, {"axis": axis})
         if name not in self.members:
             held = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]

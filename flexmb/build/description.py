@@ -18,8 +18,6 @@ from ..model.roles import Role
 from .given import number_in, some_of
 
 AXES = ("x", "y", "z")
-# Rotations in space about the axes, as inputs and outputs name them.
-TURNS = ("rx", "ry", "rz")
 # Euler parameters off the unit norm by more than this are no rotation.
 UNIT = 1e-9
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..checks.mobility import Constraints, constraints, mobility, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import above, determines, independent_rows, row_sizes
+from ..model.by_name import turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, with_roles
@@ -102,7 +103,7 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
                 )
             if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
                 role = next(role for role in roles if role not in (Role.FIXED, Role.PRESCRIBED)).value
-                turn = "" if part.axis is None else f"turn of {labels.x[part.index].of.removesuffix('.rotation')}"
+                turn = "" if part.axis is None else turn_of(labels.x[part.index].of)
                 told = any(turn == element for element, *_ in labels.elements)
                 there = f" Its rotation is that of the element '{turn}', whose deformation 1 has it." if told else ""
                 raise ModelError(

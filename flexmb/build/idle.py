@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.sections import MaterialDamping
-from ..errors import warn
+from ..errors import IdleWarning, warn
 from ..model.roles import HELD, Role
 from .description import Description
 
@@ -23,7 +23,8 @@ def warn_of_idle(builder: Description) -> None:
                     told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
                     warn(
                         f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
-                        " deformation, or leave it out."
+                        " deformation, or leave it out.",
+                        IdleWarning,
                     )
     for sets in builder.loads.values():
         for _, of, _ in sets.get("temperature", {}):

@@ -148,7 +148,7 @@ def _listed(names: list[str]) -> str:
 def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     """A property as it is kept: sequences of numbers as arrays."""
     what = f"Property '{key}' of element '{name}'"
-    hints = _alternatives(element.hint(key))
+    hints = alternatives_of(element.hint(key))
     records = [h for h in hints if inspect.isclass(h) and issubclass(h, Record)]
     if records:
         if not isinstance(value, tuple(records)):
@@ -193,7 +193,7 @@ def _kind(record: type) -> str:
     return f"a {record.__name__}{example}"
 
 
-def _alternatives(hint: Any) -> tuple:
+def alternatives_of(hint: Any) -> tuple:
     """Kinds that an annotation allows, None left out."""
     if isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union:
         return tuple(h for h in typing.get_args(hint) if h is not type(None))
@@ -250,7 +250,7 @@ def _check_fields(of: str, record: Any) -> None:
         return
     for field in dataclasses.fields(record):
         value, hint = getattr(record, field.name), hints[field.name]
-        wanted = _alternatives(hint)
+        wanted = alternatives_of(hint)
         inner = [h for h in wanted if inspect.isclass(h) and issubclass(h, Record)]
         right = ""
         if value is None and type(None) in typing.get_args(hint):

@@ -18,6 +18,7 @@ from ..linear.stress import Location, Stress, stress
 from ..math.linear import factorise, is_positive_definite
 from ..math.rotation import rotation_since
 from ..mechanics.loads import has_loads
+from ..model.by_name import TURN_OF
 from ..model.model import Model
 from ..results import RESULTS
 from .objectives import AXES
@@ -36,9 +37,9 @@ class StrokeQuestions:
     def __init__(self, model: Model, what: StrokeDrive, node: str | None, count: int):
         self.model, self.driven, self.count = model, what, count
         own = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
-        if own is None and what.entry.of.startswith("turn of "):
+        if own is None and what.entry.of.startswith(TURN_OF):
             # The hinge that Builder.prescribe puts on a node whose rotation it prescribes.
-            own = what.entry.of.removeprefix("turn of ")
+            own = what.entry.of.removeprefix(TURN_OF)
         self.node, self.unit = own if node is None else str(node), unit_of_driven(model, what)
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:

@@ -22,6 +22,7 @@ from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
 from ..mechanics.loads import lacks_potential, load_factors
 from ..mechanics.residual import state
+from ..model.by_name import turn_of
 from ..model.model import Entry, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import RoleIndices, Topology
@@ -188,8 +189,8 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
         raise StrokeError(
-            f"{called}: an Euler parameter is no angle. Drive a hinge of the model, or 'turn of {node}.e1' of one built"
-            f" with b.prescribe('{node}', 'rotation', axis=..)."
+            f"{called}: an Euler parameter is no angle. Drive a hinge of the model, or '{turn_of(node)}.e1' of one"
+            f" built with b.prescribe('{node}', 'rotation', axis=..)."
         )
     if index in np.asarray(own.fixed):
         raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")

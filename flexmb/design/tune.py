@@ -212,73 +212,6 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
     return dataclasses.replace(best.tuned, choices=best.choices, combinations=tuple(tried))
 
 
-def _searched(
-    question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
-) -> tuple[Tuned, np.ndarray, np.ndarray]:
-    """The best design from all starts, dimensions on which nothing depends, and the answers at the start.
-
-    Args:
-        reference: Answers that scale the objective, (m,); None: those at the start.
-        alone: Whether there is no other combination, on which a dimension may depend.
-    """
-    q, scaling, layout = question, question.scaling, question.scaling.layout
-    models = build_once(build, layout.split(q.first))
-    function, of_answers = flat_function(build, q.functions, layout, models)
-    of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
-
-    def of_unit(unit: Float[Array, "n"]):
-        return function(scaling.to_dimensions(unit))
-
-    def refused(units: np.ndarray) -> np.ndarray:
-        if of_designs is None:
-            return np.zeros(len(units), bool)
-        return of_designs(layout.stacked(scaling.to_dimensions(units)))
-
-    named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
-    named |= {name for what in ("targets", "limits", "equal") for name in q.wanted[what]}
-    asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
-    unit = scaling.to_unit(q.first)
-    kernel = _Kernel(of_unit, refused, unit, np.flatnonzero(asked), len(asked))
-    at_start = kernel(unit)
-    _check_start(of_answers, at_start)
-    if reference is not None and reference.shape != at_start[0].shape:
-        raise ValueError("Answers have other shapes in one combination of choices than in another: make them the same.")
-    problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
-    ignored = _ignored(problem, kernel, unit, at_start[1], q.seed)
-    if alone:
-        _refuse_ignored(layout.labels, ignored)
-    units = [unit, *_other_starts(q.starts - 1, len(unit), q.seed)]
-    with reporting(q.progress, "evaluations, objective, violation") as report:
-
-        def from_start(kernel: Kernel, unit: np.ndarray):
-            return search(
-                problem, kernel, of_unit, refused, unit, q.optimizer, q.tolerance, q.max_evaluations, progress=report
-            )
-
-        size = min(q.together, q.starts)
-        if size > 1:
-            runs = in_lockstep(from_start, units, kernel.many, size)
-        else:
-            runs = [from_start(kernel, unit) for unit in units]
-    limit = 2 * q.tolerance
-    best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
-    found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
-    if kernel.left_out:
-        warn(
-            "The search has left out designs whose leaf springs are clamped otherwise than at the start, beside a part"
-            " that is three times as thick or at a fold of 5 degrees. Start on the other side to search there, or say"
-            " `clamped`."
-        )
-    if best.unit.tobytes() in kernel.unstable:
-        warn(
-            "The design that was found is at an equilibrium that is not stable: its stiffness is negative in some"
-            " motion, so that no mechanism stays there by itself. Keep such designs out by a limit, as of"
-            " fm.buckling_loads(model)[0] or of a frequency, which is negative there."
-        )
-    curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
-    return dataclasses.replace(found, curves=curves), ignored, at_start[0]
-
-
 class _Kernel:
     """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays.
 
@@ -295,7 +228,7 @@ class _Kernel:
             values, code = of_unit(unit)
             return values[asked], (values, code)
 
-        self.asked, self.start, self.refused, self.m = asked, start, refused, m
+        self.asked, self.start, self.of_unit, self.refused, self.m = asked, start, of_unit, refused, m
         self.unstable: set[bytes] = set()
         self.left_out = False
         function = differentiate(twice, has_aux=True)
@@ -324,6 +257,87 @@ class _Kernel:
         return values, slopes, codes
 
 
+def _searched(
+    question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
+) -> tuple[Tuned, np.ndarray, np.ndarray]:
+    """The best design from all starts, dimensions on which nothing depends, and the answers at the start.
+
+    Args:
+        reference: Answers that scale the objective, (m,); None: those at the start.
+        alone: Whether there is no other combination, on which a dimension may depend.
+    """
+    q, scaling, layout = question, question.scaling, question.scaling.layout
+    kernel, of_answers = _kernel_of(q, build)
+    at_start = kernel(kernel.start)
+    _check_start(of_answers, at_start)
+    if reference is not None and reference.shape != at_start[0].shape:
+        raise ValueError("Answers have other shapes in one combination of choices than in another: make them the same.")
+    problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
+    ignored = _ignored(problem, kernel, at_start[1], q.seed)
+    if alone:
+        _refuse_ignored(layout.labels, ignored)
+    runs = _attempts(q, problem, kernel)
+    limit = 2 * q.tolerance
+    best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
+    found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    _tell(kernel, best)
+    curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
+    return dataclasses.replace(found, curves=curves), ignored, at_start[0]
+
+
+def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
+    """What computes answers of scaled dimensions, and the order of these answers."""
+    scaling, layout = q.scaling, q.scaling.layout
+    models = build_once(build, layout.split(q.first))
+    function, of_answers = flat_function(build, q.functions, layout, models)
+    of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
+
+    def of_unit(unit: Float[Array, "n"]):
+        return function(scaling.to_dimensions(unit))
+
+    def refused(units: np.ndarray) -> np.ndarray:
+        if of_designs is None:
+            return np.zeros(len(units), bool)
+        return of_designs(layout.stacked(scaling.to_dimensions(units)))
+
+    named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
+    named |= {name for what in ("targets", "limits", "equal") for name in q.wanted[what]}
+    asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
+    kernel = _Kernel(of_unit, refused, scaling.to_unit(q.first), np.flatnonzero(asked), len(asked))
+    return kernel, of_answers
+
+
+def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Attempt]:
+    """Searches from all starts, one after the other or several at a time."""
+    units = [kernel.start, *_other_starts(q.starts - 1, len(kernel.start), q.seed)]
+    with reporting(q.progress, "evaluations, objective, violation") as report:
+
+        def from_start(of: Kernel, unit: np.ndarray):
+            how = q.optimizer, q.tolerance, q.max_evaluations
+            return search(problem, of, kernel.of_unit, kernel.refused, unit, *how, progress=report)
+
+        size = min(q.together, q.starts)
+        if size > 1:
+            return in_lockstep(from_start, units, kernel.many, size)
+        return [from_start(kernel, unit) for unit in units]
+
+
+def _tell(kernel: _Kernel, best: Attempt) -> None:
+    """Warn of designs that were left out, and of a best one that is not stable."""
+    if kernel.left_out:
+        warn(
+            "The search has left out designs whose leaf springs are clamped otherwise than at the start, beside a part"
+            " that is three times as thick or at a fold of 5 degrees. Start on the other side to search there, or say"
+            " `clamped`."
+        )
+    if best.unit.tobytes() in kernel.unstable:
+        warn(
+            "The design that was found is at an equilibrium that is not stable: its stiffness is negative in some"
+            " motion, so that no mechanism stays there by itself. Keep such designs out by a limit, as of"
+            " fm.buckling_loads(model)[0] or of a frequency, which is negative there."
+        )
+
+
 def _first(array: Any) -> Any:
     return array[None]
 
@@ -341,13 +355,14 @@ def _check_start(of_answers: Layout, at_start: Any) -> None:
             raise _StartError(text, RESULTS.not_finite)
 
 
-def _ignored(problem: TuningProblem, kernel: Kernel, unit: np.ndarray, slopes: np.ndarray, seed: int) -> np.ndarray:
+def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: int) -> np.ndarray:
     """Dimensions that nothing depends on, (n,); looked at twice, since a symmetric start may be stationary."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):
         asked |= np.any(rows.matrix != 0, axis=0)
     ignored = ~np.any(slopes[asked] != 0, axis=0)
     if np.any(ignored):
+        unit = kernel.start
         aside = np.clip(unit + 0.05 * np.random.default_rng(seed).uniform(-1, 1, len(unit)), 0.01, 0.99)
         ignored &= ~np.any(kernel(aside)[1][asked] != 0, axis=0)
     return ignored

@@ -11,6 +11,8 @@ from ..math.rotation import LBAR, rotation_vector
 
 # Rotations in space are asked for about the global axes.
 TURNS = ("rx", "ry", "rz")
+# A rotation in space that is prescribed has a hinge, and a node that stands, which are named after its node so.
+TURN_OF, FRAME_OF = "turn of ", "frame of "
 # What a result may hold, and which results do.
 _HELD = {
     "e": ("deformations", "an equilibrium, a configuration, a linearisation, a path or a motion has them"),
@@ -20,6 +22,11 @@ _HELD = {
     "xd": ("velocities", "a configuration and a motion have them"),
     "xdd": ("accelerations", "a motion has them"),
 }
+
+
+def turn_of(node: str) -> str:
+    """Name of the hinge by which the rotation of a node in space is prescribed, of a node or of its rotation."""
+    return TURN_OF + node.removesuffix(".rotation")
 
 
 class ByName:

@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..math.indices import TRUSTED
 from ..results import RESULTS
 from .chain_form import ChainForm
 from .collocation import (
@@ -21,9 +20,9 @@ from .collocation import (
     matrices_of_step,
     pieces_of_step,
 )
-from .march import CLOSE, Marched, until_stop
+from .march import Marched, code_of_step, ended, nothing_found, rows_reached, until_end, until_stop
 from .protocol import MotionState
-from .step_size import FAR, SMALLEST_STEP, error_of, greatest
+from .step_size import SMALLEST_STEP, error_of, greatest
 from .tape import Span
 
 # Derivatives are kept while Newton's method converges at such a rate, and factors where the step would change by a
@@ -83,9 +82,8 @@ def march_chain(
         Gustafsson; errors as :func:`flexmb.motion.step_size.error_of` measures them.
     """
     t0, t1, times, stops = span
-    n, count = start.u.shape[0], times.shape[0]
+    n = start.u.shape[0]
     smallest = SMALLEST_STEP * (t1 - t0)
-    close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 
     def turn(m: _ChainMarch) -> _ChainMarch:
         h = m.to - m.t
@@ -119,26 +117,14 @@ def march_chain(
         same = quick & (factor >= SAME[0]) & (factor <= SAME[1])
         longer = jnp.where(same, h, h * factor)
         begin = jnp.where(keep, m.to, m.t)
-        end = begin + jnp.maximum(longer, smallest)
-        end = jnp.where(end > close, jnp.where(keep, t1, begin + 0.5 * (t1 - begin)), end)
+        end = until_end(t1, keep, begin, begin + jnp.maximum(longer, smallest))
         end = until_stop(stops, begin, end)
-        away = keep & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
-        result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
-        result = jnp.where(away, RESULTS.ran_away, result)
+        result = code_of_step(longer < smallest, keep, after)
 
-        def waits(rows: tuple[Array, MotionState]):
-            at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
-            return keep & (rows[0] < count) & (at <= m.to)
-
-        def saved(rows: tuple[Array, MotionState]):
-            k, states = rows
-            ends = (m.t, m.to), (m.state, after), (m.carried.z[:n], taken.carried.z[:n])
-            own = between_steps(*ends, times.at[k].get(**TRUSTED))
-            put = jax.lax.dynamic_update_index_in_dim
-            return k + 1, jax.tree.map(lambda all_, one: put(all_, one, k, 0), states, own)
-
-        k, states = jax.lax.while_loop(waits, saved, (m.saved, m.found.states))
-        found = Marched(states, jnp.where(keep, moved, m.found.moved), m.found.steps + 1, result.astype(jnp.int32))
+        ends = (m.t, m.to), (m.state, after), (m.carried.z[:n], taken.carried.z[:n])
+        k, states = rows_reached(times, m.to, keep, (m.saved, m.found.states), lambda t: between_steps(*ends, t))
+        moved = jnp.where(keep, moved, m.found.moved)
+        found = Marched(states, moved, m.found.steps + 1, result.astype(jnp.int32), m.found.jumped)
         state, carried = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (after, taken.carried), (m.state, m.carried))
         carried = carried._replace(rate=taken.carried.rate)
         before = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (h, jnp.maximum(error, 1e-2)), m.before)
@@ -148,10 +134,9 @@ def march_chain(
         return (m.found.result == RESULTS.successful) & (m.t < t1) & (m.found.steps < most)
 
     none = jnp.zeros((), jnp.int32)
-    rows = jax.tree.map(lambda one: jnp.full((count, *one.shape), jnp.inf), start)
     z, regular = equations.acceleration(t0, start)
     result = jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32)
-    found = Marched(rows, greatest(moved, start), none, result)
+    found = nothing_found(times, start, moved)._replace(result=result)
     fast = jnp.max(jnp.abs(z[:n]), initial=1e-30)
     end = until_stop(stops, t0, jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1))
     shapes = jax.eval_shape(
@@ -162,12 +147,4 @@ def march_chain(
     yes, zero = jnp.array(True), jnp.zeros(())
     m = _ChainMarch(t0, end, start, carried_from(z), matrices, zero, yes, (zero, jnp.ones(())), ~yes, none, found)
     m = jax.lax.while_loop(unfinished, turn, m)
-    result = m.found.result
-    # Nothing moves where some motion has no mass.
-    still = (result == RESULTS.singular_mass) | (times <= t0)
-    states = jax.tree.map(lambda row, own: jnp.where(still[:, None], own, row), m.found.states, start)
-    lost = ~jnp.all(jnp.isfinite(states.u))
-    unfinished_ = (result == RESULTS.successful) & (m.t < t1)
-    result = jnp.where(unfinished_, RESULTS.motion_unfinished, result)
-    result = jnp.where((result == RESULTS.successful) & lost, RESULTS.step_too_small, result)
-    return Marched(states, m.found.moved, m.found.steps, result.astype(jnp.int32))
+    return ended(m.found, m.t, span, start)[0]

@@ -346,68 +346,52 @@ class ControlledForm(Record):
         own, states, own_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
         y, u = self._closed(t, own, states, own_z)
-        y_by_u, y_by_w, y_by_z, y_by_input = self._measured_derivatives(t, own, own_z, u)
         at = self._driven(u).tangent(t, own, own_z)
-        u_by_z, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
         by_input = self._by_input(t, own, own_z, u)
-        if self.places.late:
-            return self._late_tangent(
-                t, state, z, at, by_input, (u_by_z, u_by_y), (y, y_by_u, y_by_w, y_by_z, y_by_input)
-            )
-        none = jnp.zeros((at.by_u.shape[0], k))
-        mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by_y @ y_by_u, none], axis=1)
-        mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by_y @ y_by_w, by_input @ u_by_z], axis=1)
-        controller_u = controller_w = jnp.zeros((k, n + k))
+        y_by, u_by = self._closed_derivatives(t, own, states, own_z, y, u)
+        r_by_states, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
         if k:
-            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
-            controller_u = jnp.concatenate([-r_by_y @ y_by_u, jnp.zeros((k, k))], axis=1)
-            controller_w = jnp.concatenate([-r_by_y @ y_by_w, -r_by_z], axis=1)
+            r_by_states, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
+        mechanism = [by_input @ of for of in u_by]
+        controller = [-r_by_y @ of for of in y_by]
+        none = jnp.zeros((at.by_u.shape[0], k))
+        mechanism_u = jnp.concatenate([at.by_u + mechanism[0], none], axis=1)
+        mechanism_w = jnp.concatenate([at.by_w + mechanism[1], mechanism[2]], axis=1)
+        controller_u = jnp.concatenate([controller[0], jnp.zeros((k, k))], axis=1)
+        controller_w = jnp.concatenate([controller[1], controller[2] - r_by_states], axis=1)
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
         kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
-        by_z = by_z.at[kept[:, None], kept].set(at.by_z)
+        if self.places.late:
+            by_z = by_z.at[kept[:, None], kept].set(at.by_z + mechanism[3])
+            by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(controller[3])
+        else:
+            by_z = by_z.at[kept[:, None], kept].set(at.by_z)
         by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
 
-    def _late_tangent(
+    def _closed_derivatives(
         self,
         t: Float[Array, ""],
-        state: MotionState,
+        own: MotionState,
+        states: Float[Array, "n_z"],
         z: Float[Array, "r"],
-        at: Tangent,
-        by_input: Float[Array, "r n_u"],
-        given: tuple[Any, Any],
-        sensed: tuple[Any, ...],
-    ) -> Tangent:
-        """As :meth:`tangent`, where outputs follow from accelerations, which follow from inputs.
+        y: Float[Array, "n_y"],
+        u: Float[Array, "n_u"],
+    ) -> tuple[list[Array], list[Array]]:
+        """Derivatives of outputs and of inputs, by positions, velocities and the controller's states.
 
-        Args:
-            at: Derivatives of the mechanism alone.
-            by_input: And by its inputs.
-            given: Derivatives of the inputs by the controller's states and by the outputs.
-            sensed: Outputs, and their derivatives by positions, velocities, accelerations and inputs.
+        Where outputs follow from accelerations, also by these; and inputs then depend on outputs that depend on them.
         """
-        _, states, _, _ = self._split(state)
-        n, k = self.form.size, self.states
-        (u_by_z, u_by_y), (y, *y_by, y_by_input) = given, sensed
-        close = factorise(jnp.eye(self.places.inputs) - u_by_y @ y_by_input)
-        u_by = [close.solve(u_by_y @ of) for of in y_by]
-        u_by_z = close.solve(u_by_z) if k else u_by_z
-        # Of outputs, the inputs following.
-        y_by = [own + y_by_input @ of for own, of in zip(y_by, u_by, strict=True)]
-        r_by_z, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
-        if k:
-            r_by_z, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
-        none = jnp.zeros((at.by_u.shape[0], k))
-        mechanism_u = jnp.concatenate([at.by_u + by_input @ u_by[0], none], axis=1)
-        mechanism_w = jnp.concatenate([at.by_w + by_input @ u_by[1], by_input @ u_by_z], axis=1)
-        controller_u = jnp.concatenate([-r_by_y @ y_by[0], jnp.zeros((k, k))], axis=1)
-        controller_w = jnp.concatenate([-r_by_y @ y_by[1], -r_by_z - r_by_y @ y_by_input @ u_by_z], axis=1)
-        kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
-        by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
-        by_z = by_z.at[kept[:, None], kept].set(at.by_z + by_input @ u_by[2])
-        by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(-r_by_y @ y_by[2])
-        by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
+        u_by_states, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
+        by_u, by_w, by_z, by_input = self._measured_derivatives(t, own, z, u)
+        y_by = [by_u, by_w, jnp.zeros((len(y), self.states)), *([] if by_z is None else [by_z])]
+        u_by = [u_by_y @ of for of in y_by]
+        u_by[2] = u_by_states
+        if by_input is None:
+            return y_by, u_by
+        close = factorise(jnp.eye(self.places.inputs) - u_by_y @ by_input)
+        u_by = [close.solve(of) if of.shape[1] else of for of in u_by]
+        return [own + by_input @ of for own, of in zip(y_by, u_by, strict=True)], u_by
 
     def _by_input(self, t: Float[Array, ""], own: MotionState, own_z: Float[Array, "r"], u: Float[Array, "n_u"]):
         """Derivative of the mechanism's residual by its inputs, in which it is linear."""

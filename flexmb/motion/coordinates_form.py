@@ -1,5 +1,6 @@
 """Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -342,12 +343,8 @@ class CoordinatesForm(Record):
         scaled, rows = self.scaled(mass), self.columns(jacobian)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        matrix = self.system(scaled, rows)
-        factors = factorise(matrix)
-        z = factors.solve(-residual)
-        # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
-        left = jnp.concatenate([scaled @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-        return z - factors.solve(residual + left), self.regular(matrix)
+        z, matrix = solved_twice(scaled, rows, self.mobility, residual)
+        return z, self.regular(matrix)
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rates of the deformations, where turns are counted."""
@@ -367,18 +364,14 @@ class CoordinatesForm(Record):
         near = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
-            heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
-            def corrected(_: Array, moving: tuple[Array, Array]):
-                at = self.whole(t, moving[0], moving[1], zero)
+            def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
+                at = self.whole(t, u, w, zero)
                 e, jacobian = deformed(self.elements, at.x, near)
-                excess = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
-                right = jnp.concatenate([jnp.zeros((self.size, 2)), excess])
-                change = factorise(self.system(heavy, self.columns(jacobian))).solve(right)
-                return moving[0] - change[: self.size, 0], moving[1] - change[: self.size, 1]
+                of_both = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
+                return of_both, self.columns(jacobian)
 
-            # The second time removes what the first left, which is of second order.
-            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
+            u, w = onto_constraints(u, w, excess, mass, self.mobility)
         memory = state.memory
         if memory.shape[0]:
             memory = strained(self.elements, self.whole(t, u, w, zero).x, memory)
@@ -441,6 +434,51 @@ def bordered(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Flo
     """
     corner = -REDUNDANT * jnp.diag(rows**2 @ mobility)
     return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
+
+
+def solved_twice(
+    mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"], residual: Float[Array, "r"]
+) -> tuple[Float[Array, "r"], Float[Array, "r r"]]:
+    """Accelerations and multipliers that make a residual vanish, (n + m,), and the matrix by which they are found.
+
+    Args:
+        mass, rows, mobility: As of :func:`bordered`.
+        residual: Where accelerations and multipliers are zero, (n + m,).
+    """
+    n, matrix = mass.shape[0], bordered(mass, rows, mobility)
+    factors = factorise(matrix)
+    z = factors.solve(-residual)
+    # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
+    left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
+    return z - factors.solve(residual + left), matrix
+
+
+def onto_constraints(
+    u: Float[Array, "n"],
+    w: Float[Array, "n"],
+    excess: Callable[[Array, Array], tuple[Float[Array, "m 2"], Float[Array, "m n"]]],
+    mass: Float[Array, "n n"] | None,
+    mobility: Float[Array, "n"],
+) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
+    """Positions and velocities that keep the constraints, by the least change that a mass measures.
+
+    Args:
+        u: Positions, (n,).
+        w: Velocities, (n,).
+        excess: Of these: by how much the held deformations and their rates are missed, and their derivatives.
+        mass: Mass matrix of what moves; None: from ``mobility``.
+        mobility: Inverse masses of what moves, (n,).
+    """
+    n, heavy = len(u), jnp.diag(1 / mobility) if mass is None else mass
+
+    def corrected(_: Array, moving: tuple[Array, Array]):
+        missed, rows = excess(*moving)
+        right = jnp.concatenate([jnp.zeros((n, 2)), missed])
+        change = factorise(bordered(heavy, rows, mobility)).solve(right)
+        return moving[0] - change[:n, 0], moving[1] - change[:n, 1]
+
+    # The second time removes what the first left, which is of second order.
+    return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:

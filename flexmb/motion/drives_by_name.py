@@ -16,6 +16,7 @@ from ..compilation.record import Record
 from ..elements.element import Element
 from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
+from ..model.by_name import turn_of
 from ..model.model import Labels, Model, Signal
 from .drive import MOMENTS, Driven, Table, has_table
 
@@ -244,7 +245,7 @@ def _rotation_prescribed(labels: Labels, name: str) -> str:
         return name
     if labels.dimension == 2:
         return f"{name}.{labels.x[indices[0]].symbol}"
-    return f"turn of {name.removesuffix('.rotation')}.e1"
+    return f"{turn_of(name)}.e1"
 
 
 def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:

@@ -79,6 +79,78 @@ def until_stop(stops: Float[Array, "k"] | None, begin: Float[Array, ""], end: Fl
     return end if stops is None else jnp.minimum(end, jnp.min(jnp.where(stops > begin, stops, jnp.inf)))
 
 
+def until_end(
+    t1: Float[Array, ""], kept: Bool[Array, ""], begin: Float[Array, ""], end: Float[Array, ""]
+) -> Float[Array, ""]:
+    """End of a step, no later than that of the span, which the first one after a refusal is to reach by half only.
+
+    Args:
+        t1: End of the span [s].
+        kept: Whether the step before was kept.
+        begin: Begin of the step [s].
+        end: Where it would end [s].
+    """
+    close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
+    return jnp.where(end > close, jnp.where(kept, t1, begin + 0.5 * (t1 - begin)), end)
+
+
+def code_of_step(small: Bool[Array, ""], kept: Bool[Array, ""], after: MotionState) -> Int[Array, ""]:
+    """Code of RESULTS after a step: the next one is too small, or the state has run away."""
+    away = kept & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
+    result = jnp.where(small, RESULTS.step_too_small, RESULTS.successful)
+    return jnp.where(away, RESULTS.ran_away, result)
+
+
+def nothing_found(times: Float[Array, "n_t"], start: MotionState, moved: Float[Array, ""]) -> Marched:
+    """What is found before the first step."""
+    rows = jax.tree.map(lambda one: jnp.full((len(times), *one.shape), jnp.inf), start)
+    none = jnp.zeros((), jnp.int32)
+    return Marched(rows, greatest(moved, start), none, none, jnp.array(False))
+
+
+def rows_reached(
+    times: Float[Array, "n_t"],
+    to: Float[Array, ""],
+    kept: Bool[Array, ""],
+    rows: tuple[Int[Array, ""], MotionState],
+    within: Callable[[Float[Array, ""]], MotionState],
+) -> tuple[Int[Array, ""], MotionState]:
+    """Rows that are known after a step.
+
+    Args:
+        times: At which states are asked for [s].
+        to: End of the step [s].
+        kept: Whether it is kept.
+        rows: Number of rows that were known before, and all rows.
+        within: State at a time of the step.
+    """
+    count = len(times)
+
+    def waits(rows: tuple[Array, MotionState]):
+        at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
+        return kept & (rows[0] < count) & (at <= to)
+
+    def saved(rows: tuple[Array, MotionState]):
+        k, states = rows
+        own, put = within(times.at[k].get(**TRUSTED)), jax.lax.dynamic_update_index_in_dim
+        return k + 1, jax.tree.map(lambda all_, one: put(all_, one, k, 0), states, own)
+
+    return jax.lax.while_loop(waits, saved, rows)
+
+
+def ended(found: Marched, t: Float[Array, ""], span: Span, start: MotionState) -> tuple[Marched, Bool[Array, "n_t"]]:
+    """What was found when the last step has led to ``t``, and which rows are the start itself."""
+    result = found.result
+    # Nothing moves where some motion has no mass.
+    still = (result == RESULTS.singular_mass) | (span.times <= span.t0)
+    states = jax.tree.map(lambda row, own: jnp.where(still[:, None], own, row), found.states, start)
+    lost = ~jnp.all(jnp.isfinite(states.u))
+    unfinished = (result == RESULTS.successful) & (t < span.t1)
+    result = jnp.where(unfinished, RESULTS.motion_unfinished, result)
+    result = jnp.where((result == RESULTS.successful) & lost, RESULTS.step_too_small, result)
+    return found._replace(states=states, result=result.astype(jnp.int32)), still
+
+
 def march(
     equations: Equations,
     span: Span,
@@ -106,9 +178,8 @@ def march(
         kinks: What finds kinks, where steps across them are to be short, or None.
     """
     t0, t1, times, stops = span
-    n, count = start.u.shape[0], times.shape[0]
+    n = start.u.shape[0]
     smallest = SMALLEST_STEP * (t1 - t0)
-    close = t1 - CLOSE * jnp.finfo(float).eps * jnp.abs(t1)
 
     def first_end(z: Float[Array, "r"]):
         fast = jnp.max(jnp.abs(z[: equations.size]), initial=1e-30)
@@ -129,28 +200,16 @@ def march(
             refused, end, search = search.after(kinks, *steps, keep, end, smallest)
             keep, before = keep & ~refused, jnp.where(refused, m.before, before)
         begin = jnp.where(keep, m.to, m.t)
-        end = jnp.where(end > close, jnp.where(keep, t1, begin + 0.5 * (t1 - begin)), end)
-        away = keep & (jnp.max(jnp.abs(after.u), initial=0.0) > FAR)
-        result = jnp.where(longer < smallest, RESULTS.step_too_small, RESULTS.successful)
-        result = jnp.where(away, RESULTS.ran_away, result)
+        end = until_end(t1, keep, begin, end)
+        result = code_of_step(longer < smallest, keep, after)
         if equations.linear:
             regular = jax.lax.cond(m.known, lambda: jnp.array(True), lambda: equations.regular(taken.by_z))
             result = jnp.where(m.known, result, jnp.where(regular, RESULTS.successful, RESULTS.singular_mass))
             end = jnp.where(m.known, end, first_end(taken.z))
         end = until_stop(stops, begin, end)
 
-        def waits(rows: tuple[Array, MotionState]):
-            at = times.at[jnp.minimum(rows[0], count - 1)].get(**TRUSTED)
-            return keep & (rows[0] < count) & (at <= m.to)
-
-        def saved(rows: tuple[Array, MotionState]):
-            k, states = rows
-            ends = (m.t, m.to), (m.state, after), (m.z[:n], taken.z[:n])
-            own = between(*ends, times.at[k].get(**TRUSTED))
-            put = jax.lax.dynamic_update_index_in_dim
-            return k + 1, jax.tree.map(lambda all_, one: put(all_, one, k, 0), states, own)
-
-        k, states = jax.lax.while_loop(waits, saved, (m.saved, m.found.states))
+        ends = (m.t, m.to), (m.state, after), (m.z[:n], taken.z[:n])
+        k, states = rows_reached(times, m.to, keep, (m.saved, m.found.states), lambda t: between(*ends, t))
         found = Marched(
             states,
             jnp.where(keep, moved, m.found.moved),
@@ -169,8 +228,7 @@ def march(
         return (m.found.result == RESULTS.successful) & (~m.known | (m.t < t1)) & (m.found.steps < most)
 
     none, known = jnp.zeros((), jnp.int32), jnp.array(not equations.linear)
-    rows = jax.tree.map(lambda one: jnp.full((count, *one.shape), jnp.inf), start)
-    found = Marched(rows, greatest(moved, start), none, none, jnp.array(False))
+    found = nothing_found(times, start, moved)
     if equations.linear:
         z, end = jnp.zeros(equations.unknowns), t0
     else:
@@ -184,13 +242,5 @@ def march(
         m = whole_loop(unfinished, turn, m)
     else:
         m = jax.lax.while_loop(unfinished, turn, m)
-    result = m.found.result
-    # Nothing moves where some motion has no mass.
-    still = (result == RESULTS.singular_mass) | (times <= t0)
-    states = jax.tree.map(lambda row, own: jnp.where(still[:, None], own, row), m.found.states, start)
-    lost = ~jnp.all(jnp.isfinite(states.u))
-    unfinished_ = (result == RESULTS.successful) & (m.t < t1)
-    result = jnp.where(unfinished_, RESULTS.motion_unfinished, result)
-    result = jnp.where((result == RESULTS.successful) & lost, RESULTS.step_too_small, result)
-    found = m.found._replace(states=states, result=result.astype(jnp.int32))
+    found, still = ended(m.found, m.t, span, start)
     return found, None if m.tape is None else m.tape._replace(saved=m.saved, still=still)

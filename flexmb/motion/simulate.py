@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, check_numbers, is_concrete, shown
+from ..arguments import as_floats, checked_times, is_concrete, shown
 from ..compilation.compile import jit_beside_options
 from ..compilation.program import Captured, captured
 from ..compilation.record import Record
@@ -35,7 +35,7 @@ from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
-from .integrate import Problem, Reached, begin, integrate, integrate_sampled
+from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
 from .motion import Motion
@@ -139,17 +139,10 @@ def simulate(
         THEORY.md 5 and 9.
     """
     as_model(model, "simulate")
-    given: dict[str, Any] = {**keywords}
-    drives, loop = _group("drives", drives, Drives, given), _group("loop", loop, Loop, given)
-    integrator = _group("integrator", integrator, Integrator, given)
-    if given:
-        known = ", ".join(Keywords.__annotations__)
-        raise TypeError(
-            f"fm.simulate has no keyword `{next(iter(given))}`. Beside its own arguments there are: {known}."
-        )
+    drives, loop, integrator = _records(drives, loop, integrator, keywords)
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
-    times = _checked_times(times)
+    times = jnp.asarray(checked_times(times), float)
     top = model.topology
     if top.x.fixed.shape[0] + top.x.prescribed.shape[0] == top.n_x:
         raise ModelError("Nothing moves by itself: every coordinate of the mechanism is FIXED or PRESCRIBED. Free one.")
@@ -163,73 +156,133 @@ def simulate(
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
-    # No number of the program where no rotation in space is measured.
-    rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
-    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
-    tree = None
-    if order is None and integrator.form in (None, "tree"):
-        tree = tree_of(top, acted_on(model, driven))
-        chosen = integrator.on(tree, controlled=loop.control is not None)
-    # Where none of these serves.
-    integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
-    whence = start.x if rotations else None
-    # Nothing is to be done for a law that begins at rest where the mechanism is.
-    still = initial is None and start.x is model.parameters.reference and is_concrete(times)
-    still = still and begins_still(model.parameters, driven, np.asarray(times)[0])
-    stops: Any = None
+    problem, integrator = _problem(model, driven, feedback, jumps, integrator, times, start)
+    if initial is None and is_concrete(times):
+        problem = dataclasses.replace(problem, still=_stands_still(model, driven, start, times))
     if is_concrete(times):
-        of_time = [one.value for one in driven]
-        if loop.reference is not None and not isinstance(feedback, Sampled):
-            of_time.append(captured(loop.reference, as_floats(0.0)))
-        stops = sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
-    problem = Problem(model.without_names(), driven, feedback, jumps, whence, order, still=still, stops=stops)
-    if integrator.form == "tree":
-        problem = dataclasses.replace(problem, tree=tree)
+        problem = dataclasses.replace(problem, stops=_stops(drives, loop, driven, feedback, times))
     if integrator.event is not None:
         integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
         _check_event(problem, integrator, times[0], start)
-    none = np.zeros(len(model.labels.inputs))
+    run = _integrated(problem, integrator, times, start, progress)
+    stopped = progress and int(run.result) == RESULTS.stopped
+    rows, result = run.rows, run.result
+    if stopped:
+        times = times[: len(rows.x)]
+    elif progress:
+        # What a failure leaves out.
+        left = ((0, len(times) - len(rows.x)), (0, 0))
+        rows = [jnp.pad(column, left, constant_values=jnp.inf) for column in rows]
+    order = problem.order
+    if isinstance(order, SparseOrder) and order.places.too_large:
+        result = jnp.full_like(result, RESULTS.out_of_memory)
+    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
+    found = Motion(times, *rows, run.steps, result, driven, model, str(integrator.form), name)
+    _tell(found, drives, run.jumped, throw and not stopped)
+    return found
+
+
+def _records(
+    drives: Drives | None, loop: Loop | None, integrator: Integrator | None, keywords: Mapping[str, Any]
+) -> tuple[Drives, Loop, Integrator]:
+    """Records of arguments with the keywords that belong to them."""
+    given: dict[str, Any] = {**keywords}
+    found = (
+        _group("drives", drives, Drives, given),
+        _group("loop", loop, Loop, given),
+        _group("integrator", integrator, Integrator, given),
+    )
+    if given:
+        known = ", ".join(Keywords.__annotations__)
+        raise TypeError(
+            f"fm.simulate has no keyword `{next(iter(given))}`. Beside its own arguments there are: {known}."
+        )
+    return found
+
+
+def _problem(
+    model: Model,
+    driven: tuple[Driven, ...],
+    feedback: Feedback | Sampled | None,
+    jumps: Any,
+    integrator: Integrator,
+    times: Float[Array, "n_t"],
+    start: Start,
+) -> tuple[Problem, Integrator]:
+    """What is integrated, and the integrator with the form that is taken."""
+    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
+    tree = None
+    if order is None and integrator.form in (None, "tree"):
+        tree = tree_of(model.topology, acted_on(model, driven))
+        chosen = integrator.on(tree, controlled=feedback is not None)
+    # Where none of these serves.
+    integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
+    # No number of the program where no rotation in space is measured.
+    rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
+    whence = start.x if rotations else None
+    tree = tree if integrator.form == "tree" else None
+    return Problem(model.without_names(), driven, feedback, jumps, whence, order, tree), integrator
+
+
+def _stands_still(model: Model, driven: tuple[Driven, ...], start: Start, times: Float[Array, "n_t"]) -> bool:
+    """Whether nothing is to be done at the start: where the mechanism is, every law begins, and at rest."""
+    return start.x is model.parameters.reference and begins_still(model.parameters, driven, np.asarray(times)[0])
+
+
+def _stops(
+    drives: Drives,
+    loop: Loop,
+    driven: tuple[Driven, ...],
+    feedback: Feedback | Sampled | None,
+    times: Float[Array, "n_t"],
+) -> Any:
+    """Times at which functions of time change suddenly, (k,) [s], or None."""
+    of_time = [one.value for one in driven]
+    if loop.reference is not None and not isinstance(feedback, Sampled):
+        of_time.append(captured(loop.reference, as_floats(0.0)))
+    return sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
+
+
+def _integrated(
+    problem: Problem, integrator: Integrator, times: Float[Array, "n_t"], start: Start, progress: Any
+) -> Integrated:
+    """The motion: in parts where its progress is told, between the samples of a controller, or in one go."""
+    feedback = problem.feedback
+    none = np.zeros(len(problem.model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
     if isinstance(feedback, Sampled) and isinstance(times, jax.core.Tracer):
         raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
     with _naming_the_adjoint():
         if progress:
-            run = integrate_in_parts(problem, integrator, times, at, progress)
-        elif isinstance(feedback, Sampled):
+            return integrate_in_parts(problem, integrator, times, at, progress)
+        if isinstance(feedback, Sampled):
             wanted = np.asarray(times)
             grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
-            run = integrate_sampled(problem, integrator, grid, times, at)
-        else:
-            # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
-            span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
-            run = integrate(problem, integrator, span, times, at)
-    # What a failure or a stop leaves out.
-    reached, stopped = run.rows.x.shape[0], progress and int(run.result) == RESULTS.stopped
-    x, xd, near, u = run.rows
-    if stopped:
-        times = times[:reached]
-    elif progress:
-        left = ((0, len(times) - reached), (0, 0))
-        x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
-    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
-    result = run.result
-    if isinstance(order, SparseOrder) and order.places.too_large:
-        result = jnp.full_like(result, RESULTS.out_of_memory)
-    found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
+            return integrate_sampled(problem, integrator, grid, times, at)
+        # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
+        span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
+        return integrate(problem, integrator, span, times, at)
+
+
+def _tell(found: Motion, drives: Drives, jumped: Any, throw: bool) -> None:
+    """Raise where a motion failed, and warn of forces that jump while numbers are differentiated.
+
+    Raises:
+        AnalysisError: See :func:`simulate`.
+    """
     about = ""
-    if throw and not stopped and is_concrete(found.result) and int(found.result) != RESULTS.successful:
-        if is_concrete((model, driven, times)):
-            _refuse_not_finite(model, drives, driven, np.asarray(times))
+    if throw and is_concrete(found.result) and int(found.result) != RESULTS.successful:
+        if is_concrete((found.model, found.driven, found.times)):
+            _refuse_not_finite(found.model, drives, found.driven, np.asarray(found.times))
         if int(found.result) == RESULTS.singular_mass:
-            about = without_mass(model)
-    check(found.result, throw and not stopped, about)
+            about = without_mass(found.model)
+    check(found.result, throw, about)
     if throw and not is_concrete(found.x):
         # Numbers are differentiated or traced.
-        if not is_concrete(run.jumped):
-            collect(jnp.where(run.jumped, RESULTS.forces_jump, RESULTS.successful))
-        elif run.jumped:
+        if not is_concrete(jumped):
+            collect(jnp.where(jumped, RESULTS.forces_jump, RESULTS.successful))
+        elif jumped:
             warn(RESULTS.forces_jump.message)
-    return found
 
 
 @contextlib.contextmanager
@@ -349,16 +402,6 @@ def _at_start(problem: Problem, form: str, t: Float[Array, ""], start: Start, co
     """Values of conditions at the start of a motion."""
     state = begin(problem, form, t, start)
     return [jnp.asarray(one(t, state, None)) for one in conditions]
-
-
-def _checked_times(times: ArrayLike):
-    check_numbers("Argument `times`", times)
-    times = jnp.asarray(times, float)
-    if times.ndim != 1 or times.shape[0] < 2:
-        raise ValueError(f"Argument `times` must be at least two times, the first of them the start, not {times}.")
-    if not isinstance(times, jax.core.Tracer) and not bool(np.all(np.diff(np.asarray(times)) > 0)):
-        raise ValueError("Argument `times` must be ascending, without a time twice.")
-    return times
 
 
 def _initial(model: Model, initial: Any):

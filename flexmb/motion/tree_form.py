@@ -12,11 +12,10 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import accumulate, put
-from ..math.linear import factorise
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.tree import Passages, Tree, linked, passages, passed, some_of
-from .coordinates_form import AllCoordinates, CoordinatesForm, bordered
+from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, solved_twice
 from .element_forces import (
     Moving,
     PreparedBlock,
@@ -302,12 +301,8 @@ class TreeForm(Record):
         mass, rows = along.T @ mass @ along, self.held(jacobian) @ along
         force = along.T @ (acting.force - form.applied(t, at.x))
         residual = jnp.concatenate([force, self.held(acting.kinematics.edd) - self.wanted(at.edd)])
-        matrix = bordered(mass, rows, self.mobility)
-        factors = factorise(matrix)
-        z = factors.solve(-residual)
-        # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
-        left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-        return z - factors.solve(residual + left), self.regular(matrix)
+        z, matrix = solved_twice(mass, rows, self.mobility, residual)
+        return z, self.regular(matrix)
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rates of the deformations, where turns are counted."""
@@ -326,20 +321,14 @@ class TreeForm(Record):
         u, w = state.u, state.w
         form, near, zero = self.form, self.form.near(state.memory), jnp.zeros_like(state.u)
         if self.tree.held_places.shape[0]:
-            heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
-            def corrected(_: Array, moving: tuple[Array, Array]):
-                at, along = self.whole(t, moving[0], moving[1], zero), self.along(t, moving[0])
+            def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
+                at = self.whole(t, u, w, zero)
                 e, jacobian = deformed(form.elements, at.x, near)
-                excess = jnp.stack(
-                    [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)], axis=1
-                )
-                right = jnp.concatenate([jnp.zeros((self.size, 2)), excess])
-                rows = self.held(jacobian) @ along
-                change = factorise(bordered(heavy, rows, self.mobility)).solve(right)
-                return moving[0] - change[: self.size, 0], moving[1] - change[: self.size, 1]
+                of_both = [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)]
+                return jnp.stack(of_both, axis=1), self.held(jacobian) @ self.along(t, u)
 
-            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
+            u, w = onto_constraints(u, w, excess, mass, self.mobility)
         memory = state.memory
         if memory.shape[0]:
             memory = strained(form.elements, self.whole(t, u, w, zero).x, memory)

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-from ..build.description import TURNS, NamedSignal
+from ..build.description import NamedSignal
 from ..elements.nodes import ROTATION3
+from ..model.by_name import TURNS
 from ..model.model import MOTIONS
 from ..model.roles import Role
 from .actions import target

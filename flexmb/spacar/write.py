@@ -13,13 +13,14 @@ from ..arguments import is_concrete
 from ..build.assemble import stack
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
-from ..build.description import TURNS, Member
+from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle, Section
 from ..errors import ModelError
 from ..files import write_whole
+from ..model.by_name import TURNS
 from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float, Int
+from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from ..arguments import checked_times, is_concrete, shown
 from ..compilation.compile import jit, jit_beside_options
@@ -23,7 +23,7 @@ from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import rotation_row
 from ..mechanics.transfer import Transfer, correction, transfer
-from ..model.by_name import TURNS
+from ..model.by_name import TURNS, turn_of
 from ..model.model import Model, Signal, as_determined, as_known
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
@@ -302,7 +302,7 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
     wanted, prescribed = {}, {}
     for name, law in trajectory.items():
         law = as_law(f"Trajectory '{name}'", law)
-        turn = f"turn of {str(name).removesuffix('.rotation')}.e1"
+        turn = f"{turn_of(str(name))}.e1"
         place = place_of(model, name)
         if turn in e_names and e_names.index(turn) in given["e"]:
             prescribed[name] = law
@@ -500,6 +500,123 @@ def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int,
     return _Corrected(at, change, rows, regular)
 
 
+# Coordinates and held deformations, values of what is wanted, and degrees of freedom from the undeformed mechanism.
+_Goal = tuple[tuple[Any, Any], Any, Any]
+
+
+def _goal(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]) -> _Goal:
+    """Where everything is to be at a time."""
+    none, start = jnp.zeros(form.size), form.parameters.start
+    whole = form.whole(t, none, none, none)
+    values = [jnp.asarray(one.law(t), float) for one in wanted]
+    q = jnp.zeros(form.topology.n_q) if start is None else jnp.asarray(start[0])
+    return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), q
+
+
+def _between(a: _Goal, b: _Goal, share: Any) -> _Goal:
+    """A goal on the way from one to another."""
+    return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
+
+
+def _distance(places: Sequence[Quantity], sizes: Float[Array, "n_x"], a: _Goal, b: _Goal) -> Float[Array, ""]:
+    """Largest change from one goal to another, as a share of the mechanism's extent or in radians."""
+    (x, e), target, q = jax.tree.map(lambda a, b: b - a, a, b)
+    of_target = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
+    parts = (x / sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
+    return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
+
+
+def _settled(
+    form: CoordinatesForm,
+    wanted: tuple[Wanted, ...],
+    moved: tuple[int, ...],
+    sizes: Float[Array, "n_x"],
+    goal: _Goal,
+    at: _At,
+) -> _At:
+    """Newton's method until nothing changes."""
+
+    def more(loop: tuple[Any, ...]):
+        i, _, change = loop
+        return (i < CORRECTIONS) & (change > SETTLED)
+
+    def step(loop: tuple[Any, ...]):
+        i, at, _ = loop
+        found = _closer(form, wanted, moved, goal, at)
+        return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
+
+    return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
+
+
+def _configurations(
+    form: CoordinatesForm,
+    wanted: tuple[Wanted, ...],
+    moved: tuple[int, ...],
+    sizes: Float[Array, "n_x"],
+    times: Float[Array, "n_t"],
+) -> _At:
+    """Where everything is at the times, from the undeformed mechanism on; derivatives do not pass through it."""
+    form, wanted, sizes, times = jax.lax.stop_gradient((form, wanted, sizes, times))
+    top, parameters, places = form.topology, form.parameters, [one.place for one in wanted]
+
+    def follow(carry: tuple[_Goal, _At], t: Float[Array, ""]):
+        """To the goal of the next time, in steps that Newton's method can follow."""
+        before, at = carry
+        goal = _goal(form, wanted, t)
+        count = jnp.clip(jnp.ceil(_distance(places, sizes, before, goal) / STEP), 1, MOST_STEPS)
+        count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
+
+        def step(i: Array, at: _At):
+            share = (i + 1).astype(float) / count.astype(float)
+            return _settled(form, wanted, moved, sizes, _between(before, goal, share), at)
+
+        at = jax.lax.fori_loop(0, count, step, at)
+        return (goal, at), at
+
+    origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
+    here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
+    if moved and parameters.start is not None:
+        # The start values tell on which branch it begins: which way an elbow is bent.
+        plain = (here, jnp.zeros(0), q)
+        begin = _goal(form, (), times[0])
+
+        def step(i: Array, at: _At):
+            return _settled(form, (), (), sizes, _between(plain, begin, (i + 1.0) / STEPS_TO_START), at)
+
+        origin = jax.lax.fori_loop(0, STEPS_TO_START, step, origin)
+        here, _, q = begin
+    rest = here, _measured(form, places, origin.x, origin.near), q
+    _, walked = jax.lax.scan(follow, (rest, origin), times)
+    return jax.lax.stop_gradient(walked)
+
+
+def _inputs_needed(
+    residual: Callable[[Float[Array, "n_u"]], Float[Array, "n_q"]],
+    needed: Float[Array, "n_q"],
+    n_u: int,
+    driven: Int[Array, "k"],
+    acting: tuple[int, ...],
+) -> tuple[Float[Array, "n_u"], Float[Array, "n_q"], Bool[Array, ""]]:
+    """Inputs that drive, forces that hold the rest, and whether these inputs can drive.
+
+    Args:
+        residual: Force out of balance along each degree of freedom, of the inputs, in which it is linear.
+        needed: That without inputs.
+        n_u: Number of inputs.
+        driven: Degrees of freedom that they drive, (k,).
+        acting: Inputs that do, as many.
+    """
+    if not acting:
+        return jnp.zeros(n_u), needed, jnp.array(True)
+    chosen = jnp.array(acting, int)
+    b0 = -jax.jacfwd(residual)(jnp.zeros(n_u))
+    own = b0[driven][:, chosen]
+    largest = jnp.maximum(jnp.max(jnp.abs(own)), 1e-300)
+    factors = factorise(own / largest)
+    u0 = jnp.zeros(n_u).at[chosen].set(factors.solve(needed[driven]) / largest)
+    return u0, put(needed - b0 @ u0, driven, 0.0), factors.regular() & jnp.all(jnp.isfinite(u0))
+
+
 @jit_beside_options
 def _nominal(
     model: Model,
@@ -509,81 +626,14 @@ def _nominal(
     acting: tuple[int, ...],
     times: Float[Array, "n_t"],
 ) -> _AtTimes:
-    top, parameters = model.topology, model.parameters
-    form = coordinates_form(top, parameters, laws)
+    top, labels = model.topology, model.labels
+    form, sizes = coordinates_form(top, model.parameters, laws), sizes_of(top, model.parameters)
     places, driven = [one.place for one in wanted], jnp.array(moved, int)
-    sizes = sizes_of(top, parameters)
-    none = jnp.zeros(form.size)
-    start = jnp.zeros(top.n_q) if parameters.start is None else jnp.asarray(parameters.start[0])
-
-    def given(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]):
-        """Where everything is to be: coordinates, held deformations, values of what is wanted, held freedoms."""
-        whole = form.whole(t, none, none, none)
-        values = [jnp.asarray(one.law(t), float) for one in wanted]
-        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), start
-
-    def far(a: tuple[Any, ...], b: tuple[Any, ...]):
-        """Largest change from one such goal to another, as a share of the mechanism's extent or in radians."""
-        change = jax.tree.map(lambda a, b: b - a, a, b)
-        (x, e), target, q = change
-        of_target = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
-        parts = (x / sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
-        return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
-
-    fixed_form, fixed_wanted, fixed_times = jax.lax.stop_gradient((form, wanted, times))
-
-    def settled(
-        goal: tuple[Any, ...], at: _At, wanted: tuple[Wanted, ...] = fixed_wanted, moved: tuple[int, ...] = moved
-    ) -> _At:
-        """Newton's method until nothing changes."""
-
-        def more(loop: tuple[Any, ...]):
-            i, _, change = loop
-            return (i < CORRECTIONS) & (change > SETTLED)
-
-        def step(loop: tuple[Any, ...]):
-            i, at, _ = loop
-            found = _closer(fixed_form, wanted, moved, goal, at)
-            return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
-
-        return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
-
-    def follow(carry: tuple[Any, ...], t: Float[Array, ""]):
-        """To the goal of the next time, in steps that Newton's method can follow."""
-        before, at = carry
-        goal = jax.lax.stop_gradient(given(fixed_form, fixed_wanted, t))
-        count = jnp.clip(jnp.ceil(far(before, goal) / STEP), 1, MOST_STEPS)
-        count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
-
-        def step(i: Array, at: _At):
-            share = (i + 1).astype(float) / count.astype(float)
-            return settled(jax.tree.map(lambda a, b: a + share * (b - a), before, goal), at)
-
-        at = jax.lax.fori_loop(0, count, step, at)
-        return (goal, at), at
-
-    reference = fixed_form.parameters.reference
-    origin = _At(jnp.zeros(top.n_q), reference, zero_near(top))
-    held = jnp.zeros(form.held.shape[0])
-    rest = (reference, held), _measured(fixed_form, places, reference, origin.near), jnp.zeros(top.n_q)
-    if moved and parameters.start is not None:
-        # The start values tell on which branch it begins: which way an elbow is bent.
-        begun = given(fixed_form, fixed_wanted, fixed_times[0])[0]
-        begin = jax.lax.stop_gradient((begun, jnp.zeros(0), start))
-        plain = (rest[0], jnp.zeros(0), rest[2])
-
-        def step(i: Array, at: _At):
-            share = (i + 1.0) / STEPS_TO_START
-            return settled(jax.tree.map(lambda a, b: a + share * (b - a), plain, begin), at, (), ())
-
-        origin = jax.lax.fori_loop(0, STEPS_TO_START, step, origin)
-        rest = begin[0], _measured(fixed_form, places, origin.x, origin.near), begin[2]
-    _, walked = jax.lax.scan(follow, (rest, origin), fixed_times)
-    walked = jax.lax.stop_gradient(walked)
+    seen = labels.outputs if _are_of_the_motion(labels.outputs) else ()
 
     def one(row: tuple[Array, _At]):
         t, at = row
-        goal = given(form, wanted, t)
+        goal = _goal(form, wanted, t)
 
         def differentiated(at: _At, _: None):
             found = _closer(form, wanted, moved, goal, at)
@@ -603,31 +653,19 @@ def _nominal(
         def residual(u: Float[Array, "n_u"]):
             return dynamic_balance(under_inputs(model, form, u), t, moving).residual
 
-        n_u = len(model.labels.inputs)
-        needed = residual(jnp.zeros(n_u))
-        u0, plant = jnp.zeros(n_u), jnp.array(True)
-        f0 = needed
-        if moved:
-            b0 = -jax.jacfwd(residual)(jnp.zeros(n_u))
-            own = b0[driven][:, jnp.array(acting, int)]
-            factors = factorise(own / jnp.maximum(jnp.max(jnp.abs(own)), 1e-300))
-            u0 = u0.at[jnp.array(acting, int)].set(
-                factors.solve(needed[driven]) / jnp.maximum(jnp.max(jnp.abs(own)), 1e-300)
-            )
-            plant = factors.regular()
-            f0 = put(needed - b0 @ u0, driven, 0.0)
-        seen = model.labels.outputs if _are_of_the_motion(model.labels.outputs) else ()
+        needed = residual(jnp.zeros(len(labels.inputs)))
+        u0, f0, plant = _inputs_needed(residual, needed, len(labels.inputs), driven, acting)
         outputs = [_output(form, signal, moving) for signal in seen]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
         missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
         fine = jnp.isfinite(missed) & (missed < TOLERANCE) & found.regular & tangent.regular
         fine = fine & jnp.all(jnp.isfinite(needed))
-        result = jnp.where(plant & jnp.all(jnp.isfinite(u0)), RESULTS.successful, RESULTS.singular_plant)
+        result = jnp.where(plant, RESULTS.successful, RESULTS.singular_plant)
         result = jnp.where(fine, result, RESULTS.outside_workspace).astype(jnp.int32)
         moves = jnp.max(jnp.abs(found.rows), axis=1, initial=0.0)
         return _AtTimes(x, moving.v, near, u0, y0, f0, result, moves)
 
-    return jax.lax.map(one, (times, walked))
+    return jax.lax.map(one, (times, _configurations(form, wanted, moved, sizes, times)))
 
 
 def _moving(

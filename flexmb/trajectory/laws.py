@@ -350,7 +350,7 @@ def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
         damping: Its damping ratio, below 1, () [-].
 
     Returns:
-        Law that ends half a damped period later.
+        Function of time, which ends half a damped period later than ``law``; unlike :class:`Law` it knows no duration.
 
     Raises:
         TypeError, ValueError: No function; a frequency that is not positive, a ratio that is negative or not below 1.
@@ -370,7 +370,7 @@ def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped
         damping: Its damping ratio, below 1, () [-].
 
     Returns:
-        Law that ends a damped period later.
+        Function of time, which ends a damped period later than ``law``; unlike :class:`Law` it knows no duration.
 
     Raises:
         TypeError, ValueError: No function; a frequency that is not positive, a ratio that is negative or not below 1.

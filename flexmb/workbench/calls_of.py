@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
-from ..build.description import TURNS, Description, Key, Member, NamedSignal
+from ..build.description import Description, Key, Member, NamedSignal
 from ..build.given import released_in
 from ..elements import planar, spatial
 from ..elements.element import ALL
 from ..elements.nodes import ANGLE
 from ..elements.section import MaterialDamping, Section
 from ..errors import clean
+from ..model.by_name import FRAME_OF, TURN_OF, TURNS, turn_of
 from ..model.roles import Role
 from .fields import ENDS_IN_WORDS, Call, calls
 
@@ -96,7 +97,7 @@ class Calls:
     # -- nodes and elements -----------------------------------------------------------------------------------------
 
     def _nodes(self) -> None:
-        turns = {f"frame of {name.removeprefix('turn of ')}" for name in self._turned}
+        turns = {FRAME_OF + name.removeprefix(TURN_OF) for name in self._turned}
         for name, node in self.b.nodes.items():
             part, owner = node.kind.part, name.rpartition(".")[0]
             if part == "position":
@@ -213,7 +214,7 @@ class Calls:
     def _support(self, name: str) -> None:
         node = self.b.nodes[name]
         held = [i for i, role in enumerate(node.roles, 1) if role is Role.FIXED]
-        if name.startswith("frame of ") and f"turn of {name.removeprefix('frame of ')}" in self._turned:
+        if name.startswith(FRAME_OF) and turn_of(name.removeprefix(FRAME_OF)) in self._turned:
             return
         rotation, owner = f"{name}.rotation", self._owner(name)
         if owner != name and self._held_whole(owner):
@@ -238,11 +239,11 @@ class Calls:
 
     def _is_turn(self, name: str) -> bool:
         """Whether an element is the hinge by which a rotation in space is prescribed."""
-        member, node = self.b.members[name], name.removeprefix("turn of ")
+        member, node = self.b.members[name], name.removeprefix(TURN_OF)
         return (
             node != name
             and member.element.name == "hinge"
-            and member.nodes[0] == f"frame of {node}"
+            and member.nodes[0] == FRAME_OF + node
             and member.roles[0] is Role.PRESCRIBED
         )
 
@@ -250,7 +251,7 @@ class Calls:
         """One call for each set of loads that has a value, one without where none has."""
         turn = key[0] == "element" and key[1] in self._turned
         if turn:
-            member, node = self.b.members[key[1]], key[1].removeprefix("turn of ")
+            member, node = self.b.members[key[1]], key[1].removeprefix(TURN_OF)
             args: dict[str, Any] = {
                 "of": node,
                 "component": "rotation",

@@ -78,7 +78,6 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
     path = Path(path)
     text = read_text(path)
     names = list(placeholders(statements(text, {})))
-    names = [name for name in names if name != "pi"]
     beside, notes = names_beside(path) if names or not numbers else ({}, [])
     # In the order in which they were written down.
     names = [*(name for name in beside if name in names), *(name for name in names if name not in beside)]
@@ -278,7 +277,7 @@ def _kept(path: Path) -> tuple[dict[str, Any], list[str]]:
     """Lines of an analysis in a file that is there already, and which of them do not stay."""
     try:
         text = read_text(path)
-        names = [name for name in placeholders(statements(text, {})) if name != "pi"]
+        names = placeholders(statements(text, {}))
         found = read_spacar(path, numbers=dict.fromkeys(names, 1.0)).settings
     except (OSError, ValueError):
         return {}, []

@@ -5,13 +5,12 @@ import dataclasses
 import functools
 import inspect
 import re
-import types
 import typing
 from typing import Any
 
 from .. import blocks
 from ..build.builder import FORCES, MEASURED, STRAINED, Builder
-from ..build.properties import ENDS
+from ..build.properties import ENDS, alternatives_of
 from ..elements import materials, planar, sections, spatial
 from ..elements.element import Element, _options
 from ..elements.section import Damping, Material, Section
@@ -201,7 +200,7 @@ def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[di
 
 def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     more: dict[str, Any] = {"dimension": 3 if name in SPATIAL else None}
-    alternatives = _alternatives(hint)
+    alternatives = alternatives_of(hint)
     choices = CHOICES.get((call, name)) or CHOICES.get(name)
     if name == "element" and default is None:
         return _field(name, "choice", default, doc, choices=_flexible())
@@ -333,7 +332,7 @@ def _of_constant(name: str) -> Call:
 
 def _of_hint(name: str, hint: Any, default: Any, doc: str, dimension: int | None) -> dict[str, Any]:
     """A field by the annotation of a property, an option or an entry of a record."""
-    alternatives = _alternatives(hint)
+    alternatives = alternatives_of(hint)
     if made := _record_in(alternatives):
         return _field(name, made, default, doc)
     origins = {typing.get_origin(one): typing.get_args(one) for one in alternatives}
@@ -360,13 +359,6 @@ def _record_in(alternatives: tuple[Any, ...]) -> str | None:
 
 
 # -- annotations and docstrings ----------------------------------------------------------------------------------
-
-
-def _alternatives(hint: Any) -> tuple[Any, ...]:
-    """Kinds that an annotation allows, None left out."""
-    if isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union:
-        return tuple(one for one in typing.get_args(hint) if one is not type(None))
-    return () if hint is None else (hint,)
 
 
 def _count(counts: tuple[int | None, int | None]) -> dict[str, int | None]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..build.builder import Builder
-from ..build.description import TURNS
 from ..errors import ModelError, clean
+from ..model.by_name import TURNS
 from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
 from .asked import Request

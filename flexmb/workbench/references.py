@@ -4,12 +4,11 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from ..model.by_name import FRAME_OF, TURN_OF
 from .fields import Call, calls
 
 # Parts of a node or an element that have a name of their own.
 PARTS = (".rotation", ".warping", ".internal")
-# What a spatial rotation that is prescribed is named after its node.
-TURNS = ("turn of ", "frame of ")
 # Kinds of fields that hold names of things, and in which namespaces these are looked up.
 SPACES = {
     "node": ("node",),
@@ -90,7 +89,7 @@ class Names:
             return found
         if found := self._stage(spaces, name):
             return found
-        for start in TURNS:
+        for start in (TURN_OF, FRAME_OF):
             if name.startswith(start) and (found := self.exactly(("node",), name.removeprefix(start))):
                 return found
         return next((id for block, id in self._blocks if name.startswith(f"{block} ")), None)
@@ -202,7 +201,7 @@ def renamed_part(name: str, old: str, new: str) -> str:
         old: Name that the thing had.
         new: Name that it has.
     """
-    for start in TURNS:
+    for start in (TURN_OF, FRAME_OF):
         if name.startswith(start) and _without_part(name.removeprefix(start)) == old:
             return start + new + name.removeprefix(start + old)
     if name == old or name.startswith((*(old + part for part in PARTS), f"{old} ")):
