@@ -741,7 +741,7 @@ FAULTS = [
     ),
     Fault(
         "motion/integrate.py",
-        "jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)",
+        "jnp.where(found == codes.event_occurred, RESULTS.successful, result)",
         "result",
         "compilation/test_captured.py -k event",
     ),
@@ -1449,7 +1449,7 @@ FAULTS = [
     ),
     Fault(
         "statics/solve.py",
-        "result=jnp.where(failed, why, s.result)",
+        "result=jnp.where(failed, _why(at, change), s.result)",
         "result=jnp.where(failed, s.result, s.result)",
         "linear/test_linearize.py -k without_raising",
     ),

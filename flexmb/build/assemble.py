@@ -101,18 +101,13 @@ def assemble(builder: Description) -> Model:
     increment = _loads(builder.loads["increment"], topology, index)
     strain = _sparse(builder.loads["initial"].get("strain"), len(e_roles), index)
     has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in members)
-    start = None
-    if builder.starts:
-        order = [d for d in builder.dofs if d[0] == "node"] + [d for d in builder.dofs if d[0] == "element"]
-        pairs = [builder.starts.get(key, (0.0, 0.0)) for key in order]
-        start = tuple(stack([pair[i] for pair in pairs]) for i in range(2)) if order else None
     parameters = Parameters(
         reference,
         properties,
         initial,
         increment if has_increment else None,
         strain,
-        start,
+        _starts(builder),
         _weights(builder.signals),
     )
 
@@ -137,6 +132,15 @@ def assemble(builder: Description) -> Model:
     )
     topology, parameters = _on_device((topology, parameters))
     return Model(topology, parameters, labels)
+
+
+def _starts(builder: Description) -> Any:
+    """Values and rates of the degrees of freedom at the start, (n_q,) each; None where none are given."""
+    order = [d for d in builder.dofs if d[0] == "node"] + [d for d in builder.dofs if d[0] == "element"]
+    if not builder.starts or not order:
+        return None
+    pairs = [builder.starts.get(key, (0.0, 0.0)) for key in order]
+    return tuple(stack([pair[i] for pair in pairs]) for i in range(2))
 
 
 def with_roles(model: Model, builder: Description) -> Model:

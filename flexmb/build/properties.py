@@ -328,10 +328,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
                 first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"
             raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault
 
-    def vector(size: int) -> jax.ShapeDtypeStruct:
-        return jax.ShapeDtypeStruct((size,), float)
-
-    near = {"near": vector(64)} if element.tracks_angle else {}
+    near = {"near": _vector(64)} if element.tracks_angle else {}
     found = returned("deformation", element.deformation, nodes, **near)
     if not isinstance(found, jax.ShapeDtypeStruct) or len(found.shape) != 1:
         raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(found)}.")
@@ -340,48 +337,54 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
         if any(not 1 <= i <= n for i in told):
             raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
-    heat = [vector(size) for size in heat_sizes(element)]
-    of = {
-        "thermal": heat,
-        "stiffness": [],
-        "damping": [],
-        **{k: [vector(n), vector(n)] for k in NONLINEAR},
-        "energy": [vector(n)],
-        "surface": [vector(n)],
-    }
-    wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
-    wanted |= {"force": (sum(kind.size for kind in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
+    taken, extra = _arguments(element, n)
     for kind in COMPANIONS:
         companion = getattr(element, kind)
         if companion is None or (kind in SURE and companion.__module__.startswith("flexmb.")):
             continue
         if kind == "thermal" and not element.expands({**numbers, **options}):
             continue
-        place = jax.ShapeDtypeStruct((), float)
-        along = {
-            "resultants": {"place": place, "sigma": vector(n)},
-            "surface": {"place": place, "resultants": vector(6)},
-        }
-        extra = along.get(kind, {})
-        answer = returned(kind, companion, of.get(kind, nodes), **extra)
-        if answer is None:
-            continue
-        if kind == "inertia":
-            _check_inertia(answer)
-        elif kind == "surface":
-            parts = answer if isinstance(answer, tuple) else ()
-            if [getattr(part, "shape", None) for part in parts] != [(8,)] * 3:
-                raise _WrongFunction(f"surface must be three vectors (8,), but is {_described(answer)}.")
-        elif getattr(answer, "shape", None) != wanted[kind]:
-            raise _WrongFunction(f"{kind} must have shape {wanted[kind]}, but {_has(answer)}.")
+        answer = returned(kind, companion, taken.get(kind, nodes), **extra.get(kind, {}))
+        if answer is not None:
+            _check_answer(element, kind, n, answer)
     return n
 
 
-def _check_inertia(answer: Any) -> None:
+def _vector(size: int) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct((size,), float)
+
+
+def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dict[str, Any]]]:
+    """What companions of an element of n deformations take in place of its nodes, and what by name beside."""
+    taken = {
+        "thermal": [_vector(size) for size in heat_sizes(element)],
+        "stiffness": [],
+        "damping": [],
+        **{k: [_vector(n), _vector(n)] for k in NONLINEAR},
+        "energy": [_vector(n)],
+        "surface": [_vector(n)],
+    }
+    place = jax.ShapeDtypeStruct((), float)
+    by_name = {
+        "resultants": {"place": place, "sigma": _vector(n)},
+        "surface": {"place": place, "resultants": _vector(6)},
+    }
+    return taken, by_name
+
+
+def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:
+    """Refuse what a companion of an element of n deformations returns, where it has another shape than it must."""
+    wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
+    wanted |= {"force": (sum(node.size for node in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
     shapes = [getattr(part, "shape", ()) for part in answer] if isinstance(answer, tuple) else []
-    if len(shapes) == 2 and len(shapes[0]) == 2 and shapes[1] == (shapes[0][0],) * 2:
-        return
-    raise _WrongFunction(f"inertia must be vectors (k, d) and a matrix (k, k), but is {_described(answer)}.")
+    if kind == "inertia":
+        if len(shapes) != 2 or len(shapes[0]) != 2 or shapes[1] != (shapes[0][0],) * 2:
+            raise _WrongFunction(f"inertia must be vectors (k, d) and a matrix (k, k), but is {_described(answer)}.")
+    elif kind == "surface":
+        if shapes != [(8,)] * 3:
+            raise _WrongFunction(f"surface must be three vectors (8,), but is {_described(answer)}.")
+    elif getattr(answer, "shape", None) != wanted[kind]:
+        raise _WrongFunction(f"{kind} must have shape {wanted[kind]}, but {_has(answer)}.")
 
 
 def _described(answer: Any) -> str:

@@ -52,6 +52,15 @@ def held_of(signal: Signal) -> Held:
     return Held(signal.of_element, signal.index, signal.axis, signal.local)
 
 
+def moved_by(causes: tuple[Signal, ...], held: tuple[Held, ...]) -> np.ndarray:
+    """Which of what is held each input moves, (held, inputs)."""
+    motions = np.zeros((len(held), len(causes)))
+    for j, s in enumerate(causes):
+        if s.order is not None:
+            motions[held.index(held_of(s)), j] = 1.0
+    return motions
+
+
 def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tuple[Held, ...]) -> Matrices:
     """Linearised equations in the degrees of freedom and in what is held, after them.
 

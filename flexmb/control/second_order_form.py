@@ -11,11 +11,19 @@ from ..arguments import is_concrete
 from ..compilation.compile import jit
 from ..linear.linearize import Linearization, Matrices
 from ..mechanics.blocks import kernel
-from ..mechanics.signals import along_coordinates, combined, input_row, rotation_row, terms_of
+from ..mechanics.signals import (
+    DEFORMATION_ORDERS,
+    ORDERS,
+    along_coordinates,
+    combined,
+    input_row,
+    rotation_row,
+    terms_of,
+)
 from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .held import Held, held_by, held_of, with_held
+from .held import Held, held_by, held_of, moved_by, with_held
 
 
 class SecondOrder(NamedTuple):
@@ -140,31 +148,48 @@ def _about_state(
     n = m.M0.shape[0]
     causes, sensed = terms_of(inputs), terms_of(outputs)
     parts = (whole.K, whole.C0 + whole.D0, whole.M0)
-    motions = np.zeros((len(held), len(causes)))
-    columns: list[Any] = [None] * len(causes)
-    for j, s in enumerate(causes):
-        if s.order is None:
-            columns[j] = input_row(s, whole.x, whole.DFx, whole.DFe)
-        else:
-            motions[held.index(held_of(s)), j] = 1.0
-    forces = _stacked(columns, n + len(held), xp).T
+    motions = moved_by(causes, held)
+    columns = [input_row(s, whole.x, whole.DFx, whole.DFe) if s.order is None else None for s in causes]
+    forces = stacked(columns, n + len(held), xp).T
     by_p = [-part[:n, n:] @ motions for part in parts]
     by_p[0] = by_p[0] + forces[:n]
     rows = [_output_rows(s, whole, held, parts, forces, causes) for s in sensed]
-    by_w = [_stacked([of[k] for of in rows], n + len(held), xp) for k in range(3)]
+    by_w = [stacked([of[k] for of in rows], n + len(held), xp) for k in range(3)]
     through = [row[:, n:] @ motions for row in by_w]
-    through[0] = through[0] + _stacked([of[3] for of in rows], len(causes), xp)
+    through[0] = through[0] + stacked([of[3] for of in rows], len(causes), xp)
     by_q = [row[:, :n] for row in by_w]
-    if weights is not None:
-        mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
-        by_p, by_q, through = [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+    by_p, by_q, through = mixed(inputs, outputs, weights, by_p, by_q, through)
     return m.M0, m.C0 + m.D0, m.K, *by_p, *by_q, *through
 
 
-def _stacked(rows: list[Any], size: int, xp: Any) -> Any:
+def mixed(
+    inputs: tuple[Signal, ...], outputs: tuple[Signal, ...], weights: Any, by_p: Any, by_q: Any, through: Any
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """What inputs do and outputs measure, of what their terms do and measure.
+
+    Args:
+        inputs: Inputs.
+        outputs: Outputs.
+        weights: Of the terms of both, or None where each has but one.
+        by_p: What acts, by the terms of the inputs, (n, terms) each.
+        by_q: Terms of the outputs by the freedoms, (terms, n) each.
+        through: And by those of the inputs, (terms, terms) each.
+    """
+    if weights is None:
+        return by_p, by_q, through
+    mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
+    return [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+
+
+def stacked(rows: list[Any], size: int, xp: Any = jnp) -> Any:
     """Rows below each other, zero where one is None."""
     none = xp.zeros(size)
     return xp.stack([none if row is None else row for row in rows]) if rows else xp.zeros((0, size))
+
+
+def adding_to(s: Signal, causes: tuple[Signal, ...]) -> np.ndarray:
+    """Which inputs are a stress that adds to the one that an output measures, (inputs,): one or zero."""
+    return np.array([float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes])
 
 
 def _output_rows(
@@ -195,14 +220,10 @@ def _output_rows(
     if s.quantity == "stress":
         rates = m.S_d[s.index]
         by_q = m.S[s.index] @ m.DFe
-        # A stress that is an input adds to it.
-        passed = np.array([float(u.quantity == "stress" and u.index == s.index) for u in causes])
+        passed = adding_to(s, causes)
         return (by_q if moving is None else by_q + rates @ moving.DFe_d), rates @ m.DFe, None, passed
     of_e = s.quantity.startswith("deformation")
-    order = ("position", "velocity", "acceleration")
-    if of_e:
-        order = ("deformation", "deformation rate", "deformation acceleration")
-    place = order.index(s.quantity)
+    place = {**ORDERS, **DEFORMATION_ORDERS}[s.quantity]
     own, row = (np.array([s.index]), np.ones(1)) if of_e else along_coordinates(s, m.x)
     along = row @ (m.DFe if of_e else m.DFx)[own]
     if place == 0 or moving is None:

@@ -12,10 +12,10 @@ from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import solved
 from ..math.by_deformations import spread
 from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
-from ..mechanics.signals import along_coordinates, combined, terms_of
+from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, along_coordinates, terms_of
 from ..model.model import Signal
-from .held import Held, about_axes, held_by, held_of, seeds
-from .second_order_form import orders_of
+from .held import Held, about_axes, held_by, held_of, moved_by, seeds
+from .second_order_form import adding_to, mixed, orders_of, stacked
 
 # Share of a force below which what is left beside those of constraints is round-off.
 IDLE = 1e-9
@@ -84,11 +84,8 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     along = carried if lin.symmetric else _carried(lin, transposed(elements), held)
     own = elements if lossy is None else lossy
     n_x = lin.x.shape[0]
-    forces = _columns([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x)
-    motions = np.zeros((len(held), len(causes)))
-    for j, s in enumerate(causes):
-        if s.order is not None:
-            motions[held.index(held_of(s)), j] = 1.0
+    forces = stacked([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x).T
+    motions = moved_by(causes, held)
     still = jnp.zeros((n_x, len(held)))
     parts = [still if lossy is None else times(own.stiffness, carried, size=n_x)]
     parts += [times(pieces, carried, size=n_x) for pieces in (own.damping, own.mass)]
@@ -112,22 +109,14 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
             by_x = _measured(s, lin, own, lossy is not None)
             at_once = [row @ carried @ motions for row in by_x]
             if s.quantity == "stress" and lossy is None:
-                # A stress that is an input adds to it.
-                same = [float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes]
-                at_once[0] = at_once[0] + np.array(same)
+                at_once[0] = at_once[0] + adding_to(s, causes)
         for rate in range(3):
             rows[rate].append(by_x[rate])
             through[rate].append(at_once[rate])
-    n_u, n_y = len(causes), len(sensed)
-    b = jnp.stack(by_p) if n_u else jnp.zeros((3, n_x, 0))
-    c = jnp.stack([jnp.stack(of) for of in rows]) if n_y else jnp.zeros((3, 0, n_x))
-    d = jnp.stack([jnp.stack(of) for of in through]) if n_y else jnp.zeros((3, 0, n_u))
-    weights = model.parameters.weights
-    if weights is not None:
-        mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
-        b, c, d = b @ mix, jnp.einsum("ij,pjk->pik", read, c), jnp.einsum("ij,pjk,kl->pil", read, d, mix)
-    orders, moves = orders_of(inputs)
-    found = SparseSecondOrder(own, b, c, d, orders, moves)
+    by_x = [stacked(of, n_x) for of in rows]
+    by_u = [stacked(of, len(causes)) for of in through]
+    matrices = mixed(inputs, outputs, model.parameters.weights, by_p, by_x, by_u)
+    found = SparseSecondOrder(own, *map(jnp.stack, matrices), *orders_of(inputs))
     if lossy is None:
         _refuse_idle(lin, found)
     return found
@@ -138,12 +127,6 @@ def some_of(found: SparseSecondOrder, us: list[int], ys: list[int]) -> SparseSec
     u, y = np.array(us), np.array(ys)
     d = found.D[:, y][:, :, u]
     return SparseSecondOrder(found.elements, found.B[:, :, u], found.C[:, y], d, found.orders[u], found.moves[u])
-
-
-def _columns(columns: list[Any], size: int) -> Float[Array, "size k"]:
-    none = jnp.zeros(size)
-    stacked = [none if column is None else column for column in columns]
-    return jnp.stack(stacked, axis=1) if stacked else jnp.zeros((size, 0))
 
 
 def _force(s: Signal, lin: SparseLinearization) -> Float[Array, "n_x"]:
@@ -170,11 +153,10 @@ def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_st
     elif only_stress:
         return found
     elif s.quantity.startswith("deformation"):
-        rate = ("deformation", "deformation rate", "deformation acceleration").index(s.quantity)
-        found[rate] = _of_deformation(lin, unit[:, 0].at[s.index].set(1.0))
+        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, unit[:, 0].at[s.index].set(1.0))
     else:
         at, row = along_coordinates(s, lin.x)
-        found[("position", "velocity", "acceleration").index(s.quantity)] = none.at[at].add(row)
+        found[ORDERS[s.quantity]] = none.at[at].add(row)
     return found
 
 

@@ -12,6 +12,10 @@ from ..math.indices import put
 from ..math.rotation import lbar, lbody, rotation_since
 from ..model.model import Signal
 
+# How often what an output measures is differentiated by time, of coordinates and of deformations.
+ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
+DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
+
 
 def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array, "4"]:
     """Infinitesimal rotation, or angular velocity, about an axis, by the change of Euler parameters.

@@ -173,42 +173,19 @@ def _by_diffrax(
     import diffrax
 
     from .collocation import carried_from
-    from .projected import Projected
     from .radau import Radau
-    from .rosenbrock import Rodas5P, Rosenbrock
+    from .rosenbrock import Rosenbrock
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    controller, (jumps, stops) = integrator.controller, onto
-    solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
-    if integrator.form == "chain":
-        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
+    solver, controller = _solver_and_steps(equations, integrator, onto, t1 - t0, moved)
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
-    adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
-    if controller is None and not adapts:
-        controller = diffrax.ConstantStepSize()
-    elif controller is None:
-        controller = DisplacementController(
-            rtol=integrator.rtol,
-            atol=integrator.atol,
-            pcoeff=0.1,
-            icoeff=0.3,
-            dtmin=SMALLEST_STEP * (t1 - t0),
-            force_dtmin=False,
-            moved=moved,
-            states=equations.states,
-            kinks=kinks_of(equations),
-        )
-    if isinstance(solver, Projected):
-        solver = solver.with_tolerances(controller)
-    failed = RESULTS.step_too_large if isinstance(controller, diffrax.ConstantStepSize) else RESULTS.step_too_small
-    if any(one is not None for one in onto) and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
-        controller = diffrax.ClipStepSizeController(controller, step_ts=stops, jump_ts=jumps)
+    equal = isinstance(controller, diffrax.ConstantStepSize)
     z0, regular = equations.acceleration(t0, start)
     # Nothing is integrated where some motion has no mass.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
-    dt0 = _first_step(integrator, fast, t1 - t0, parts, isinstance(controller, diffrax.ConstantStepSize))
+    dt0 = _first_step(integrator, fast, t1 - t0, parts, equal)
     solution = diffrax.diffeqsolve(
         MotionTerm(equations),
         solver,
@@ -225,17 +202,10 @@ def _by_diffrax(
         throw=False,
     )
     states: Any = solution.ys
-    ok = diffrax.RESULTS
-    result = jnp.where(solution.result == ok.successful, RESULTS.successful, failed)
-    result = jnp.where(solution.result == ok.max_steps_reached, RESULTS.motion_unfinished, result)
-    result = jnp.where(solution.result == ok.internal_error, RESULTS.ran_away, result)
     if integrator.event is not None:
-        result = jnp.where(solution.result == ok.event_occurred, RESULTS.successful, result)
         # What ends at once has its start all the same.
         states = jax.tree.map(lambda row, own: jnp.where((times <= t0)[:, None], own, row), states, start)
-    else:
-        wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
-        result = jnp.where(wrong, failed, result)
+    result = _code(solution, equal, integrator.event is not None)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
     state: Any = solution.controller_state
     if isinstance(controller, diffrax.ClipStepSizeController):
@@ -245,6 +215,67 @@ def _by_diffrax(
         _, moved, search = state
         jumped = search.jumped
     return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result, jumped)
+
+
+def _solver_and_steps(
+    equations: Equations,
+    integrator: Integrator,
+    onto: tuple[Array | None, Array | None],
+    span: Float[Array, ""],
+    moved: Float[Array, ""],
+) -> tuple[Any, Any]:
+    """Solver and step size control of diffrax, as they are given, or as they are chosen here."""
+    import diffrax
+
+    from .projected import Projected
+    from .radau import Radau
+    from .rosenbrock import Rodas5P
+    from .step_control import DisplacementController
+
+    controller, (jumps, stops) = integrator.controller, onto
+    solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
+    if integrator.form == "chain":
+        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
+    adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
+    if controller is None and not adapts:
+        controller = diffrax.ConstantStepSize()
+    elif controller is None:
+        controller = DisplacementController(
+            rtol=integrator.rtol,
+            atol=integrator.atol,
+            pcoeff=0.1,
+            icoeff=0.3,
+            dtmin=SMALLEST_STEP * span,
+            force_dtmin=False,
+            moved=moved,
+            states=equations.states,
+            kinks=kinks_of(equations),
+        )
+    if isinstance(solver, Projected):
+        solver = solver.with_tolerances(controller)
+    if any(one is not None for one in onto) and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
+        controller = diffrax.ClipStepSizeController(controller, step_ts=stops, jump_ts=jumps)
+    return solver, controller
+
+
+def _code(solution: Any, equal: bool, may_end: bool) -> Int[Array, ""]:
+    """Code of RESULTS of a solution of diffrax.
+
+    Args:
+        equal: Whether steps are of equal size.
+        may_end: Whether an event may end it.
+    """
+    import diffrax
+
+    found, codes = solution.result, diffrax.RESULTS
+    failed = RESULTS.step_too_large if equal else RESULTS.step_too_small
+    result = jnp.where(found == codes.successful, RESULTS.successful, failed)
+    result = jnp.where(found == codes.max_steps_reached, RESULTS.motion_unfinished, result)
+    result = jnp.where(found == codes.internal_error, RESULTS.ran_away, result)
+    if may_end:
+        return jnp.where(found == codes.event_occurred, RESULTS.successful, result)
+    wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(solution.ys.u))
+    return jnp.where(wrong, failed, result)
 
 
 def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):

@@ -107,6 +107,14 @@ def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
     return uneven(k0.shape[0], 1, jnp) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
 
 
+def _of_unit_energy(soft: Float[Array, "n_q"], k0: Float[Array, "n_q n_q"]) -> tuple[Array, Array]:
+    """A motion of unit energy, uneven where one has none, and the energy that it has by the same stiffness."""
+    energy = soft @ k0 @ soft
+    kept = (energy > 0) & jnp.isfinite(energy)
+    soft = jnp.where(kept, soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
+    return soft, soft @ k0 @ soft
+
+
 def undeformed(topology: Topology, parameters: Parameters) -> Begin:
     """The beginning without loads."""
     none, zero = zero_near(topology), jnp.array(0.0)
@@ -142,10 +150,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         strained = s.trial_strained if free is None else s.trial_strained + free
         at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, strained, wanted)
         k0 = at.K0
-        energy = s.soft @ k0 @ s.soft
-        kept = (energy > 0) & jnp.isfinite(energy)
-        soft = jnp.where(kept, s.soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
-        energy = soft @ k0 @ soft
+        soft, energy = _of_unit_energy(s.soft, k0)
         dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
         change = onto + at.transfer.DFx @ dq
         # Undeformed, where loads are zero and laws pull nothing, no stiffness is asked for.
@@ -172,12 +177,6 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         following, failed = steps.after(size, done, bad)
         # Zero where nothing is stiff without load: that alone is no critical state.
         softness = jnp.where(still, 0.0, jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)))
-        singular = ~jnp.all(jnp.isfinite(change))
-        why = jnp.where(
-            ~at.transfer.regular,
-            RESULTS.singular_configuration,
-            jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged),
-        )
 
         def choose(if_bad: Array, if_done: Array, otherwise: Array):
             return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
@@ -196,13 +195,24 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
             soft=softer,
             softness=jnp.where(going, softness, s.softness),
             iterations=s.iterations + going.astype(jnp.int32),
-            result=jnp.where(failed, why, s.result).astype(jnp.int32),
+            result=jnp.where(failed, _why(at, change), s.result).astype(jnp.int32),
         )
 
+    start = _start(topology, parameters, target, begin)
+    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
+    critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
+    result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
+    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
+    reached = Begin(end.x, end.near, end.strained, end.soft, factors)
+    return _Solved(end.at, end.near, reached, end.iterations, result)
+
+
+def _start(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Search:
+    """The search before its first turn."""
     x0, near0 = begin.x, begin.near
     zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
     nothing = jax.eval_shape(lambda x, near: state(topology, parameters, target, x, near), x0, near0)
-    start = _Search(
+    return _Search(
         at=jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing),
         finishing=no,
         finished=no,
@@ -218,12 +228,13 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         iterations=zero,
         result=zero,
     )
-    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
-    critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
-    result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
-    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
-    reached = Begin(end.x, end.near, end.strained, end.soft, factors)
-    return _Solved(end.at, end.near, reached, end.iterations, result)
+
+
+def _why(at: State, change: Float[Array, "n_x"]) -> Int[Array, ""]:
+    """Code of a search that failed."""
+    singular = ~jnp.all(jnp.isfinite(change))
+    why = jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged)
+    return jnp.where(at.transfer.regular, why, RESULTS.singular_configuration)
 
 
 def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:

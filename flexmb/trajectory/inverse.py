@@ -21,7 +21,7 @@ from ..math.linear import factorise
 from ..math.rotation import rotation_since
 from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
-from ..mechanics.signals import rotation_row
+from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, rotation_row
 from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import TURNS, turn_of
 from ..model.model import Model, Signal, as_determined, as_known
@@ -47,8 +47,6 @@ TOLERANCE = 1e-8
 MOST_STEPS = 10_000
 # From the undeformed mechanism to its start values.
 STEPS_TO_START = 40
-ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
-DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
 
 
 class Quantity(Record):
