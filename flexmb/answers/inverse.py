@@ -7,7 +7,7 @@ import numpy as np
 
 from ..trajectory.inverse import Nominal
 from .mode import Found, Mode, Question
-from .motion import origins, over_time, steps_of
+from .motion import frequencies_at_ends, origins, over_time, steps_of
 from .parts import SHOWN_VALUES, row
 from .trajectory import nominal_motion
 
@@ -62,10 +62,7 @@ def table(data: dict[str, Any]) -> list[str]:
     for side, key in (("input", "u0"), ("output", "y0")):
         for name, values in zip(data[f"{side}s"][:SHOWN_VALUES], np.asarray(data[key]).T, strict=False):
             lines.append(f"  {side} {name}: {values.min():.6g} to {values.max():.6g}")
-    for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
-        hertz = ["-" if f is None else f"{f:.6g}" for f in step["frequencies_hz"][:SHOWN_VALUES]]
-        lines.append(f"frequencies [Hz] at {step['time']:.6g} s: {'  '.join(hertz)}")
-    return lines
+    return lines + frequencies_at_ends(data)
 
 
 MODES = (

@@ -239,6 +239,12 @@ def _table(data: dict[str, Any]) -> list[str]:
     lines += [f"  node {node:<7} {row(rows[-1])}" for node, rows in data["trajectory"].items()][:SHOWN_VALUES]
     total = sum(energy.values())
     lines.append("energy [J] at start and end: {:.6g}, {:.6g}".format(*(np.asarray(total)[[0, -1]])))
+    return lines + frequencies_at_ends(data)
+
+
+def frequencies_at_ends(data: dict[str, Any]) -> list[str]:
+    """Lines of the terminal of the first and the last state, where the equations are linearised."""
+    lines = []
     for step in [data["steps"][0], data["steps"][-1]] if "steps" in data else []:
         hertz = ["-" if f is None else f"{f:.6g}" for f in step["frequencies_hz"][:SHOWN_VALUES]]
         lines.append(f"frequencies [Hz] at {step['time']:.6g} s: {'  '.join(hertz)}")

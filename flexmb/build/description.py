@@ -278,7 +278,7 @@ class Description:
         if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
             raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
 
-    def _entry(self, of: str, component: str | int, kind: str | None = None) -> Key:
+    def _entry(self, of: str, component: str | int, kind: str | None) -> Key:
         """Kind and name of the owner, and number, of a coordinate or a deformation."""
         self._check_kind(kind)
         of = str(of)

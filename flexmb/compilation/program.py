@@ -310,7 +310,7 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     return found, replaced(jaxpr.outvars)
 
 
-def _of_program(jaxpr: Jaxpr, constants: tuple = (), rules: int = RULES) -> tuple:
+def _of_program(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
     """Equal for programs that do the same with equal arguments."""
     places = {v: i for i, v in enumerate([*jaxpr.constvars, *jaxpr.invars])}
     meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]

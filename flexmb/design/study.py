@@ -191,6 +191,6 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
     }
 
 
-def sweep_table(found: Sweep, rows: int = ROWS) -> str:
-    """Table of a sweep for the terminal, of so many rows at most."""
-    return found.table(rows) + (", see --json or --save" if len(found.codes) > rows else "")
+def sweep_table(found: Sweep) -> str:
+    """Table of a sweep for the terminal, of so many rows at most as tables have."""
+    return found.table() + (", see --json or --save" if len(found.codes) > ROWS else "")

@@ -83,7 +83,7 @@ def bordered(
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
-def _times(pieces: Pieces, vectors: np.ndarray, size: int, transposed: bool = False) -> np.ndarray:
+def _times(pieces: Pieces, vectors: np.ndarray, size: int, transposed: bool) -> np.ndarray:
     """As :func:`times`, on the host."""
     found = np.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, own in pieces:

@@ -13,6 +13,8 @@ from ..model.topology import Block
 
 # Places along an element. Multiples of 1/96: halves and thirds are among them, where a shape may have a corner.
 PLACES = np.linspace(0.0, 1.0, 97)
+# Teeth of a spring to either side.
+TEETH = 5
 
 
 class Line(NamedTuple):
@@ -147,13 +149,12 @@ def masses(model: Model) -> list[np.ndarray]:
     return found
 
 
-def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"], teeth: int = 5) -> Float[np.ndarray, "n d"]:
+def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"]) -> Float[np.ndarray, "n d"]:
     """A spring from p to q.
 
     Args:
         p: First end, (d,) [m].
         q: Last end, (d,) [m].
-        teeth: Number of teeth to either side.
 
     Returns:
         Its corners, (n, d) [m].
@@ -164,19 +165,15 @@ def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"], teeth: int = 5)
     across[k] = 1.0
     across = across - (across @ along) * along / max(along @ along, 1e-300)
     across *= 0.08 * np.linalg.norm(along) / np.linalg.norm(across)
-    places = places_of_zigzag(teeth)
+    places = places_of_zigzag()
     # 0, 1, 0, -1, 0, ...
-    sides = np.concatenate([[0.0], np.sin(np.pi / 2 * np.arange(2 * teeth + 1)), [0.0]])
+    sides = np.concatenate([[0.0], np.sin(np.pi / 2 * np.arange(2 * TEETH + 1)), [0.0]])
     return p + places[:, None] * along + sides[:, None] * across
 
 
-def places_of_zigzag(teeth: int = 5) -> Float[np.ndarray, "n"]:
-    """Where the corners of a :func:`zigzag` lie between its ends, from 0 to 1, (n,) [-].
-
-    Args:
-        teeth: Number of teeth to either side.
-    """
-    return np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * teeth + 1), [1.0]])
+def places_of_zigzag() -> Float[np.ndarray, "n"]:
+    """Where the corners of a :func:`zigzag` lie between its ends, from 0 to 1, (n,) [-]."""
+    return np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * TEETH + 1), [1.0]])
 
 
 def names_of(model: Model, block: Block) -> list[str]:

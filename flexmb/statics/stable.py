@@ -79,17 +79,14 @@ def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"],
     return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky(stiffness * scale + more)))
 
 
-def collect_unstable(
-    stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool, found: Any = True
-) -> None:
+def collect_unstable(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool) -> None:
     """Add the code of an unstable state where codes are collected, as of designs that are traced.
 
     Args:
         stiffness, structural, symmetric: As of :func:`unstable_motions`.
-        found: Whether there is a state.
     """
     if collects():
-        unstable = is_negative(*jax.lax.stop_gradient((stiffness, structural)), symmetric) & found
+        unstable = is_negative(*jax.lax.stop_gradient((stiffness, structural)), symmetric)
         collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 
