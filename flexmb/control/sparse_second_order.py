@@ -115,8 +115,8 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
             through[rate].append(at_once[rate])
     by_x = [stacked(of, n_x) for of in rows]
     by_u = [stacked(of, len(causes)) for of in through]
-    matrices = mixed(inputs, outputs, model.parameters.weights, by_p, by_x, by_u)
-    found = SparseSecondOrder(own, *map(jnp.stack, matrices), *orders_of(inputs))
+    b, c, d = map(jnp.stack, mixed(inputs, outputs, model.parameters.weights, by_p, by_x, by_u))
+    found = SparseSecondOrder(own, b, c, d, *orders_of(inputs))
     if lossy is None:
         _refuse_idle(lin, found)
     return found

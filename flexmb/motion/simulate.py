@@ -166,18 +166,18 @@ def simulate(
         _check_event(problem, integrator, times[0], start)
     run = _integrated(problem, integrator, times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
-    rows, result = run.rows, run.result
+    (x, xd, near, u), result = run.rows, run.result
     if stopped:
-        times = times[: len(rows.x)]
+        times = times[: len(x)]
     elif progress:
         # What a failure leaves out.
-        left = ((0, len(times) - len(rows.x)), (0, 0))
-        rows = [jnp.pad(column, left, constant_values=jnp.inf) for column in rows]
+        left = ((0, len(times) - len(x)), (0, 0))
+        x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     order = problem.order
     if isinstance(order, SparseOrder) and order.places.too_large:
         result = jnp.full_like(result, RESULTS.out_of_memory)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
-    found = Motion(times, *rows, run.steps, result, driven, model, str(integrator.form), name)
+    found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
     _tell(found, drives, run.jumped, throw and not stopped)
     return found
 
@@ -272,8 +272,8 @@ def _tell(found: Motion, drives: Drives, jumped: Any, throw: bool) -> None:
     """
     about = ""
     if throw and is_concrete(found.result) and int(found.result) != RESULTS.successful:
-        if is_concrete((found.model, found.driven, found.times)):
-            _refuse_not_finite(found.model, drives, found.driven, np.asarray(found.times))
+        if is_concrete((found.model, found.driven, found.t)):
+            _refuse_not_finite(found.model, drives, found.driven, np.asarray(found.t))
         if int(found.result) == RESULTS.singular_mass:
             about = without_mass(found.model)
     check(found.result, throw, about)

@@ -117,7 +117,13 @@ class LoadStep(NamedTuple):
 
 def first_load_step() -> LoadStep:
     """The whole load at once, from none."""
-    return LoadStep(*(jnp.array(v) for v in (0.0, 1.0, 1.0, jnp.inf)), jnp.zeros((), jnp.int32))
+    return LoadStep(
+        reached=jnp.array(0.0),
+        step=jnp.array(1.0),
+        first=jnp.array(1.0),
+        before=jnp.array(jnp.inf),
+        tries=jnp.zeros((), jnp.int32),
+    )
 
 
 def library_of(number: Any) -> Any:
