@@ -155,36 +155,14 @@ def make_problem(
         raise ValueError("Say what is wanted: `minimize`, `maximize` or `targets`.")
     weights = np.zeros(len(start))
     for name in given:
-        if len(places[name]) != 1:
-            raise ValueError(
-                f"Answer '{name}' has shape {shapes[name]}, but one number can be {'min' if minimize else 'max'}imized:"
-                " take fm.linear.smooth_maximum, fm.linear.smooth_minimum or one entry of it."
-            )
-        place = places[name][0]
+        place = _place(name, places[name], shapes[name], "min" if minimize else "max")
         weights[place] = (1 if minimize else -1) / (abs(start[place]) or 1.0)
-
-    def entries(name: str, value: Any, what: str) -> np.ndarray:
-        if isinstance(value, Curve):
-            if what != "target":
-                raise ValueError(f"A curve is a target: the {what} of '{name}' must be numbers.")
-            if shapes[name] != value.values.shape:
-                raise ValueError(
-                    f"The curve that is the target of '{name}' has {len(value.values)} places, but the answer has"
-                    f" shape {shapes[name]}: let it answer one number for each."
-                )
-            return value.values
-        try:
-            return np.broadcast_to(numbers(what, value), shapes[name]).ravel()
-        except (TypeError, ValueError):
-            raise ValueError(
-                f"The {what} of '{name}' must be a number or of shape {shapes[name]}, but is {clean(repr(value))}."
-            ) from None
 
     def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
         matrix, right, names = [], [], []
         for name, value, sign, what in wanted:
             largest = np.max(np.abs(value.values)) if isinstance(value, Curve) else 0.0
-            for place, v in zip(places[name], entries(name, value, what), strict=True):
+            for place, v in zip(places[name], _entries(name, shapes[name], value, what), strict=True):
                 if np.isinf(v) and what.endswith("limit") and v * sign > 0:
                     continue
                 if not np.isfinite(v):
@@ -195,7 +173,7 @@ def make_problem(
                 names.append(labels[place] if what in ("target", "value") else f"{labels[place]} ({what} {v:g})")
         return Rows(np.array(matrix).reshape(-1, len(start)), np.array(right), tuple(names))
 
-    pairs = [(name, *_limits(name, pair, entries)) for name, pair in limits.items()]
+    pairs = [(name, *_limits(name, shapes[name], pair)) for name, pair in limits.items()]
     below = [(n, upper, 1.0, "upper limit") for n, _, upper in pairs if upper is not None]
     above = [(n, lower, -1.0, "lower limit") for n, lower, _ in pairs if lower is not None]
     return TuningProblem(
@@ -206,7 +184,37 @@ def make_problem(
     )
 
 
-def _limits(name: str, pair: Any, entries: Any) -> tuple[Any, Any]:
+def _place(name: str, places: np.ndarray, shape: tuple[int, ...], how: str) -> int:
+    """Place of an answer that is minimised or maximised, which is one number."""
+    if len(places) != 1:
+        raise ValueError(
+            f"Answer '{name}' has shape {shape}, but one number can be {how}imized: take fm.linear.smooth_maximum,"
+            " fm.linear.smooth_minimum or one entry of it."
+        )
+    return places[0]
+
+
+def _entries(name: str, shape: tuple[int, ...], value: Any, what: str) -> np.ndarray:
+    """Numbers that an answer of a shape is to have or to keep to, one after the other, (n,)."""
+    if isinstance(value, Curve):
+        if what != "target":
+            raise ValueError(f"A curve is a target: the {what} of '{name}' must be numbers.")
+        if shape != value.values.shape:
+            raise ValueError(
+                f"The curve that is the target of '{name}' has {len(value.values)} places, but the answer has"
+                f" shape {shape}: let it answer one number for each."
+            )
+        return value.values
+    try:
+        return np.broadcast_to(numbers(what, value), shape).ravel()
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"The {what} of '{name}' must be a number or of shape {shape}, but is {clean(repr(value))}."
+        ) from None
+
+
+def _limits(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
+    """Lower and upper limit of an answer of a shape, None for none."""
     try:
         if isinstance(pair, str):
             raise ValueError
@@ -218,7 +226,7 @@ def _limits(name: str, pair: Any, entries: Any) -> tuple[Any, Any]:
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None: leave it out.")
     if lower is not None and upper is not None:
-        low, high = entries(name, lower, "lower limit"), entries(name, upper, "upper limit")
+        low, high = _entries(name, shape, lower, "lower limit"), _entries(name, shape, upper, "upper limit")
         if not np.all(low < high):
             raise ValueError(f"Limits of '{name}' are empty: lower {lower} is not below upper {upper}; see `equal`.")
     return lower, upper

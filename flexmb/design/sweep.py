@@ -121,13 +121,17 @@ def sweep(
             if report is not None:
                 report(done, designs.count)
     found, codes = gathered(designs.count, list(functions), parts)
+    _tell_of_unstable(codes)
+    return Sweep(designs, found, codes, dict(units or {}))
+
+
+def _tell_of_unstable(codes: np.ndarray) -> None:
     unstable = np.flatnonzero(codes == RESULTS.unstable_state)
     if len(unstable):
         warn(
-            f"Of {designs.count} designs {len(unstable)} are at an equilibrium that is not stable (unstable_state in"
+            f"Of {len(codes)} designs {len(unstable)} are at an equilibrium that is not stable (unstable_state in"
             f" `codes`), the first of them number {unstable[0]}: no mechanism stays there by itself."
         )
-    return Sweep(designs, found, codes, dict(units or {}))
 
 
 def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any]:

@@ -82,11 +82,11 @@ def until_stop(stops: Float[Array, "k"] | None, begin: Float[Array, ""], end: Fl
 def until_end(
     t1: Float[Array, ""], kept: Bool[Array, ""], begin: Float[Array, ""], end: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """End of a step, no later than that of the span, which the first one after a refusal is to reach by half only.
+    """End of a step that goes no further than the span; after one that was refused, half the way to that end.
 
     Args:
         t1: End of the span [s].
-        kept: Whether the step before was kept.
+        kept: Whether the step before was kept, or else refused.
         begin: Begin of the step [s].
         end: Where it would end [s].
     """
