@@ -878,11 +878,11 @@ FAULTS = [
         "elements/test_damping.py -k spectral_beam_that_turns",
     ),
     # Chains in motion.
-    Fault("motion/march.py", "at <= to)", "at < to)", "motion/test_chain.py -k diffrax"),
+    Fault("motion/chain_march.py", "reached(times, m.to,", "reached(times, m.t,", "motion/test_chain.py -k diffrax"),
     Fault(
-        "motion/march.py",
-        "jnp.where(away, RESULTS.ran_away, result)",
-        "result",
+        "motion/chain_march.py",
+        "smallest, keep, after)",
+        "smallest, False, after)",
         "motion/test_chain.py -k failures",
     ),
     Fault("motion/chain_march.py", "keep = error < 1", "keep = error < 1e6", "motion/test_chain.py -k diffrax"),
