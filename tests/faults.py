@@ -1136,7 +1136,6 @@ FAULTS = [
     Fault(
         "trajectory/linear_along.py", "not is_concrete(self.A)", "False", "trajectory/test_linear_along.py -k refused"
     ),
-    Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "trajectory/test_inverse.py -k second"),
     Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "design/test_objectives.py -k decay"),
     Fault(
         "math/linear.py",
