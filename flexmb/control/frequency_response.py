@@ -40,6 +40,8 @@ HIT = 16 * float(np.finfo(float).eps)
 NO_PART = 1e-12
 # Modes whose frequencies squared are nearer than this, relatively, are not told apart.
 NEAR = 1e-9
+# Nor are those that a step of Newton's method turns by more than this into each other: round-off does.
+TURN = 1e-5
 # So many frequencies are solved for at a time.
 CHUNK = 64
 
@@ -454,7 +456,8 @@ def _refined(
 ) -> tuple[Any, Any]:
     """Eigenvalues and vectors of A w = mu B w after one step of Newton's method.
 
-    As they are found they are known to round-off of the largest mu, of the slowest mode: here each to its own.
+    As they are found they are known to round-off of the largest mu, of the slowest mode: here each to its own. What is
+    left of products w_i^T B w_j, the square of how far the step turned, is taken off once more.
 
     Source:
         Ogita, Aishima (2018), Japan J. Industrial and Applied Mathematics 35, 1007, with B in place of the unit matrix.
@@ -463,9 +466,13 @@ def _refined(
     values = diagonal_of(of_a) / diagonal_of(of_b)
     gap = values[None, :] - values[:, None]
     apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
-    # Modes of one frequency are as good in any directions: those stay.
     turned = jnp.where(apart, (of_a - values[None, :] * of_b) / jnp.where(apart, gap, 1.0), 0.0)
+    # Modes of one frequency are as good in any directions, and so are those that round-off does not tell apart, as of
+    # motions almost without mass: those stay.
+    turned = jnp.where(jnp.maximum(jnp.abs(turned), jnp.abs(turned.T)) < TURN, turned, 0.0)
     vectors = vectors + vectors @ turned
+    # Slow modes, the last ones, take the part of faster ones off, which moves them little; not the other way round.
+    vectors = vectors - vectors @ jnp.triu(vectors.T @ b @ vectors, 1)
     of_a, of_b = jnp.sum(vectors * (a @ vectors), axis=0), jnp.sum(vectors * (b @ vectors), axis=0)
     return of_a / of_b, vectors / jnp.sqrt(of_b)
 
