@@ -1937,7 +1937,16 @@ FAULTS = [
     Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
     Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
-    Fault("design/over_stroke.py", "now - before)", "now)", "design/test_verdict.py -k closed_form"),
+    Fault(
+        "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k closed_form"
+    ),
+    Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
+    Fault(
+        "design/verdict.py", "every += [(a + b) / 2, b]", "every += [b]", "design/test_verdict.py -k between_strokes"
+    ),
+    Fault(
+        "design/verdict.py", "-0.5 < excess(b) < 0", "0.5 < excess(b) < 0", "design/test_verdict.py -k between_strokes"
+    ),
     Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k says"),
     Fault(
         "design/verdict.py",

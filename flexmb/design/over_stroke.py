@@ -26,6 +26,8 @@ from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
 # A node is rigid along an axis where it gives way less than this share of the node that does so most.
 RIGID = 1e-20
+# A unit vector lies along an axis where it has this much of it.
+ALONG = 1 - 1e-12
 
 
 class StrokeQuestions:
@@ -37,9 +39,10 @@ class StrokeQuestions:
     def __init__(self, model: Model, what: StrokeDrive, node: str | None, count: int):
         self.model, self.driven, self.count = model, what, count
         own = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
+        about = None
         if own is None and what.entry.of.startswith(TURN_OF):
             # The hinge that Builder.prescribe puts on a node whose rotation it prescribes.
-            own = what.entry.of.removeprefix(TURN_OF)
+            own, about = what.entry.of.removeprefix(TURN_OF), _axis(model, what.index)
         self.node, self.unit = own if node is None else str(node), unit_of_driven(model, what)
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
@@ -49,6 +52,10 @@ class StrokeQuestions:
         axes, alone = AXES[model.labels.dimension], bool(self.parts) and self._is_turn(self.parts[0])
         self.axes = axes[-total:] if alone else axes[:total]
         self.own = what.entry.symbol if self.node == own else None
+        # The axis about which the drive turns the node, (3,), which may lie along one of its own.
+        self.about = about if self.node == own else None
+        if self.about is not None and np.max(np.abs(self.about)) > ALONG:
+            self.own = self.axes[-3:][int(np.argmax(np.abs(self.about)))]
         self.at: dict[float, AtStroke] = {}
         self.values: dict[float, dict[str, float]] = {}
         self.unanswered: dict[str, str] = {}
@@ -137,7 +144,9 @@ class StrokeQuestions:
         for part in self.parts:
             own = self.model.labels.known(part)
             before, now = rest[own], at.held.x[own]
-            moved.append(rotation_since(before, now) if len(own) == ROTATION3.size else now - before)
+            turned = len(own) == ROTATION3.size
+            change = rotation_since(before, now) if turned else now - before
+            moved.append(change if self.about is None or not turned else change - self.about * (self.about @ change))
         by_axis = dict(zip(self.axes, jnp.concatenate(moved), strict=True))
         return {f"parasitic {axis}": value for axis, value in by_axis.items() if axis != self.own}
 
@@ -188,6 +197,13 @@ class StrokeQuestions:
         for ask in self.questions.values():
             found |= ask(at, rest)
         return jnp.stack([jnp.asarray(found[name], float) for name in names])
+
+
+def _axis(model: Model, index: int) -> np.ndarray:
+    """Unit vector about which a hinge turns, whose angle is a deformation, (3,)."""
+    every = zip(model.topology.blocks, model.parameters.properties, strict=True)
+    (axis,) = [np.asarray(own["axis"])[rows] for b, own in every for rows in np.argwhere(b.e == index)[:, 0]]
+    return axis / np.linalg.norm(axis)
 
 
 def _stress(at: AtStroke) -> Stress:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from ..arguments import check_number, check_numbers, check_whole, shown
 from ..arguments import numbers as as_numbers
@@ -27,6 +27,8 @@ USUAL = {"yield": 1.0, "fatigue": 1.0, "buckling": 1.0}
 LEAST = ("buckling", "frequency", "stiffness")
 # A limit is located to this share of the way between two strokes.
 CLOSE = 1e-6
+# An extreme between strokes is found to this share of the way from one to the next but one.
+CLOSE_EXTREME = 1e-4
 # So is the end of what is reached, to this share of the stroke that is asked.
 CLOSE_END = 0.01
 
@@ -72,8 +74,9 @@ def verdict(
 
     Source:
         Composition of linearize, stress, compliance, frequencies and sensitivities; buckling of THEORY.md 7, eq. (7.4)
-        with the constant loads as increment. A limit is located between strokes by Brent's method. Fatigue is that of
-        a motion which reverses fully between a stroke and its opposite.
+        with the constant loads as increment. A limit is looked for at the strokes, half-way between them and at
+        extremes, and located by Brent's method. Fatigue is that of a motion which reverses fully between a stroke and
+        its opposite.
     """
     steps, count = check_whole("steps", steps, 1), check_whole("count", count, 1)
     build = None
@@ -166,14 +169,30 @@ def _reached(asked: StrokeQuestions, limit: Limit, strokes: np.ndarray) -> float
 
     if excess(0.0) >= 0:
         return 0.0
-    found = []
-    for side in (strokes[strokes >= 0], strokes[strokes <= 0][::-1]):
-        for a, b in zip(side[:-1].tolist(), side[1:].tolist(), strict=True):
-            if excess(b) >= 0:
-                found.append(brentq(excess, a, b, xtol=CLOSE * abs(b - a)))
-                break
+    sides = strokes[strokes >= 0], strokes[strokes <= 0][::-1]
+    found = [place for side in sides if (place := _first_reached(excess, side.tolist())) is not None]
     # Of two that are equal but for how well they are known, the one along the stroke.
     return min(found, key=lambda s: abs(s) * (1 + 10 * CLOSE * (s < 0)), default=None)
+
+
+def _first_reached(excess: Callable[[float], float], side: list[float]) -> float | None:
+    """The first stroke along one side at which a limit is reached, or None; half-way between strokes is looked too.
+
+    Where more than half of it is used, and more than on either side, the extreme between is looked for.
+    """
+    every = side[:1]
+    for a, b in itertools.pairwise(side):
+        every += [(a + b) / 2, b]
+    for i in range(1, len(every)):
+        a, b = every[i - 1 : i + 1]
+        c = every[i + 1] if i + 1 < len(every) else b
+        beside = excess(a), excess(c)
+        if c != b and -0.5 < excess(b) < 0 and min(beside) < excess(b) >= max(beside):
+            to = {"bounds": sorted((a, c)), "method": "bounded", "options": {"xatol": CLOSE_EXTREME * abs(c - a)}}
+            b = float(minimize_scalar(lambda s: -excess(s), **to).x)
+        if excess(b) >= 0:
+            return brentq(excess, a, b, xtol=CLOSE * abs(b - a))
+    return None
 
 
 def _sensitivities(
@@ -200,4 +219,6 @@ def _limit(name: str, value: Any) -> Limit:
     lower, upper = (None if one is None else float(one) for one in pair)
     if lower is None and upper is None:
         raise ValueError(f"Limit of '{name}' is none at all: leave it out.")
+    if lower is not None and upper is not None and not lower < upper:
+        raise ValueError(f"Limits of '{name}' are empty: lower {lower:g} is not below upper {upper:g}.")
     return Limit(name, lower, upper, np.zeros(0), None)

@@ -6,9 +6,10 @@ import json
 import matplotlib as mpl
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, spatial
 from flexmb.answers.answers import plain
 from flexmb.design.stroke import driven
 from flexmb.display import measured
@@ -220,6 +221,41 @@ def test_a_drive_holds_what_snaps_through():
     assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == pytest.approx(25, rel=1e-5)
 
 
+def test_a_limit_between_strokes_is_seen():
+    """At all strokes of this page the force of the arch is zero; in between it rises to what it snaps through at."""
+    first = np.sqrt(1 + 0.2**2)
+
+    def force(y):
+        return 2 * 1e4 / first * (first - np.sqrt(1 + y**2)) * y / np.sqrt(1 + y**2)
+
+    top = minimize_scalar(lambda y: -force(y), bounds=(0, 0.2), method="bounded", options={"xatol": 1e-12}).x
+    for share, good in ((0.999, False), (1.001, True)):
+        found = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=2, limits={"force": share * force(top)}, count=1)
+        np.testing.assert_allclose(found.curves["force"], 0, atol=1e-9)
+        assert found.good is good
+    limited = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=2, limits={"force": 0.999 * force(top)}, count=1).limits[0]
+    assert limited.stroke is not None
+    assert force(0.2 + limited.stroke) == pytest.approx(0.999 * force(top), rel=1e-6)
+    assert 0.2 + limited.stroke > top
+
+
+def test_what_turns_a_node_in_space_is_no_parasitic_motion():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("top", (0, 0, 0.1))
+    b.add(spatial.beam, "foot", "top", section=fm.Circle(2e-3, STEEL))
+    b.fix("foot")
+    b.body("top", 0.1, inertia=[1e-5, 0, 0, 1e-5, 0, 1e-5])
+    b.prescribe("top", "rotation", 1.0, axis=(0, 0, 1), increment=True)
+    found = fm.verdict(b.build(), 1e-3, steps=1, count=1)
+    names = {name for name in found.curves if name.startswith(("parasitic", "stiffness"))}
+    assert names == {f"{what} {axis}" for what in ("parasitic", "stiffness") for axis in ("x", "y", "z", "rx", "ry")}
+    for axis in ("x", "y", "z", "rx", "ry"):
+        np.testing.assert_allclose(found.curves[f"parasitic {axis}"], 0, atol=1e-12)
+    # GJ/L of the shaft; one cubic beam is twisted by sin(2 phi)/2.
+    np.testing.assert_allclose(found.curves["force"], 80e9 * np.pi * 2e-3**4 / 32 / 0.1 * found.stroke, rtol=1e-6)
+
+
 def test_a_deformation_is_driven_and_let_go():
     b = fm.Builder()
     b.node("l", (0, 0))
@@ -248,6 +284,7 @@ def test_a_deformation_is_driven_and_let_go():
         (DELTA, {"limits": {"stif": 1.0}}, ValueError, "There are: force, drive stiffness"),
         (DELTA, {"limits": {"force": -1.0}}, ValueError, "must be positive"),
         (DELTA, {"limits": {"force": (None, None)}}, ValueError, "none at all"),
+        (DELTA, {"limits": {"force": (5.0, 1.0)}}, ValueError, "lower 5 is not below upper 1"),
         (DELTA, {"dimensions": {"t": T}}, TypeError, "goes with a function"),
         (DELTA, {"node": "Z"}, ValueError, "no node 'Z'"),
     ],
