@@ -44,7 +44,8 @@ class RESULTS(enum.IntEnum):
     not_converged = (
         3,
         "The static equilibrium was not found, with load steps down to the smallest allowed. The load may be beyond"
-        " what the mechanism can carry (a limit load): lower it, or use more elements.",
+        " what the mechanism can carry (a limit load): lower it, or use more elements. A law of an element that bends"
+        " sharply, such as a stop, may hold the search up at its bend: round it, as by jnp.logaddexp.",
     )
     unstable = (
         4,
