@@ -1133,7 +1133,6 @@ FAULTS = [
         "math/test_linear.py -k derivative_of_a",
     ),
     Fault("math/derivative.py", "DIFFERENTIATED = 2", "DIFFERENTIATED = 1", "statics/test_configuration.py"),
-    Fault("statics/solve.py", "first & (own == 0)", "first & (own < 0)", "statics/test_solve.py"),
     Fault(
         "control/frequency_response.py",
         "jnp.abs(turned.T)) < TURN",

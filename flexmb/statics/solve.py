@@ -34,8 +34,6 @@ ROUND_OFF = 1e-13
 # the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
 # leaf spring is.
 CRITICAL = 1e-4
-# Stiffness, of the largest, that the first turn gives to what has none before there is any stress.
-SLACK = 1e-12
 # Where nothing is elastic, as of a pendulum, corrections are shortened to this size, and there are so many at most.
 LOOSE_CORRECTION, MOST_LOOSE = 0.5, 30
 
@@ -153,15 +151,10 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
         at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, strained, wanted)
         k0 = at.K0
         soft, energy = _of_unit_energy(s.soft, k0)
-        stiffness, first = k0 + at.G0, s.iterations == 0
-        # What nothing resists before there is any stress, as a string across it, the first turn leaves where it is.
-        own = jnp.abs(diagonal_of(stiffness))
-        slack = first & (own == 0)
-        stiffness = stiffness + jnp.diag(jnp.where(slack, SLACK * jnp.max(own, initial=0.0), 0.0))
-        dq, softer = factorise(stiffness).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
+        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
         change = onto + at.transfer.DFx @ dq
         # Undeformed, where loads are zero and laws pull nothing, no stiffness is asked for.
-        still = first
+        still = s.iterations == 0
         if loaded:
             still = still & idle & jnp.all(s.trial == parameters.reference)
         if not loaded or laws:
@@ -175,7 +168,7 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
             loose = loose & (steps.reached == 0) & (steps.step == 1)
             change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
             bad = bad & ~loose
-        done = going & steps.near_enough(size) & ~bad & (still | ~jnp.any(slack))
+        done = going & steps.near_enough(size) & ~bad
         trial = s.trial + change
         # The turn of an angle follows the iterate, whose steps are below half a turn.
         near = deformations(topology, parameters, trial, at.e) if tracks else at.e
