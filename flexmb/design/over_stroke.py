@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..display import listed, measured
+from ..elements import spatial
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, ModelError, heard
 from ..linear.compliance import compliance
@@ -199,11 +200,14 @@ class StrokeQuestions:
         return jnp.stack([jnp.asarray(found[name], float) for name in names])
 
 
-def _axis(model: Model, index: int) -> np.ndarray:
-    """Unit vector about which a hinge turns, whose angle is a deformation, (3,)."""
-    every = zip(model.topology.blocks, model.parameters.properties, strict=True)
-    (axis,) = [np.asarray(own["axis"])[rows] for b, own in every for rows in np.argwhere(b.e == index)[:, 0]]
-    return axis / np.linalg.norm(axis)
+def _axis(model: Model, index: int) -> np.ndarray | None:
+    """Unit vector about which a hinge turns whose angle is a deformation, (3,); None where it is none, as of a tilt."""
+    for block, own in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        rows = np.flatnonzero(np.asarray(block.e)[:, :1] == index)
+        if block.element is spatial.hinge and len(rows):
+            axis = np.asarray(own["axis"])[rows[0]]
+            return axis / np.linalg.norm(axis)
+    return None
 
 
 def _stress(at: AtStroke) -> Stress:
