@@ -188,10 +188,12 @@ def _first_reached(excess: Callable[[float], float], side: list[float]) -> float
         c = every[i + 1] if i + 1 < len(every) else b
         beside = excess(a), excess(c)
         if c != b and -0.5 < excess(b) < 0 and min(beside) < excess(b) >= max(beside):
-            to = {"bounds": sorted((a, c)), "method": "bounded", "options": {"xatol": CLOSE_EXTREME * abs(c - a)}}
-            b = float(minimize_scalar(lambda s: -excess(s), **to).x)
+            near = {"xatol": CLOSE_EXTREME * abs(c - a)}
+            found: Any = minimize_scalar(lambda s: -excess(s), bounds=sorted((a, c)), method="bounded", options=near)
+            b = float(found.x)
         if excess(b) >= 0:
-            return brentq(excess, a, b, xtol=CLOSE * abs(b - a))
+            reached: Any = brentq(excess, a, b, xtol=CLOSE * abs(b - a))
+            return float(reached)
     return None
 
 

@@ -196,7 +196,7 @@ class _Writer:
                 raise ModelError(
                     f"{what} has a section that varies along it, which a SPACAR input file cannot express."
                 )
-            if isinstance(m.properties.get("damping"), MaterialDamping):
+            if section is not None and isinstance(m.properties.get("damping"), MaterialDamping):
                 self._check_damping(what, self.kinds[name], section)
             if self.kinds[name].sized:
                 self._check_leaf(name, m)

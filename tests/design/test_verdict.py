@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -228,7 +229,8 @@ def test_a_limit_between_strokes_is_seen():
     def force(y):
         return 2 * 1e4 / first * (first - np.sqrt(1 + y**2)) * y / np.sqrt(1 + y**2)
 
-    top = minimize_scalar(lambda y: -force(y), bounds=(0, 0.2), method="bounded", options={"xatol": 1e-12}).x
+    found: Any = minimize_scalar(lambda y: -force(y), bounds=(0, 0.2), method="bounded", options={"xatol": 1e-12})
+    top = found.x
     for share, good in ((0.999, False), (1.001, True)):
         found = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=2, limits={"force": share * force(top)}, count=1)
         np.testing.assert_allclose(found.curves["force"], 0, atol=1e-9)
