@@ -1,10 +1,10 @@
 """What first answers cost to compile, and a leaf spring beside a spectral beam with shear of the same order.
 
-``python benchmarks/compiling.py`` takes two minutes and writes results/compiling.json: processor time in a fresh
-process, tracing and compiling together, without that of the imports. Of the answers of one element and of a guide, less
-that of a second answer: from nothing, for a cache, and with it, and of the whole process with it above that of
-``import jax.numpy``, one run of each; ``python benchmarks/compiling.py answers 7`` measures these alone, medians of
-seven.
+``python benchmarks/compiling.py`` takes two minutes and writes results/compiling.json: processor time in fresh
+processes, on all cores at once, tracing and compiling together, without that of the imports. Of the answers of one
+element and of a guide, less that of a second answer: from nothing, for a cache, and with it, and of the whole process
+with it above that of ``import jax.numpy``, one run of each; ``python benchmarks/compiling.py answers 7`` measures these
+alone, medians of seven.
 """
 
 import dataclasses
@@ -163,32 +163,40 @@ def _said(code: str, *words: str) -> list[float]:
     return [float(word) for word in said.stdout.split()]
 
 
+def once_of_all(what: str) -> dict[str, float]:
+    """Processor time of one first answer each way, and of a whole process above ``import jax.numpy`` [s].
+
+    Args:
+        what: One of ``ANSWERS``.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        words = dict(zip(WAYS, ((), (folder,), (folder,)), strict=True))
+        found = {way: _said("answered", what, *own) for way, own in words.items()}
+    numbers = [number for _, number, _ in found.values()]
+    assert max(numbers) - min(numbers) <= 1e-6 * max(numbers), (what, numbers)
+    return {way: taken for way, (taken, *_) in found.items()} | {WHOLE: found["with it"][2] - _said("imported")[0]}
+
+
 def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
     """Medians of the processor time of first answers, each way, and of a whole process above ``import jax.numpy`` [s].
 
     Args:
         runs: How many of each.
     """
+    from record import side_by_side
+
+    every = side_by_side(once_of_all, [what for _ in range(runs) for what in ANSWERS])
     medians = {}
-    for what in ANSWERS:
-        times: dict[str, list[float]] = {way: [] for way in WAYS}
-        for _ in range(runs):
-            with tempfile.TemporaryDirectory() as folder:
-                words = dict(zip(WAYS, ((), (folder,), (folder,)), strict=True))
-                found = {way: _said("answered", what, *own) for way, own in words.items()}
-            numbers = [number for _, number, _ in found.values()]
-            assert max(numbers) - min(numbers) <= 1e-6 * max(numbers), (what, numbers)
-            for way, (taken, *_) in found.items():
-                times[way].append(taken)
-            times.setdefault(WHOLE, []).append(found["with it"][2] - _said("imported")[0])
-        medians[what] = {way: statistics.median(own) for way, own in times.items()}
+    for i, what in enumerate(ANSWERS):
+        own = every[i :: len(ANSWERS)]
+        medians[what] = {way: statistics.median(times[way] for times in own) for way in own[0]}
         print(f"{what:<50}" + "".join(f"{taken:7.2f} s {way}" for way, taken in medians[what].items()), flush=True)
     return medians
 
 
 def main() -> None:
     """Measure in fresh processes in turn, check that both kinds agree where they should, and save."""
-    from record import RESULTS, save
+    from record import RESULTS, save, side_by_side
 
     # ``answers 7``: as many runs of each.
     runs = [int(word) for word in sys.argv[1:] if word.isdigit()]
@@ -197,16 +205,15 @@ def main() -> None:
         known = json.loads((RESULTS / "compiling.json").read_text())
         save("compiling", {name: value for name, value in known.items() if name != "about"} | first_of_all)
         return
-    times: dict[tuple[str, str], list[float]] = {}
-    for _ in range(RUNS):
-        for case in CASES:
-            sideways = {}
-            for kind in KINDS:
-                taken, sideways[kind] = _said("first", case, kind)
-                times.setdefault((case, kind), []).append(taken)
-            # Restrained warping and clamps are 7 % in the fold, which twists.
-            assert abs(sideways["leaf_spring"] / sideways["spectral_beam"] - 1) < 0.1, sideways
-    found = {f"{case}, {kind}": statistics.median(values) for (case, kind), values in times.items()}
+    asked = [(case, kind) for case in CASES for kind in KINDS]
+    said = side_by_side(lambda which: _said("first", *which), asked * RUNS)
+    found = {}
+    for i, (case, kind) in enumerate(asked):
+        found[f"{case}, {kind}"] = statistics.median(taken for taken, _ in said[i :: len(asked)])
+    sideways = dict(zip(asked, (compliance for _, compliance in said), strict=False))
+    for case in CASES:
+        # Restrained warping and clamps are 7 % in the fold, which twists.
+        assert abs(sideways[case, "leaf_spring"] / sideways[case, "spectral_beam"] - 1) < 0.1, sideways
     for case in CASES:
         leaf, beam = (found[f"{case}, {kind}"] for kind in KINDS)
         print(f"{case:<8}{leaf:6.2f} s beside {beam:.2f} s: {leaf / beam:.2f}")

@@ -3,17 +3,19 @@
 import datetime
 import importlib.metadata
 import json
+import os
 import platform
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).parent / "results"
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
 # What takes longer is run once [s].
-SLOW = 1.5
+SLOW = 1.0
 
 
 def interleaved(
@@ -75,6 +77,19 @@ def once(call: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
     return found, _of([time.process_time() - begin])
 
 
+def side_by_side(function: Callable[[Any], Any], of: Iterable[Any]) -> list[Any]:
+    """Results of a function that waits for a process, as many at once as there are cores.
+
+    Only what is measured by its time of the processor may run so.
+
+    Args:
+        function: Of one item.
+        of: Items.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(function, of))
+
+
 def peak_memory() -> float:
     """Largest memory of this process since it began its program [GB]; ``resource`` counts that of its parent in."""
     status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
@@ -98,8 +113,6 @@ def save(name: str, data: dict[str, Any], packages: tuple[str, ...] = PACKAGES) 
         data: Results.
         packages: Those whose versions are written.
     """
-    import os
-
     about = {
         "date": datetime.date.today().isoformat(),
         "python": platform.python_version(),
