@@ -4,20 +4,22 @@
 ``python -m benchmarks --against COMMIT`` asks the package of another commit and today's in turn, and names what is
 slower.
 
-Each runs in a process of its own, one after the other, and writes its results, with versions and processor, to
-benchmarks/results. Exudyn and PyNite take part where they are installed (``pip install -e '.[peers]'``). What each took
-is printed in the end and written to results/whole.json: seconds, and those of the processor, which other work on the
-machine changes less.
+Each runs in a process of its own, one after the other but for those that measure their own time of the processor alone,
+which run on all cores, and writes its results, with versions and processor, to benchmarks/results. Exudyn and PyNite
+take part where they are installed (``pip install -e '.[peers]'``). What each took is printed in the end and written to
+results/whole.json: seconds, and those of the processor, which other work on the machine changes less.
 """
 
 import datetime
 import json
 import os
-import resource
 import subprocess
 import sys
+import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).parent
 # One chart or table each, the quickest first.
@@ -45,32 +47,52 @@ SCRIPTS = (
     "motion",
     "stability",
 )
+# These measure nothing, or the processor's time of their own process, which one beside them changes by a few percent:
+# as many of them run at once as there are cores, those first that take longest.
+BESIDE = ("motion", "nets", "chains", "swing", "size", "convergence", "operations")
 # These run only when named: CalculiX takes half an hour, and what others are compared with is kept.
 NAMED = ("solid", "solutions")
 # Tables of numbers, not charts; what follows goes to them.
 TABLES = {"--quick": "quick", "--against": "against"}
 
 
-def spent(name: str, words: list[str]) -> tuple[int, float, float]:
+def spent(name: str, words: list[str], output: Any = None) -> tuple[int, float, float]:
     """Run a script in a process of its own.
 
     Args:
         name: Of the script.
         words: Its arguments.
+        output: File that takes what it prints; None: where this process prints.
 
     Returns:
         Its exit status, seconds, and those of the processor.
     """
     paths = [str(HERE.parent), str(HERE), os.environ.get("PYTHONPATH", "")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "JAX_PLATFORMS": "cpu"}
+    begin, command = time.perf_counter(), [sys.executable, str(HERE / f"{name}.py"), *words]
+    process = subprocess.Popen(command, env=environment, stdout=output, stderr=output and subprocess.STDOUT)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, time.perf_counter() - begin, used.ru_utime + used.ru_stime
 
-    def processor() -> float:
-        used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return used.ru_utime + used.ru_stime
 
-    begin, before = time.perf_counter(), processor()
-    status = subprocess.run([sys.executable, str(HERE / f"{name}.py"), *words], env=environment).returncode
-    return status, time.perf_counter() - begin, processor() - before
+def done(name: str, beside: bool = False) -> dict | None:
+    """Run a script, and say what it took; None where it failed.
+
+    Args:
+        name: Of the script.
+        beside: Whether another one runs at the same time, so that it prints all in the end.
+    """
+    with tempfile.TemporaryFile("w+") as output:
+        if not beside:
+            print(f"== {name}", flush=True)
+        status, seconds, processor = spent(name, [], output if beside else None)
+        output.seek(0)
+        own = f"== {name}\n{output.read()}" if beside else ""
+    print(f"{own}== {name} {f'failed ({status})' if status else 'done'} after {seconds:.0f} s", flush=True)
+    today = datetime.date.today().isoformat()
+    took = {"seconds": seconds, "processor": processor, "date": today, "load": os.getloadavg()[2]}
+    return None if status else took
 
 
 def told(scripts: dict[str, dict]) -> str:
@@ -96,25 +118,23 @@ def main() -> int:
             file=sys.stderr,
         )
         return 2
-    took, failed = {}, 0
-    for name in wanted:
-        print(f"== {name}", flush=True)
-        status, seconds, processor = spent(name, [])
-        failed += status != 0
-        print(f"== {name} {f'failed ({status})' if status else 'done'} after {seconds:.0f} s", flush=True)
-        if not status:
-            today = datetime.date.today().isoformat()
-            took[name] = {"seconds": seconds, "processor": processor, "date": today, "load": os.getloadavg()[2]}
+    begin = time.perf_counter()
+    beside = [name for name in BESIDE if name in wanted]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        every = dict(zip(beside, pool.map(lambda name: done(name, True), beside), strict=True))
+    every |= {name: done(name) for name in wanted if name not in beside}
+    took = {name: every[name] for name in wanted if every[name] is not None}
     print(told(took))
+    print(f"All of it took {time.perf_counter() - begin:.0f} s.")
     sys.path.insert(0, str(HERE))
     from record import RESULTS, save
 
     kept = RESULTS / "whole.json"
     before = json.loads(kept.read_text())["scripts"] if kept.exists() else {}
-    every = before | took
+    whole = before | took
     if took:
-        save("whole", {"scripts": {name: every[name] for name in SCRIPTS if name in every}})
-    return failed
+        save("whole", {"scripts": {name: whole[name] for name in SCRIPTS if name in whole}})
+    return len(wanted) - len(took)
 
 
 if __name__ == "__main__":
