@@ -23,9 +23,7 @@ RUNS = 1
 ANSWERS = (
     "equilibrium of a spectral beam in space",
     "path of a spectral beam in the plane",
-    "path of a spectral beam in space",
     "motion of a guide in the plane",
-    "motion of a guide in space",
     "motion of a beam in space",
     "motion of a spectral beam in space",
     "derivative of the motion of a guide in the plane",

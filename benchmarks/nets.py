@@ -72,6 +72,16 @@ def lower_edge(model, cells: int, rtol: float, form: str = "chain"):
     return np.concatenate([np.asarray(motion.at(f"{i},{cells}"))[-1] for i in (cells, cells // 2)])
 
 
+def solved(cells: int):
+    """The same at a tolerance of ``REFERENCE``, of small nets by two beams a side of a mesh.
+
+    Args:
+        cells: Meshes along an edge.
+    """
+    parts = 2 if cells <= SMALL else 1
+    return lower_edge(net(cells, parts), parts * cells, REFERENCE)
+
+
 def of_exudyn(cells: int, steps: int, modified: bool):
     """A function that gives the same of Exudyn's net."""
     import peer_exudyn
@@ -96,6 +106,7 @@ def main() -> int:
     import numpy as np
     import peer_exudyn
     from record import PACKAGES, chart, processor_times, save
+    from solutions import kept
 
     import flexmb as fm
 
@@ -105,8 +116,7 @@ def main() -> int:
     modified = with_peer and quicker()
     found, timed, wrong = {}, {}, 0
     for cells in SIZES:
-        parts = 2 if cells <= SMALL else 1
-        exact = lower_edge(net(cells, parts), parts * cells, REFERENCE)
+        exact = kept(f"net of {cells} meshes")
         model, beams = net(cells), 2 * cells * (cells + 1)
         calls = {
             f"flexmb, {beams} beams: {rtol:g}": functools.partial(lower_edge, model, cells, rtol) for rtol in TOLERANCES

@@ -37,6 +37,12 @@ def _with_shear() -> Any:
     return motion.with_shear()
 
 
+def _net(cells: int) -> Any:
+    import nets
+
+    return nets.solved(cells)
+
+
 # What computes each, and what it is.
 SOLUTIONS: dict[str, tuple[Callable[[], Any], str]] = {
     "pendulum": (
@@ -59,6 +65,13 @@ SOLUTIONS: dict[str, tuple[Callable[[], Any], str]] = {
         _with_shear,
         "displacement of the bar of motion.py, spectral beams of order 4 with shear at a tolerance of 1e-6",
     ),
+    **{
+        f"net of {cells} meshes": (
+            functools.partial(_net, cells),
+            f"lower edge of the net of nets.py at its end, {parts} beams a side of a mesh at a tolerance of 1e-5",
+        )
+        for cells, parts in ((4, "two"), (10, "two"), (22, "one"))
+    },
 }
 
 

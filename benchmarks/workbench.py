@@ -19,7 +19,7 @@ from typing import Any
 # For the browser, which the tests drive in the same way.
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-EVENTS, BURST, UPDATES = 100, 300, 200
+EVENTS, BURST, UPDATES = 50, 300, 100
 LEAST, MOST = 0.4e-3, 0.6e-3
 MANY, SECONDS = 200, 8
 
