@@ -47,21 +47,10 @@ SCRIPTS = (
     "motion",
     "stability",
 )
-# These measure nothing, or the processor's time of their own process, which one beside them changes by a few percent:
-# as many of them run at once as there are cores, those first that take longest.
-BESIDE = (
-    "motion",
-    "swing",
-    "large_deflection",
-    "nets",
-    "chains",
-    "size",
-    "lean",
-    "along",
-    "convergence",
-    "chains_static",
-    "operations",
-)
+# These measure nothing, or the processor's time of their own process in calls of ten milliseconds and more, which
+# another process changes little (calls of one millisecond take half as long again beside one): as many of them run at
+# once as there are cores, those first that take longest.
+BESIDE = ("motion", "swing", "nets", "chains", "size", "along", "convergence", "operations")
 # These run only when named: CalculiX takes half an hour, and what others are compared with is kept.
 NAMED = ("solid", "solutions")
 # Tables of numbers, not charts; what follows goes to them.
