@@ -1941,6 +1941,14 @@ FAULTS = [
         "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k closed_form"
     ),
     Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
+    Fault("design/over_stroke.py", "[:, :1] == index", "[:, :2] == index", "design/test_verdict.py -k tilt_of"),
+    Fault(
+        "design/over_stroke.py",
+        "change - self.about * (self.about @ change)",
+        "change",
+        "design/test_verdict.py -k in_space",
+    ),
+    Fault("design/verdict.py", "not lower < upper:", "False:", "design/test_verdict.py -k is_refused"),
     Fault(
         "design/verdict.py", "every += [(a + b) / 2, b]", "every += [b]", "design/test_verdict.py -k between_strokes"
     ),

@@ -114,8 +114,10 @@ def test_motions_almost_without_mass_are_summed_as_they_are():
         np.asarray(fm.frequency_response(model, [0.0, 20.0], method=method).response) for method in ("modes", "direct")
     )
     np.testing.assert_allclose(found, direct, rtol=1e-7)
-    # Two guided leaf springs, one after the other; what shear adds is told by its part of 5e-5.
-    assert found[0, 0, 0].real == pytest.approx(0.5 * 210e9 * 0.02 * 0.4e-3**3 / 0.1**3 / (1 + 5e-5), rel=2e-6)
+    # Two guided leaf springs, one after the other, of stiffness 12 EI/(L^3 (1 + 12 EI/(k G A L^2))), k after Cowper.
+    nu, t, length = 210 / 160 - 1, 0.4e-3, 0.1
+    shear = 210e9 * t**2 / (10 * (1 + nu) / (12 + 11 * nu) * 80e9 * length**2)
+    assert found[0, 0, 0].real == pytest.approx(0.5 * 210e9 * 0.02 * t**3 / length**3 / (1 + shear), rel=1e-8)
 
 
 @pytest.mark.filterwarnings("ignore::scipy.signal.BadCoefficients")

@@ -241,21 +241,37 @@ def test_a_limit_between_strokes_is_seen():
     assert 0.2 + limited.stroke > top
 
 
-def test_what_turns_a_node_in_space_is_no_parasitic_motion():
+def shaft(axis=(0, 0, 1), tilt="fixed"):
+    """Top of a clamped shaft along z, whose rotation is prescribed."""
     b = fm.Builder()
     b.node("foot", (0, 0, 0))
     b.node("top", (0, 0, 0.1))
     b.add(spatial.beam, "foot", "top", section=fm.Circle(2e-3, STEEL))
     b.fix("foot")
     b.body("top", 0.1, inertia=[1e-5, 0, 0, 1e-5, 0, 1e-5])
-    b.prescribe("top", "rotation", 1.0, axis=(0, 0, 1), increment=True)
-    found = fm.verdict(b.build(), 1e-3, steps=1, count=1)
+    b.prescribe("top", "rotation", 1.0, axis=axis, tilt=tilt, increment=True)
+    return b.build()
+
+
+@pytest.mark.parametrize(("axis", "own"), [((0, 0, 1), {"rz"}), ((1, 0, 1), set())])
+def test_what_turns_a_node_in_space_is_no_parasitic_motion(axis, own):
+    found = fm.verdict(shaft(axis), 1e-3, steps=1, count=1)
+    axes = {"x", "y", "z", "rx", "ry", "rz"} - own
     names = {name for name in found.curves if name.startswith(("parasitic", "stiffness"))}
-    assert names == {f"{what} {axis}" for what in ("parasitic", "stiffness") for axis in ("x", "y", "z", "rx", "ry")}
-    for axis in ("x", "y", "z", "rx", "ry"):
-        np.testing.assert_allclose(found.curves[f"parasitic {axis}"], 0, atol=1e-12)
-    # GJ/L of the shaft; one cubic beam is twisted by sin(2 phi)/2.
-    np.testing.assert_allclose(found.curves["force"], 80e9 * np.pi * 2e-3**4 / 32 / 0.1 * found.stroke, rtol=1e-6)
+    assert names == {f"{what} {one}" for what in ("parasitic", "stiffness") for one in axes}
+    for one in axes & {"rx", "ry", "rz"}:
+        np.testing.assert_allclose(found.curves[f"parasitic {one}"], 0, atol=1e-12)
+    if own:
+        # GJ/L of the shaft; one cubic beam is twisted by sin(2 phi)/2.
+        torque = 80e9 * np.pi * 2e-3**4 / 32 / 0.1 * found.stroke
+        np.testing.assert_allclose(found.curves["force"], torque, rtol=1e-6)
+
+
+def test_a_tilt_of_a_hinge_has_another_axis_than_its_turn():
+    found = fm.verdict(shaft(tilt="free"), {"turn of top.e2": 1e-3}, steps=1, count=1)
+    # Across the axis z, about x; the turn about z is still held.
+    np.testing.assert_allclose(found.curves["parasitic rz"], 0, atol=1e-12)
+    np.testing.assert_allclose(np.abs(found.curves["parasitic rx"]), np.abs(found.stroke), rtol=1e-6)
 
 
 def test_a_deformation_is_driven_and_let_go():
