@@ -15,7 +15,7 @@ from typing import Any
 RESULTS = Path(__file__).parent / "results"
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
 # What takes longer is run once [s].
-SLOW = 1.0
+SLOW = 1.5
 
 
 def interleaved(
