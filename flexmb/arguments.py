@@ -63,10 +63,12 @@ def note(condition: Any) -> None:
     Args:
         condition: Traced, () of bool.
     """
+    noted = _NOTED.get()
+    if noted is None:
+        return
     import jax.extend.core
 
-    noted = _NOTED.get()
-    if noted is not None and noted[0] == jax.extend.core.get_opaque_trace_state():
+    if noted[0] == jax.extend.core.get_opaque_trace_state():
         noted[1].append(condition)
 
 

@@ -237,10 +237,12 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 def collects() -> bool:
     """Whether codes are collected here."""
+    collector = _CODES.get()
+    if collector is None:
+        return False
     import jax.extend.core
 
-    collector = _CODES.get()
-    return collector is not None and jax.extend.core.get_opaque_trace_state() == collector[0]
+    return jax.extend.core.get_opaque_trace_state() == collector[0]
 
 
 def collect(result: Any) -> None:

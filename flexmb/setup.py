@@ -30,17 +30,17 @@ def _prepared(path: Path) -> None:
             raise PermissionError(f"The folder '{path}' belongs to another user: compiled code in it could be theirs.")
         if state.st_mode & 0o022:
             raise PermissionError(f"Others may write into '{path}', whose code would be run: take chmod 700 first.")
-    files = [
-        (file.stat(), file)
-        for file in (*path.iterdir(), *path.glob("traces/*"), *path.glob("constants/*"))
-        if file.is_file()
-    ]
+    files = []
+    for folder in (path, path / "traces", path / "constants"):
+        if folder.is_dir():
+            with os.scandir(folder) as found:
+                files += [(file.stat(), file.path) for file in found if file.is_file()]
     files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
     kept = 0
     for state, file in files:
         kept += state.st_size
         if kept > LARGEST_CACHE:
-            file.unlink(missing_ok=True)
+            Path(file).unlink(missing_ok=True)
 
 
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
