@@ -1187,6 +1187,24 @@ FAULTS = [
         "elements/test_leaf.py -k fold_beside",
     ),
     Fault(
+        "linear/spectrum.py",
+        'return alone("scipy.linalg.lapack")',
+        'return __import__("scipy.linalg.lapack").linalg.lapack',
+        "compilation/test_alone.py",
+    ),
+    Fault(
+        "linear/spectrum.py",
+        "return real + 1j * imaginary, bottom",
+        "return real, bottom",
+        "compilation/test_alone.py",
+    ),
+    Fault(
+        "results.py",
+        "    if collector is None:\n        return False\n",
+        "",
+        "compilation/test_alone.py",
+    ),
+    Fault(
         "compilation/alone.py",
         "            del sys.modules[one]",
         "            sys.modules[one]",
