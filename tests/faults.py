@@ -1205,6 +1205,18 @@ FAULTS = [
         "compilation/test_alone.py",
     ),
     Fault(
+        "build/idle.py",
+        "if idle and missing and (missing",
+        "if idle and missing and False and (missing",
+        "build/test_idle.py",
+    ),
+    Fault(
+        "build/idle.py",
+        'or missing != {"EA"}',
+        "or missing",
+        "build/test_idle.py",
+    ),
+    Fault(
         "compilation/alone.py",
         "            del sys.modules[one]",
         "            sys.modules[one]",
