@@ -4,7 +4,7 @@
 processes, on all cores at once, tracing and compiling together, without that of the imports. Of the answers of one
 element and of a guide, less that of a second answer: from nothing, for a cache, and with it, and of the whole process
 with it above that of ``import jax.numpy``, one run of each; ``python benchmarks/compiling.py answers 7`` measures these
-alone, medians of seven.
+alone, medians of seven. How long one waits for each from nothing is measured one after the other, on idle cores.
 """
 
 import dataclasses
@@ -69,7 +69,7 @@ def first(case: str, kind: str) -> tuple[float, float]:
     return taken, float(fm.compliance(lin, end)[1, 1])
 
 
-def answered(what: str, folder: str = "") -> tuple[float, float, float]:
+def answered(what: str, folder: str = "") -> tuple[float, float, float, float]:
     """Processor time of a first answer in this process less that of a second one [s], and a number of the answer.
 
     Args:
@@ -77,7 +77,8 @@ def answered(what: str, folder: str = "") -> tuple[float, float, float]:
         folder: Of the cache; empty: none.
 
     Returns:
-        The two, and the processor time of this process from its start to the first answer, imports included [s].
+        The two, the processor time of this process from its start to the first answer, imports included, and by how
+        much longer than for the second one waits for the first [s].
     """
     import time
 
@@ -127,14 +128,16 @@ def answered(what: str, folder: str = "") -> tuple[float, float, float]:
 
     question = derivative if what.startswith("derivative") else asked
 
-    def once() -> tuple[float, np.ndarray]:
-        start = time.process_time()
+    def once() -> tuple[np.ndarray, np.ndarray]:
+        start = np.array([time.process_time(), time.perf_counter()])
         found = np.asarray(question(model))
-        return time.process_time() - start, found.reshape(-1, found.shape[-1])[-1]
+        taken = np.array([time.process_time(), time.perf_counter()]) - start
+        return taken, found.reshape(-1, found.shape[-1])[-1]
 
     first, found = once()
     whole = time.process_time()
-    return first - once()[0], float(np.sum(np.abs(found))), whole
+    taken, waited = first - once()[0]
+    return float(taken), float(np.sum(np.abs(found))), whole, float(waited)
 
 
 def imported() -> tuple[float]:
@@ -170,7 +173,7 @@ def once_of_all(what: str) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         words = dict(zip(WAYS, ((), (folder,), (folder,)), strict=True))
         found = {way: _said("answered", what, *own) for way, own in words.items()}
-    numbers = [number for _, number, _ in found.values()]
+    numbers = [number for _, number, *_ in found.values()]
     assert max(numbers) - min(numbers) <= 1e-6 * max(numbers), (what, numbers)
     return {way: taken for way, (taken, *_) in found.items()} | {WHOLE: found["with it"][2] - _said("imported")[0]}
 
@@ -192,13 +195,29 @@ def first_answers(runs: int = RUNS) -> dict[str, dict[str, float]]:
     return medians
 
 
+def waits(runs: int = RUNS) -> dict[str, float]:
+    """How long one waits for each first answer from nothing, one after the other [s], medians.
+
+    Args:
+        runs: How many of each.
+    """
+    found = {what: statistics.median(_said("answered", what)[3] for _ in range(runs)) for what in ANSWERS}
+    for what, waited in found.items():
+        print(f"{what:<50}{waited:7.2f} s by the clock from nothing", flush=True)
+    return found
+
+
 def main() -> None:
     """Measure in fresh processes in turn, check that both kinds agree where they should, and save."""
     from record import RESULTS, save, side_by_side
 
     # ``answers 7``: as many runs of each.
     runs = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    first_of_all = {"processor time of first answers [s]": first_answers(*runs), "runs of these": (*runs, RUNS)[0]}
+    first_of_all = {
+        "processor time of first answers [s]": first_answers(*runs),
+        "waiting for first answers from nothing [s]": waits(*runs),
+        "runs of these": (*runs, RUNS)[0],
+    }
     if "answers" in sys.argv[1:]:
         known = json.loads((RESULTS / "compiling.json").read_text())
         save("compiling", {name: value for name, value in known.items() if name != "about"} | first_of_all)

@@ -24,7 +24,7 @@ from ..motion.simulate import simulate
 from ..results import RESULTS
 from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
-from ..trajectory.about_motion import outputs_of
+from ..trajectory.about_motion import inputs_that_move, outputs_of
 from .mode import Found, Mode, Question
 from .parts import SHOWN_VALUES, is_shown, row
 
@@ -133,9 +133,9 @@ def origins(model: Model) -> np.ndarray:
 
 
 def _signals(found: Motion) -> dict[str, Any]:
-    """Inputs, which are zero, and outputs along a motion."""
+    """Inputs, zero but where they move what is held, and outputs along a motion."""
     outputs = np.asarray(outputs_of(found)) + origins(found.model)
-    return {"u0": np.zeros((len(found.t), len(found.labels.inputs))), "y0": outputs}
+    return {"u0": np.asarray(inputs_that_move(found)), "y0": outputs}
 
 
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:

@@ -72,6 +72,7 @@ class PortPlaces(Record):
         quantities: What each part of an output is: "position", "velocity", "deformation", "deformation rate", or for a
             rotation in space "rotation", "angular velocity", "local rotation", "local angular velocity"; or one of
             ``LATE``.
+        inputs: Number of inputs, those that move what is held among them, which act here on nothing.
     """
 
     forces: Int[Array, "2 k"]
@@ -83,12 +84,7 @@ class PortPlaces(Record):
     read: Float[Array, "n_y k"] | None
     mix: Float[Array, "parts n_u"] | None
     quantities: tuple[str, ...] = static()
-
-    @property
-    def inputs(self) -> int:
-        """Number of inputs."""
-        own = (self.forces, self.stresses, self.moments, self.local_moments)
-        return sum(of.shape[1] for of in own) if self.mix is None else self.mix.shape[1]
+    inputs: int = static()
 
     @property
     def late(self) -> tuple[int, ...]:

@@ -173,6 +173,7 @@ def _places(model: Model) -> PortPlaces:
         read=None if weights is None else combined(labels.outputs, weights[1]),
         mix=None if weights is None else combined(labels.inputs, weights[0]).T,
         quantities=tuple(_quantity(s) for s in outputs),
+        inputs=len(labels.inputs),
     )
 
 

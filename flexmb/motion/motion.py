@@ -229,8 +229,8 @@ class Observed(ByName, Result, Record):
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
-        power: Power of all other loads, of prescribed motion and of thermal expansion, less what dampers and laws take,
-            (n_t,) [W].
+        power: Power of all other loads, of prescribed motion, thermal expansion and prestress that is scaled, less
+            what dampers and laws take, (n_t,) [W].
         labels: Names.
     """
 
@@ -346,6 +346,10 @@ def _observe(
                 return free_deformations(topology, parameters, form.drive(t).loads)
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
+        if drive.loads.prestress is not None and any(own.quantity == "increment" for own in driven):
+            # Stress that grows where an element is strained stores energy without a motion.
+            grown = jax.jvp(lambda t: form.drive(t).loads.prestress, (t,), (jnp.ones_like(t),))[1]
+            power = power + grown @ stored
         kinetic = kinetic_energy(topology, parameters, whole.x, whole.v)
         seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
         return Observed(*seen, kinetic, elastic, potential, power, model.labels)

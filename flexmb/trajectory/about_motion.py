@@ -1,5 +1,6 @@
 """What a motion is, and what drives a mechanism along it, as that which vibrations are about."""
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import jax
@@ -9,7 +10,8 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
-from ..errors import ModelError
+from ..errors import ModelError, warn
+from ..mechanics.signals import combined, terms_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -19,13 +21,21 @@ from ..motion.element_forces import deformed
 from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
 
+# What measures what an input moves, of coordinates and of deformations.
+MEASURES = {
+    False: ("position", "velocity", "acceleration"),
+    True: ("deformation", "deformation rate", "deformation acceleration"),
+}
+# Parts of an input that move apart by more than this share of how far they move are told.
+APART = 1e-6
+
 
 class About(NamedTuple):
     """A motion that vibrations are about.
 
     Attributes:
         motion: The motion.
-        u0: Its inputs, (n_t, n_u) [N, N m].
+        u0: Its inputs, (n_t, n_u) [N, N m; m, rad, and their rates, of what is held and moves].
         held: Force that holds each degree of freedom along it and is let go, (n_t, n_q) [N, N m].
     """
 
@@ -62,11 +72,42 @@ def about(given: Any, function: str) -> About:
     if motion is not given:
         return About(motion, given.u0, given.f0)
     u0 = motion.u if motion.u.shape[1] else jnp.zeros((count, inputs))
+    u0 = u0 + inputs_that_move(motion)
     for one in motion.driven:
         if one.given is not None:
             own = jax.lax.map(one.given, motion.t)
             u0 = jnp.asarray(u0).at[:, one.of_input].add(jnp.reshape(own, (count,)))
     return About(motion, u0, jnp.zeros((count, motion.model.topology.n_q)))
+
+
+def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
+    """Inputs that move what is held, as that moves along the motion itself; zero for forces, (n_t, n_u)."""
+    model = motion.model
+    labels, weights = model.labels, model.parameters.weights
+    terms = terms_of(labels.inputs)
+    moving = [i for i, term in enumerate(terms) if term.order is not None]
+    if not moving:
+        return jnp.zeros((len(motion.t), len(labels.inputs)))
+    seen = tuple(dataclasses.replace(terms[i], quantity=MEASURES[terms[i].of_element][terms[i].order]) for i in moving)
+    alone = None if weights is None else (weights[0], jnp.ones(len(seen)))
+    measuring_them = dataclasses.replace(
+        model,
+        labels=dataclasses.replace(labels, outputs=seen),
+        parameters=dataclasses.replace(model.parameters, weights=alone),
+    )
+    moved = outputs_of(dataclasses.replace(motion, model=measuring_them))
+    shares = jnp.asarray(combined(labels.inputs, None if weights is None else weights[0]))[:, np.array(moving)]
+    whole = jnp.sum(shares**2, axis=1)
+    found = moved @ shares.T / jnp.where(whole > 0, whole, 1.0)
+    apart = jnp.max(jnp.abs(found @ shares - moved), axis=0)
+    if is_concrete((apart, moved)) and np.any(apart > APART * np.max(np.abs(moved), axis=0)):
+        first = terms[moving[int(np.argmax(apart))]]
+        name = next(signal.name for signal in labels.inputs if first in signal.terms)
+        warn(
+            f"Input '{name}' moves several held things together, which along this motion do not move as it would move"
+            " them: its nominal value is the one that is nearest to all."
+        )
+    return found
 
 
 def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "n_t n_q"]]:

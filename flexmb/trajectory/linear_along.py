@@ -47,7 +47,7 @@ class TimeVarying(Result, Record):
         C: (n_t, n_y, n_z).
         D: (n_t, n_y, n_u).
         M: Mass of the motions whose amplitudes are the first n states, their rates the next n, (n_t, n, n).
-        u0: Inputs of the motion itself, (n_t, n_u) [N, N m].
+        u0: Inputs of the motion itself, (n_t, n_u) [N, N m; m, rad, and their rates, of what is held and moves].
         y0: Its outputs, (n_t, n_y) [m, rad, ..].
         z0: Its states at the first time, (n_z,).
         sigma: Its stress resultants, (n_t, n_e) [N, N m].
