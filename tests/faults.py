@@ -1217,6 +1217,30 @@ FAULTS = [
         "build/test_idle.py",
     ),
     Fault(
+        "motion/motion.py",
+        "power = power + grown @ stored",
+        "power = power - grown @ stored",
+        "motion/test_observed.py",
+    ),
+    Fault(
+        "motion/loop.py",
+        "inputs=len(labels.inputs),",
+        "inputs=sum(len(found[kind]) for kind in found),",
+        "trajectory/test_about_motion.py",
+    ),
+    Fault(
+        "trajectory/about_motion.py",
+        "    u0 = u0 + inputs_that_move(motion)\n",
+        "",
+        "trajectory/test_about_motion.py",
+    ),
+    Fault(
+        "trajectory/about_motion.py",
+        "found = moved @ shares.T / jnp.where(whole > 0, whole, 1.0)",
+        "found = moved @ shares.T",
+        "trajectory/test_about_motion.py",
+    ),
+    Fault(
         "compilation/alone.py",
         "            del sys.modules[one]",
         "            sys.modules[one]",

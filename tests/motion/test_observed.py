@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from cases.motions import oscillation, sprung_mass
+from references.balances import energy_rate
 
 import flexmb as fm
 
@@ -44,6 +45,18 @@ def expected() -> dict[str, np.ndarray]:
         # What the wall pulls back by.
         "reactions": -sigma,
     }
+
+
+def test_a_prestress_that_grows_stores_energy_in_what_is_strained():
+    b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
+    b.force("mass", (FORCE, 0))
+    b.prestress("s", PRESTRESS, increment=True)
+    motion = fm.simulate(b.build(), TIMES, increment=lambda t: 2 * t, rtol=1e-9)
+    seen = motion.observe()
+    power = -DAMPING * seen.ed[:, 0] ** 2 + 2 * PRESTRESS * seen.e[:, 0]
+    np.testing.assert_allclose(seen.power, power, rtol=1e-12, atol=1e-15)  # round-off
+    # Round-off of the energy over the step of the differences, which are exact but for that.
+    np.testing.assert_allclose(energy_rate(motion, 1e-3), seen.power, atol=1e-9 * np.max(np.abs(power)))
 
 
 def test_what_is_observed_of_an_oscillator(motion):
