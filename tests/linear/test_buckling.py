@@ -210,6 +210,22 @@ def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, m
     assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)
 
 
+@pytest.mark.parametrize("increment", [False, True])
+def test_loads_that_bend_a_mechanism_as_they_are_are_told(increment):
+    """Multipliers of all loads are about the state under them, those of increments about the mechanism without."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.5 * i, 0.0))
+    for i in range(2):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e5, EIy=1.0))
+    b.fix("n0")
+    b.force("n2", (-1.8, 0.06), increment=increment)
+    model = b.build()
+    for options in ({}, {"count": 1, "sparse": True}):
+        with contextlib.nullcontext() if increment else pytest.warns(fm.FlexmbWarning, match="As they are, these loads"):
+            fm.buckling_loads(model, **options)
+
+
 @pytest.mark.parametrize("length", [0.3, 1.1, 0.123, 1 / 7])
 @pytest.mark.parametrize("count", [1, 3])
 def test_bars_along_their_own_axis_have_no_multiplier(length, count):
