@@ -164,7 +164,8 @@ class Rigidity(Section):
         shear_z: EIy/(GAk) for displacement along z [m^2].
         shear_y: EIz/(GAk) for displacement along y [m^2].
         mass: Mass per length [kg/m].
-        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]; a planar beam uses Jy.
+        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m], Jyz the entry of the tensor, minus the
+            integral of rho y z over the section; a planar beam uses Jy.
         alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
         EIw: Warping rigidity, of a beam whose warping is a coordinate (``spatial.warping_beam``) [N m^4].
         Jw: Its inertia against warping per length [kg m^3].
