@@ -1936,9 +1936,9 @@ FAULTS = [
     ),
     Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
-    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
+    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k snaps"),
     Fault(
-        "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k closed_form"
+        "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k reached_is_found"
     ),
     Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
     Fault("design/over_stroke.py", "[:, :1] == index", "[:, :2] == index", "design/test_verdict.py -k tilt_of"),
@@ -1955,14 +1955,14 @@ FAULTS = [
     Fault(
         "design/verdict.py", "-0.5 < excess(b) < 0", "0.5 < excess(b) < 0", "design/test_verdict.py -k between_strokes"
     ),
-    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k says"),
+    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k say_what_moves_it"),
     Fault(
         "design/verdict.py",
         "return min(found",
         "return max(found",
-        "design/test_verdict.py -k earlier",
+        "design/test_verdict.py -k deformation",
     ),
-    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k shooting"),
+    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k snaps"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     Fault(
         "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"
@@ -3251,7 +3251,7 @@ FAULTS = [
         "design/judgement.py",
         "if sizes[i] > ALIKE * max(1.0, np.max(sizes)):",
         "if True:",
-        "design/test_verdict.py -k what_moves_it",
+        "design/test_verdict.py -k say_what_moves_it",
     ),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]
