@@ -1467,7 +1467,7 @@ FAULTS = [
         "statics/configuration.py",
         "return x, tangent.DFx @ qd, e",
         "return x, -tangent.DFx @ qd, e",
-        "motion/test_simulate.py -k turns_are_counted",
+        "motion/test_simulate.py -k velocity_of_its",
     ),
     Fault(
         "paths/stepper.py",
@@ -1938,7 +1938,10 @@ FAULTS = [
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
     Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k snaps"),
     Fault(
-        "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k reached_is_found"
+        "design/over_stroke.py",
+        "turned else now - before",
+        "turned else now",
+        "design/test_verdict.py -k reached_is_found",
     ),
     Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
     Fault("design/over_stroke.py", "[:, :1] == index", "[:, :2] == index", "design/test_verdict.py -k tilt_of"),
@@ -1955,7 +1958,9 @@ FAULTS = [
     Fault(
         "design/verdict.py", "-0.5 < excess(b) < 0", "0.5 < excess(b) < 0", "design/test_verdict.py -k between_strokes"
     ),
-    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k say_what_moves_it"),
+    Fault(
+        "design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k say_what_moves_it"
+    ),
     Fault(
         "design/verdict.py",
         "return min(found",
@@ -2111,7 +2116,7 @@ FAULTS = [
         "2 * jnp.asarray(ratio, float), (n,)",
         "test_jobs.py -k stage",
     ),
-    Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "test_jobs.py -k twenty"),
+    Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
     Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
