@@ -975,7 +975,7 @@ FAULTS = [
         "motion/test_tree_form.py -k in_space",
     ),
     # Ends of spectral beams that are computed.
-    Fault("mechanics/tree.py", "jnp.where(back, inverse, turns)", "turns", "motion/test_tree_form.py -k moves"),
+    Fault("mechanics/tree.py", "jnp.where(back, inverse, turns)", "turns", "motion/test_tree_form.py -k in_space"),
     Fault("motion/tree_form.py", "acting.force - self.form.applied", "acting.force - 0", "motion/test_tree_form.py"),
     # Sections that vary along a spectral beam.
     Fault(
