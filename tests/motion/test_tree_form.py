@@ -114,11 +114,14 @@ def test_a_tree_in_space_is_accelerated_as_all_coordinates_are():
         t, state = jnp.zeros(()), MotionState(u, w, jnp.zeros(0))
         motion = form.whole_motion(t, state)
         same = every.state_of(motion.x, motion.xd, None)
-        return motion.x, every.gap(t, same), form.acceleration(t, state)[0], every.acceleration(t, same)[0]
+        own = form.acceleration(t, state)[0]
+        return motion.x, every.gap(t, same), form.residual(t, state, own), own, every.acceleration(t, same)[0]
 
-    x, gap, found, other = both(*0.3 * np.random.default_rng(8).standard_normal((2, len(tree.kept))))
+    x, gap, left, found, other = both(*0.3 * np.random.default_rng(8).standard_normal((2, len(tree.kept))))
     assert np.linalg.norm(x - model.parameters.reference) > 0.3
     np.testing.assert_allclose(gap, 0, atol=1e-13)
+    # Forces of some 1e2 N out of balance by round-off.
+    np.testing.assert_allclose(left, 0, atol=1e-10)
     other = np.asarray(other)[tree.kept_places]
     np.testing.assert_allclose(found, other, rtol=0, atol=1e-9 * np.max(np.abs(other)))
 
