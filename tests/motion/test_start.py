@@ -38,13 +38,6 @@ def test_a_blade_begins_at_the_speed_of_its_hub():
     np.testing.assert_allclose(found.velocity("k.rotation")[0], 10.0, rtol=1e-12)
 
 
-def test_a_blade_begins_along_its_hub_that_is_turned_far():
-    """More than once: straight, where its law says."""
-    found = fm.simulate(hub(planar.beam), [0.0, 0.01], motion={"o.rotation": lambda t: 7.5 + 10 * t})
-    np.testing.assert_allclose(found.at("k")[0], (0.3 * np.cos(7.5), 0.3 * np.sin(7.5)), atol=1e-12)
-    np.testing.assert_allclose(found.velocity("k")[0], (-3 * np.sin(7.5), 3 * np.cos(7.5)), atol=1e-12)
-
-
 def gyroscope(turned: np.ndarray, tilt: str) -> fm.Model:
     """A body whose rotation about an axis is driven, in another frame."""
     b = fm.Builder()
