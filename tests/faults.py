@@ -975,8 +975,13 @@ FAULTS = [
         "motion/test_tree_form.py -k in_space",
     ),
     # Ends of spectral beams that are computed.
-    Fault("mechanics/tree.py", "jnp.where(back, inverse, turns)", "turns", "motion/test_tree_form.py -k moves"),
-    Fault("motion/tree_form.py", "acting.force - self.form.applied", "acting.force - 0", "motion/test_tree_form.py"),
+    Fault("mechanics/tree.py", "jnp.where(back, inverse, turns)", "turns", "motion/test_tree_form.py -k in_space"),
+    Fault(
+        "motion/tree_form.py",
+        "acting.force - self.form.applied(t, at.x)",
+        "acting.force",
+        "motion/test_tree_form.py -k in_space",
+    ),
     # Sections that vary along a spectral beam.
     Fault(
         "elements/spectral.py",
@@ -1527,7 +1532,7 @@ FAULTS = [
         "statics/configuration.py",
         "return x, tangent.DFx @ qd, e",
         "return x, -tangent.DFx @ qd, e",
-        "motion/test_simulate.py -k turns_are_counted",
+        "motion/test_simulate.py -k velocity_of_its",
     ),
     Fault(
         "paths/stepper.py",
@@ -1996,9 +2001,12 @@ FAULTS = [
     ),
     Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
-    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k shooting"),
+    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k snaps"),
     Fault(
-        "design/over_stroke.py", "turned else now - before", "turned else now", "design/test_verdict.py -k closed_form"
+        "design/over_stroke.py",
+        "turned else now - before",
+        "turned else now",
+        "design/test_verdict.py -k reached_is_found",
     ),
     Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
     Fault("design/over_stroke.py", "[:, :1] == index", "[:, :2] == index", "design/test_verdict.py -k tilt_of"),
@@ -2015,14 +2023,16 @@ FAULTS = [
     Fault(
         "design/verdict.py", "-0.5 < excess(b) < 0", "0.5 < excess(b) < 0", "design/test_verdict.py -k between_strokes"
     ),
-    Fault("design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k says"),
+    Fault(
+        "design/judgement.py", "1 if first.upper is None", "1 if True", "design/test_verdict.py -k say_what_moves_it"
+    ),
     Fault(
         "design/verdict.py",
         "return min(found",
         "return max(found",
-        "design/test_verdict.py -k earlier",
+        "design/test_verdict.py -k deformation",
     ),
-    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k shooting"),
+    Fault("plot/verdict.py", "finite / finite[rest]", "finite", "design/test_verdict.py -k snaps"),
     Fault("design/designs.py", 'indexing="ij"', 'indexing="xy"', "design/test_sweep.py -k grid_is"),
     Fault(
         "plot/sweep.py", "own = front.rows[kept[front.rows]]", "own = front.rows[:1]", "plot/test_designs.py -k front"
@@ -2171,7 +2181,7 @@ FAULTS = [
         "2 * jnp.asarray(ratio, float), (n,)",
         "test_jobs.py -k stage",
     ),
-    Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "test_jobs.py -k twenty"),
+    Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
     Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
@@ -2502,13 +2512,13 @@ FAULTS = [
         "linear/sparse_solve.py",
         "return on_host_thread(function, *jax.tree.map(np.asarray, arguments))",
         "return jax.tree.map(np.zeros_like, on_host_thread(function, *jax.tree.map(np.asarray, arguments)))",
-        "design/test_sweep.py -k large",
+        "design/test_sweep.py -k large_mechanisms_in_sweeps",
     ),
     Fault(
         "statics/sparse.py",
         "return on_host_thread(answer, *",
         "return (lambda a, *b: (0 * a(*b)[0], a(*b)[1]))(answer, *",
-        "design/test_sweep.py -k large",
+        "design/test_sweep.py -k derivatives_of_large",
     ),
     Fault(
         "linear/sparse_solve.py",
@@ -3311,7 +3321,7 @@ FAULTS = [
         "design/judgement.py",
         "if sizes[i] > ALIKE * max(1.0, np.max(sizes)):",
         "if True:",
-        "design/test_verdict.py -k what_moves_it",
+        "design/test_verdict.py -k say_what_moves_it",
     ),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
 ]

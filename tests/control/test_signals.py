@@ -226,41 +226,67 @@ def test_what_sensors_of_a_rotation_give():
         np.testing.assert_allclose(one, other, atol=1e-12)
 
 
-def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load():
+def torque(t, constant):
+    return constant * jnp.cos(t)
+
+
+@pytest.fixture(scope="module")
+def steered():
+    """A body with moments about global axes, and one about its own."""
+    b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
+    for axis in AXES:
+        b.input("body", axis, name=axis)
+    b.input("body", "rx", local=True, name="own")
+    b.output("body", "rx")
+    return b.build()
+
+
+def moved(model, about, own, **start):
+    inputs = {name: Partial(torque, constant=value) for name, value in zip((*AXES, "own"), (*about, own), strict=True)}
+    return fm.simulate(model, np.linspace(0, 2, 5), inputs=inputs, rtol=1e-9, **start)
+
+
+def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load(steered):
+    about = np.array([1.0, 0.3, -0.5])
+    load = fm.simulate(steered, np.linspace(0, 2, 5), loads={"body": Partial(torque, constant=about)}, rtol=1e-9)
+    # The body turns by more than a radian; the moments keep their axes.
+    assert np.linalg.norm(np.asarray(load.at("body"))[-1, 1:]) > 0.5
+    np.testing.assert_allclose(moved(steered, about, 0.0).at("body"), load.at("body"), atol=1e-8)
+
+
+def test_a_moment_about_axes_of_the_body(steered):
+    """About its own principal axis a body only spins: Euler's equations."""
+    found = moved(steered, np.zeros(3), 0.3, initial=fm.configuration(steered, q=[0.3, -0.2, 0.1]))
+    rest, end = (Rotation.from_quat(np.asarray(found.at("body"))[i], scalar_first=True) for i in (0, -1))
+    # Angle M (1 - cos t)/J about the body's own x axis, which stays where it is.
+    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3 * (1 - np.cos(2)), 0, 0], atol=1e-7)
+
+
+def test_moments_by_a_controller():
+    """About an axis of the body, beside Euler's equations, and in a plant of python-control."""
+    model = sensed(**FREE)
+    start = fm.configuration(model, q=[0.3, -0.2, 0.1])
+    found = driven(model, np.linspace(0, 0.2, 5), start, (0, 0, 0, 0.03))
+    rest, end = (Rotation.from_quat(np.asarray(found.at("c"))[i], scalar_first=True) for i in (0, -1))
+    # Angle M t^2/(2 J).
+    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3, 0, 0], atol=1e-7)
     b = body((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))
     for axis in AXES:
         b.input("body", axis)
     b.output("body", "rx")
     model = b.build()
-    times = np.linspace(0, 2, 5)
-    load = fm.simulate(model, times, loads={"body": lambda t: jnp.array([1.0, jnp.sin(t), -0.5])}, rtol=1e-9)
-    driven = fm.simulate(model, times, control=lambda t, y: jnp.array([1.0, jnp.sin(t), -0.5]), rtol=1e-9)
-    # The body turns by more than a radian; the moments keep their axes.
-    assert np.linalg.norm(np.asarray(load.at("body"))[-1, 1:]) > 0.5
-    np.testing.assert_allclose(driven.at("body"), load.at("body"), atol=1e-8)
-    plant = fm.control.to_nonlinear_system(model)
+    driving = fm.simulate(
+        model, np.linspace(0, 2, 5), control=lambda t, y: jnp.array([1.0, jnp.sin(t), -0.5]), rtol=1e-9
+    )
     states = control.input_output_response(
-        plant,
+        fm.control.to_nonlinear_system(model),
         np.linspace(0, 2, 201),
         np.stack([np.ones(201), np.sin(np.linspace(0, 2, 201)), -0.5 * np.ones(201)]),
         solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-10},
     )
-    whole = Rotation.from_quat(np.asarray(load.at("body"))[-1], scalar_first=True).as_rotvec()
+    whole = Rotation.from_quat(np.asarray(driving.at("body"))[-1], scalar_first=True).as_rotvec()
     # Straight lines between the inputs: 1e-4 squared over 8.
     assert states.outputs[..., -1].item() == pytest.approx(whole[0], abs=1e-4)
-
-
-def test_a_moment_about_axes_of_the_body():
-    """About its own principal axis a body only spins: Euler's equations."""
-    model = sensed(**FREE)
-    start = fm.configuration(model, q=[0.3, -0.2, 0.1])
-    found = driven(model, np.linspace(0, 0.2, 5), start, (0, 0, 0, 0.03))
-    rest, end = (Rotation.from_quat(np.asarray(found.at("c"))[i], scalar_first=True) for i in (0, -1))
-    # Angle M t^2/(2 J) about the body's own x axis, which stays where it is.
-    np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3, 0, 0], atol=1e-7)
-    table = fm.motion.Table(np.array([0.0, 1.0]), np.array([0.03, 0.03]))
-    given = fm.simulate(model, np.linspace(0, 0.2, 5), initial=start, inputs={"own": table}, rtol=1e-9)
-    np.testing.assert_allclose(given.at("c"), found.at("c"), atol=1e-8)
 
 
 def test_rotation_vector_is_that_of_scipy_and_has_a_derivative_at_zero():

@@ -167,13 +167,14 @@ def test_wrong_answers_are_named():
 
 def test_tolerances_by_the_law_of_propagation_and_by_samples():
     point, spread = {"thickness": T, "width": WIDTH}, {"thickness": 1e-3 * T, "width": 2e-3 * WIDTH}
-    found = fm.design.tolerances(guide, ANSWERS, point, spread, samples=400, seed=3)
-    # P ~ w t^3: relative deviation sqrt(3^2 1^2 + 2^2) per thousand, shares 9 to 4.
-    assert found.deviations[1] / found.values[1] == pytest.approx(np.sqrt(13) * 1e-3, rel=1e-8)
-    np.testing.assert_allclose(found.shares[1], [9 / 13, 4 / 13], rtol=1e-8)
+    answers = {"stiffness": lambda model: fm.linearize(model).K0[0, 0]}
+    found = fm.design.tolerances(design_cases.unloaded_guide, answers, point, spread, samples=400, seed=3)
+    # k ~ w t^3: relative deviation sqrt(3^2 1^2 + 2^2) per thousand, shares 9 to 4.
+    assert found.deviations[0] / found.values[0] == pytest.approx(np.sqrt(13) * 1e-3, rel=1e-8)
+    np.testing.assert_allclose(found.shares[0], [9 / 13, 4 / 13], rtol=1e-8)
     # A sampled deviation scatters by 1/sqrt(2 n) = 3.5 %; three of those.
     np.testing.assert_allclose(found.sampled_deviations, found.deviations, rtol=3 / np.sqrt(800))
     assert np.all(found.sampled_interval[:, 0] < found.values)
     assert np.all(found.values < found.sampled_interval[:, 1])
     with pytest.raises(ValueError, match="Deviation of 'length'"):
-        fm.design.tolerances(guide, ANSWERS, point, {"length": 1e-3})
+        fm.design.tolerances(design_cases.unloaded_guide, answers, point, {"length": 1e-3})

@@ -124,6 +124,15 @@ def test_the_front_of_a_circle_and_of_a_simplex():
     assert np.all(best["n"].sum(axis=1) == 10)
 
 
+def test_the_front_of_many_designs_in_no_order():
+    """More than are compared at a time: by the definition, each with all others."""
+    costs = np.random.default_rng(4).integers(0, 60, (1500, 2)).astype(float)
+    made = fm.design.Sweep(fm.design.Designs({"n": np.arange(1500)}), {"cost": costs}, np.zeros(1500), {})
+    better = np.all(costs[:, None] <= costs, axis=2) & np.any(costs[:, None] < costs, axis=2)
+    found = made.pareto(minimize=["cost[0]", "cost[1]"])
+    np.testing.assert_array_equal(np.sort(found.rows), np.flatnonzero(~better.any(axis=0)))
+
+
 @pytest.mark.parametrize(
     ("call", "fault", "words"),
     [
@@ -234,36 +243,53 @@ def test_a_bar_says_how_far_a_sweep_is(capsys):
     assert printed.out == ""
 
 
-def test_answers_of_large_mechanisms_in_sweeps_and_searches():
-    """By sparse factors on the host, under the traces of a sweep and of a search; closed form of a cantilever."""
+def long_cantilever(thickness):
+    b = fm.Builder()
+    section = fm.Rectangle(0.02, thickness, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    for i in range(41):
+        b.node(f"n{i}", (i / 400, 0.0))
+    for i in range(40):
+        b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
+    b.fix("n0")
+    b.force("n40", (0.0, 1e-6))
+    return b.build(check=False)
 
-    def cantilever(thickness):
-        b = fm.Builder()
-        section = fm.Rectangle(0.02, thickness, fm.Material(E=210e9, G=80e9, rho=7850.0))
-        for i in range(41):
-            b.node(f"n{i}", (i / 400, 0.0))
-        for i in range(40):
-            b.add(planar.beam, f"n{i}", f"n{i + 1}", section=section)
-        b.fix("n0")
-        b.force("n40", (0.0, 1e-6))
-        return b.build(check=False)
 
-    answers = {
-        "frequency": lambda m: fm.frequencies(m, count=1, sparse=True)[0],
-        "place": lambda m: fm.equilibrium(m, sparse=True).position("n40")[1],
-    }
-    thickness = np.array([2e-4, 4e-4])
-    swept = fm.sweep(cantilever, answers, fm.design.grid(thickness=thickness.tolist()))
+SPARSE = {
+    "frequency": lambda m: fm.frequencies(m, count=1, sparse=True)[0],
+    "place": lambda m: fm.equilibrium(m, sparse=True).position("n40")[1],
+}
+
+
+def known_of_long(thickness):
+    """Closed forms of its first frequency [Hz] and of where the force puts its end [m]."""
     stiffness = 210e9 * 0.02 * thickness**3 / 12
-    np.testing.assert_allclose(swept["place"], 1e-6 * 0.1**3 / (3 * stiffness), rtol=1e-6)
-    expected = 1.8751040687**2 / (2 * np.pi * 0.1**2) * np.sqrt(stiffness / (7850 * 0.02 * thickness))
+    hertz = 1.8751040687**2 / (2 * np.pi * 0.1**2) * np.sqrt(stiffness / (7850 * 0.02 * thickness))
+    return hertz, 1e-6 * 0.1**3 / (3 * stiffness)
+
+
+def test_answers_of_large_mechanisms_in_sweeps():
+    """By sparse factors on the host, under the trace of a sweep."""
+    thickness = np.array([2e-4, 4e-4])
+    swept = fm.sweep(long_cantilever, SPARSE, fm.design.grid(thickness=thickness.tolist()))
+    hertz, place = known_of_long(thickness)
+    np.testing.assert_allclose(swept["place"], place, rtol=1e-6)
     # Rotary inertia, which the closed form leaves out: 3e-6 of the thicker one.
-    np.testing.assert_allclose(swept["frequency"], expected, rtol=5e-6)
-    target = {"frequency": 1.5 * float(expected[0])}
-    found = fm.tune(cantilever, answers, {"thickness": 2e-4}, {"thickness": (1e-4, 1e-3)}, targets=target)
+    np.testing.assert_allclose(swept["frequency"], hertz, rtol=5e-6)
+
+
+def test_answers_of_large_mechanisms_in_searches():
+    """By sparse factors on the host, under the trace of a search."""
+    target = {"frequency": 1.5 * float(known_of_long(2e-4)[0])}
+    found = fm.tune(long_cantilever, SPARSE, {"thickness": 2e-4}, {"thickness": (1e-4, 1e-3)}, targets=target)
     assert found.dimensions["thickness"] == pytest.approx(3e-4, rel=5e-6)
-    slope = fm.jit(jax.grad(lambda thickness: answers["place"](cantilever(thickness))))(thickness[0])
-    np.testing.assert_allclose(slope, -3 * swept["place"][0] / thickness[0], rtol=1e-6)
+
+
+def test_derivatives_of_large_mechanisms_in_one_program():
+    """By sparse factors on the host, under the trace of a derivative."""
+    place = known_of_long(2e-4)[1]
+    slope = fm.jit(jax.grad(lambda thickness: SPARSE["place"](long_cantilever(thickness))))(2e-4)
+    np.testing.assert_allclose(slope, -3 * place / 2e-4, rtol=1e-6)
 
 
 def cosine(height):

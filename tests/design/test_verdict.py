@@ -188,16 +188,15 @@ def test_support_stiffness_is_that_of_shooting():
     plt.close("all")
 
 
-def arch():
+def arch(stiffness=1e4, mass=1.0):
     """Two bars that snap through."""
     b = fm.Builder()
     for name, place in {"l": (-1, 0), "r": (1, 0), "t": (0, 0.2)}.items():
         b.node(name, place)
     for side in "lr":
-        b.add(planar.truss, side, "t", name=f"bar {side}", section=fm.Rigidity(EA=1e4))
+        b.add(planar.truss, side, "t", name=f"bar {side}", section=fm.Rigidity(EA=stiffness))
         b.fix(side)
-    b.fix("t", "x")
-    b.mass("t", 1.0)
+    b.mass("t", mass)
     return b.build()
 
 
@@ -210,6 +209,8 @@ def test_a_drive_holds_what_snaps_through():
     np.testing.assert_allclose(found.curves["force"], pull * y / now, atol=1e-9)
     stiffness = 2 * 1e4 / first * (y / now) ** 2 + pull / now**3
     np.testing.assert_allclose(found.curves["drive stiffness"], stiffness, rtol=1e-9)
+    across = 2 * 1e4 / first / now**2 + pull * y**2 / now**3
+    np.testing.assert_allclose(found.curves["stiffness x"], across, rtol=1e-9)
     np.testing.assert_array_equal(found.free_stable, stiffness > 0)
     assert np.all(found.held_stable)
     hertz = np.sign(stiffness) * np.sqrt(np.abs(stiffness)) / (2 * np.pi)
@@ -220,6 +221,24 @@ def test_a_drive_holds_what_snaps_through():
     assert limit.stroke is not None
     y = 0.2 + limit.stroke
     assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == pytest.approx(25, rel=1e-5)
+    panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
+    drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
+    np.testing.assert_allclose(drawn, across / across[-1], rtol=1e-9)
+    plt.close("all")
+
+
+def test_dimensions_of_a_page_say_what_moves_it():
+    """The force is that of any mass, and that of any two bars but for their stiffness."""
+    dimensions = {"stiffness": 1e4, "mass": 1.0}
+    page = fm.verdict(arch, {"t.y": (-0.4, 0)}, dimensions=dimensions, steps=2, limits={"force": 25.0}, count=1)
+    found = page.sensitivities
+    table = dict(zip(found.answers, found.table, strict=True))
+    for name, powers in (("force", (1, 0)), ("drive stiffness", (1, 0)), ("frequency 1", (0.5, -0.5))):
+        np.testing.assert_allclose(table[name], powers, rtol=0, atol=1e-9)
+    assert page.summary().rows["by dimension"] == "smaller stiffness (+1): percent of force for one percent"
+    told = dataclasses.replace(found, dimensions=("mass",), table=found.table[:, 1:])
+    alone = dataclasses.replace(page, sensitivities=told).summary().rows
+    assert alone["by dimension"] == "none of them moves force"
 
 
 def test_a_limit_between_strokes_is_seen():
@@ -241,13 +260,14 @@ def test_a_limit_between_strokes_is_seen():
     assert 0.2 + limited.stroke > top
 
 
-def shaft(axis=(0, 0, 1), tilt="fixed"):
-    """Top of a clamped shaft along z, whose rotation is prescribed."""
+def gimbal(axis=(0, 0, 1), tilt="fixed"):
+    """A top that springs hold about three axes, whose rotation is prescribed."""
     b = fm.Builder()
-    b.node("foot", (0, 0, 0))
     b.node("top", (0, 0, 0.1))
-    b.add(spatial.beam, "foot", "top", section=fm.Circle(2e-3, STEEL))
-    b.fix("foot")
+    b.rotation("ground")
+    b.fix("ground")
+    b.add(spatial.hinge, "ground", "top.rotation", axis=(0, 0, 1), stiffness=(1.0, 2.0, 3.0), released="all")
+    b.fix("top", "position")
     b.body("top", 0.1, inertia=[1e-5, 0, 0, 1e-5, 0, 1e-5])
     b.prescribe("top", "rotation", 1.0, axis=axis, tilt=tilt, increment=True)
     return b.build()
@@ -255,20 +275,18 @@ def shaft(axis=(0, 0, 1), tilt="fixed"):
 
 @pytest.mark.parametrize(("axis", "own"), [((0, 0, 1), {"rz"}), ((1, 0, 1), set())])
 def test_what_turns_a_node_in_space_is_no_parasitic_motion(axis, own):
-    found = fm.verdict(shaft(axis), 1e-3, steps=1, count=1)
+    found = fm.verdict(gimbal(axis), 1e-3, steps=1, count=1)
     axes = {"x", "y", "z", "rx", "ry", "rz"} - own
     names = {name for name in found.curves if name.startswith(("parasitic", "stiffness"))}
     assert names == {f"{what} {one}" for what in ("parasitic", "stiffness") for one in axes}
     for one in axes & {"rx", "ry", "rz"}:
         np.testing.assert_allclose(found.curves[f"parasitic {one}"], 0, atol=1e-12)
     if own:
-        # GJ/L of the shaft; one cubic beam is twisted by sin(2 phi)/2.
-        torque = 80e9 * np.pi * 2e-3**4 / 32 / 0.1 * found.stroke
-        np.testing.assert_allclose(found.curves["force"], torque, rtol=1e-6)
+        np.testing.assert_allclose(found.curves["force"], 1.0 * found.stroke, rtol=1e-6)
 
 
 def test_a_tilt_of_a_hinge_has_another_axis_than_its_turn():
-    found = fm.verdict(shaft(tilt="free"), {"turn of top.e2": 1e-3}, steps=1, count=1)
+    found = fm.verdict(gimbal(tilt="free"), {"turn of top.e2": 1e-3}, steps=1, count=1)
     # Across the axis z, about x; the turn about z is still held.
     np.testing.assert_allclose(found.curves["parasitic rz"], 0, atol=1e-12)
     np.testing.assert_allclose(np.abs(found.curves["parasitic rx"]), np.abs(found.stroke), rtol=1e-6)
@@ -283,9 +301,11 @@ def test_a_deformation_is_driven_and_let_go():
     b.mass("r", 2.0)
     b.force("r", (3.0, 0))
     b.add(planar.truss, "l", "r", name="spring", section=fm.Rigidity(EA=100.0))
-    found = fm.verdict(b.build(), {"spring.e1": 0.1}, steps=1)
+    found = fm.verdict(b.build(), {"spring.e1": 0.1}, steps=1, limits={"force": 5.0})
     np.testing.assert_allclose(found.curves["force"], 100 * found.stroke - 3, rtol=1e-12)
     np.testing.assert_allclose(found.curves["frequency 1"], np.sqrt(100 / 2) / (2 * np.pi), rtol=1e-12)
+    # Of both sides, -20 mm and 80 mm, the earlier one counts.
+    assert found.limits[0].stroke == pytest.approx(-0.02, rel=1e-6)
     assert found.unit == "m"
     assert "give `node`" in found.unanswered["support stiffness"]
 
@@ -299,10 +319,6 @@ def test_a_deformation_is_driven_and_let_go():
         ({"B.x": 1e-3, "C.x": 1e-3}, {}, ValueError, "one coordinate, not 2"),
         ((1e-3, 2e-3), {}, ValueError, "ends about zero"),
         (-1e-3, {}, ValueError, "positive"),
-        (DELTA, {"limits": {"stif": 1.0}}, ValueError, "There are: force, drive stiffness"),
-        (DELTA, {"limits": {"force": -1.0}}, ValueError, "must be positive"),
-        (DELTA, {"limits": {"force": (None, None)}}, ValueError, "none at all"),
-        (DELTA, {"limits": {"force": (5.0, 1.0)}}, ValueError, "lower 5 is not below upper 1"),
         (DELTA, {"dimensions": {"t": T}}, TypeError, "goes with a function"),
         (DELTA, {"node": "Z"}, ValueError, "no node 'Z'"),
     ],
@@ -310,6 +326,20 @@ def test_a_deformation_is_driven_and_let_go():
 def test_what_cannot_be_asked_is_refused(stroke, more, expected, said):
     with pytest.raises(expected, match=said):
         fm.verdict(guide(), stroke, **{"steps": 1, **more})
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        ({"stif": 1.0}, "There are: force, drive stiffness"),
+        ({"force": -1.0}, "must be positive"),
+        ({"force": (None, None)}, "none at all"),
+        ({"force": (5.0, 1.0)}, "lower 5 is not below upper 1"),
+    ],
+)
+def test_a_limit_that_cannot_be_asked_is_refused(limits, said):
+    with pytest.raises(ValueError, match=said):
+        fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=2, limits=limits, count=1)
 
 
 def test_a_function_needs_its_dimensions():
@@ -351,6 +381,7 @@ def test_the_end_of_what_is_reached_is_found():
     b.fix("wall")
     found = fm.verdict(b.build(), {"top.x": 1.6}, steps=4)
     np.testing.assert_array_equal(found.stroke[1:-1], [-0.8, -0.4, 0, 0.4, 0.8])
+    np.testing.assert_allclose(found.curves["parasitic y"], np.sqrt(1 - found.stroke**2) - 1, rtol=0, atol=1e-9)
     # To a hundredth of the stroke that is asked: 0.0125 apart, of halves of 0.4.
     np.testing.assert_allclose(found.stroke[[0, -1]], [-0.9875, 0.9875], rtol=1e-12)
     told = "no equilibrium was found at -1 m (not_converged) and 1 m (not_converged)"

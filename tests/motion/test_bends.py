@@ -11,7 +11,7 @@ from scipy.integrate import quad
 import flexmb as fm
 from flexmb import planar
 from flexmb.motion.drive import Table
-from flexmb.motion.drives_by_name import Drives, jump_times
+from flexmb.motion.drives_by_name import Drives, driven_by, jump_times
 
 MASS, STIFFNESS, DAMPING = 2.0, 500.0, 3.0
 # Between steps, whose places are not to count.
@@ -66,6 +66,18 @@ def test_derivative_by_the_times_of_a_table():
     ]
     # Steps that moved along with its times left 5e-3, a bend taken for half of either side 1e-2.
     np.testing.assert_allclose(slopes, wanted, rtol=5e-5)
+
+
+def test_where_a_table_bends_it_is_that_of_one_piece_and_moves_no_steps():
+    times = np.array([0.05, BEND])
+
+    def both(times):
+        table = Table(times, jnp.array([0.0, 5.0]))
+        return table(BEND), jump_times(Drives(), driven_by(oscillator(), Drives(loads={"cart.x": table})))
+
+    value, kinks = jax.jacfwd(both)(times)
+    np.testing.assert_allclose(value, [0.0, -5 / np.diff(times)[0]], rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(kinks, np.zeros((2, 2)))
 
 
 def test_times_of_jumps_may_be_traced_one_by_one():

@@ -57,20 +57,8 @@ def test_a_net_moves_as_the_dense_form_has_it(monkeypatch):
     np.testing.assert_allclose(seen.energy, seen.energy[0], atol=1e-4 * np.max(seen.kinetic))
 
 
-def test_too_little_memory_is_named(monkeypatch):
-    large(monkeypatch)
-
-    def full(*_, **__):
-        raise MemoryError
-
-    monkeypatch.setattr("scipy.sparse.linalg.splu", full)
-    with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
-        fm.simulate(net(), TIMES, rtol=1e-7)
-
-
-def test_a_bob_of_a_milligram_falls_along_its_circle():
-    """Closed form: g sin(a) along the tangent, m g cos(a) in the rod, at rest at an angle a from below."""
-    angle, mass, g = 1.0, 1e-6, 9.81
+def bob(angle=1.0, mass=1e-6, g=9.81):
+    """A mass on a rod, turned by an angle from below."""
     b = fm.Builder()
     b.node("a", (0.0, 0.0))
     b.node("bob", (np.sin(angle), -np.cos(angle)))
@@ -78,7 +66,25 @@ def test_a_bob_of_a_milligram_falls_along_its_circle():
     b.fix("a")
     b.mass("bob", mass)
     b.gravity((0.0, -g))
-    model = b.build(check=False)
+    return b.build(check=False)
+
+
+def test_too_little_memory_is_named(monkeypatch):
+    # What is no chain is a net.
+    monkeypatch.setattr("flexmb.mechanics.sparse_order.levels_of", lambda *_: None)
+
+    def full(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("scipy.sparse.linalg.splu", full)
+    with pytest.raises(fm.AnalysisError, match="memory does not suffice"):
+        fm.simulate(bob(), TIMES, rtol=1e-7, form="chain")
+
+
+def test_a_bob_of_a_milligram_falls_along_its_circle():
+    """Closed form: g sin(a) along the tangent, m g cos(a) in the rod, at rest at an angle a from below."""
+    angle, mass, g = 1.0, 1e-6, 9.81
+    model = bob(angle, mass, g)
     form = chain_form(model, (), order_of(model.topology))
     still = form.state_of(model.parameters.reference, jnp.zeros(model.topology.n_x), None)
     found, massive = form.acceleration(jnp.zeros(()), still)

@@ -84,13 +84,13 @@ def test_gradient_by_gravity(let_down):
     np.testing.assert_allclose(forward, known, rtol=1e-4)
 
 
-def arm(stiffness=40.0):
+def arm(stiffness=40.0, mass=0.5):
     """Flexible arm with a load on a hub that a motor turns."""
     b = fm.Builder()
     names = ["hub", "middle", "tip"]
     for i, name in enumerate(names):
         b.node(name, (0.5 * i, 0))
-    section = fm.Rigidity(EA=1e6, EIy=stiffness, mass=0.5)
+    section = fm.Rigidity(EA=1e6, EIy=stiffness, mass=mass)
     for i in range(2):
         b.add(planar.beam, names[i], names[i + 1], name=f"part{i}", section=section, released=(2, 3))
         b.dof(f"part{i}", 2, 3)
@@ -210,18 +210,6 @@ def test_what_cannot_be_asked_says_so(swung):
 
 def test_a_motion_without_mass_is_named():
     """A point mass on an arm without mass: the turn of the tip has none, which is no fault of the constraints."""
-    b = fm.Builder()
-    b.node("hub", (0, 0))
-    b.node("tip", (1.0, 0))
-    b.add(planar.beam, "hub", "tip", name="arm", section=fm.Rigidity(EA=1e6, EIy=40.0), released=(2, 3))
-    b.fix("hub", "x", "y")
-    b.mass("tip", 0.3)
-    b.inertia("hub", 1e-2)
-    b.dof("hub", "phi")
-    b.dof("arm", 2, 3)
-    b.input("hub", "phi")
-    law = fm.trajectory.septic(0.0, 0.5, 0.3)
-    plan = fm.trajectory.inverse_dynamics(b.build(), {"hub.phi": law}, np.linspace(0, 0.3, 7))
-    with pytest.raises(fm.AnalysisError, match=r"Motions without mass: tip\.rotation\.phi") as info:
-        fm.trajectory.perturbation(plan)
+    with pytest.raises(fm.AnalysisError, match=r"Motions without mass: .*tip\.rotation\.phi") as info:
+        fm.trajectory.perturbation(turned(arm(mass=0.0), 0.5))
     assert info.value.code == "singular_mass"
