@@ -2122,13 +2122,13 @@ FAULTS = [
         "paths/sparse_walk.py",
         "        found[self.held] = point.near[self.held]\n",
         "",
-        "paths/test_sparse_path.py -k that_of_dense and case3",
+        "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
         "paths/sparse_walk.py",
         "balancing[self.held] = point.strained[self.held]",
         "balancing[self.held] = 0.0",
-        "paths/test_sparse_path.py -k that_of_dense and case1",
+        "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
         "paths/sparse_path.py",
@@ -2252,7 +2252,7 @@ FAULTS = [
         "linear/traced_poles.py",
         "[:, None], transposed)[:, 0]",
         "[:, None])[:, 0]",
-        "linear/test_sparse_poles.py -k derivatives_of_poles",
+        "linear/test_sparse_poles.py -k differences",
     ),
     Fault(
         "linear/traced_poles.py",
@@ -2393,7 +2393,7 @@ FAULTS = [
         "linear/sparse_poles.py",
         "except AnalysisError:\n",
         "except ZeroDivisionError:\n",
-        "paths/test_sparse_path.py -k case3",
+        "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
         "statics/sparse.py",
@@ -2454,7 +2454,7 @@ FAULTS = [
         "linear/sparse_solve.py",
         "value * (mass @ y[:n])",
         "0 * (mass @ y[:n])",
-        "math/test_by_deformations.py -k fewer",
+        "linear/test_sparse.py -k derivatives_are",
     ),
     Fault("math/by_deformations.py", "if not before <= left:", "if False:", "math/test_by_deformations.py -k help"),
     # Large mechanisms without a potential.
@@ -2521,7 +2521,7 @@ FAULTS = [
         "self._moved(matrix @ v) / self._scale",
         "linear/test_sparse_poles.py -k steadiness",
     ),
-    Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_sparse_path.py -k flutter"),
+    Fault("paths/sparse_path.py", "stable[i] = is_steady", "_ = is_steady", "paths/test_path.py -k takes_stability"),
     Fault(
         "math/sparse.py",
         "raise AnalysisError(RESULTS.out_of_memory.name, RESULTS.out_of_memory.message) from None",
@@ -2752,7 +2752,7 @@ FAULTS = [
         "paths/sparse_walk.py",
         "by_load + by_following",
         "by_load - by_following",
-        "paths/test_sparse_path.py -k case6",
+        "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
         "statics/tangent.py",
