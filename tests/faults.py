@@ -2399,7 +2399,7 @@ FAULTS = [
         "statics/sparse.py",
         "if not better:",
         "if True:",
-        "math/test_by_deformations.py -k under_load",
+        "math/test_by_deformations.py -k forward_and_reverse",
     ),
     Fault("build/assemble.py", "else found[places]", "else found", "build/test_properties.py -k traced_once"),
     Fault(
