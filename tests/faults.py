@@ -1227,7 +1227,7 @@ FAULTS = [
         "mechanics/loads.py",
         "matrix = matrix + weight_stiffness",
         "matrix = matrix - weight_stiffness",
-        "mechanics/test_laws.py -k tangent",
+        "elements/test_bodies.py -k weight_turns",
     ),
     Fault("mechanics/loads.py", "if b is None else a + b", "if b is None else a", "motion/test_drive.py -k increment"),
     Fault(
@@ -1762,7 +1762,7 @@ FAULTS = [
         "elements/test_leaf_stress.py -k closed_form",
     ),
     Fault(
-        "elements/surface.py", "across * (across - sigma_x)", "across**2", "elements/test_leaf_stress.py -k utilisation"
+        "elements/surface.py", "across * (across - sigma_x)", "across**2", "elements/test_leaf_stress.py -k at_a_stroke"
     ),
     Fault("elements/sections.py", "_rise(x / along)", "_rise(x / across)", "elements/test_profile.py -k hinges"),
     Fault(
