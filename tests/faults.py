@@ -2555,7 +2555,7 @@ FAULTS = [
         "linear/test_states.py -k buckling",
     ),
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call"),
-    Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k of_a_motion"),
+    Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k no_time_of"),
     Fault("spacar/light.py", "return damped(lin", "return lin or damped(lin", "spacar/test_light.py -k damping_ratio"),
     # What is drawn along a path.
     Fault("linear/along.py", "values = 1 / found", "values = found", "linear/test_along.py -k closed_form"),
