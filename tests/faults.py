@@ -1828,7 +1828,7 @@ FAULTS = [
         "blocks/test_blocks.py",
     ),
     Fault("blocks/springs.py", "second * xp.cos(fold)", "length * xp.cos(fold)", "blocks/test_blocks.py -k in_space"),
-    Fault("blocks/hinges.py", "2 * radius - depth", "2 * radius", "blocks/test_blocks.py -k four_bar"),
+    Fault("blocks/hinges.py", "2 * radius - depth", "2 * radius", "blocks/test_blocks.py -k notch_hinge"),
     # Design.
     Fault("design/tune.py", "best = min(runs", "best = max(runs", "design/test_tune.py -k several_starts"),
     Fault(
@@ -2140,7 +2140,7 @@ FAULTS = [
         "paths/sparse_path.py",
         "SparsePath(**critical, **whole",
         "SparsePath(**{**critical, 'load_factor': 0 * critical['load_factor']}, **whole",
-        "paths/test_sparse_states.py -k pictures",
+        "paths/test_sparse_states.py -k loads_of_their_points",
     ),
     Fault(
         "paths/sparse_path.py",

@@ -128,7 +128,8 @@ def test_derivative_of_a_multiplier_by_sparse_factors(case):
     @fm.jit
     @jax.value_and_grad
     def second(bending):
-        return fm.buckling_loads(column(4, bending=bending, gravity=(0.0, -0.2), sparse=True, **case), count=2, sparse=True)[1]
+        model = column(4, bending=bending, gravity=(0.0, -0.2), sparse=True, **case)
+        return fm.buckling_loads(model, count=2, sparse=True)[1]
 
     (value, slope), h = second(1.0), 1e-2
     near = {i: float(second(1.0 + i * h)[0]) for i in (-2, -1, 1, 2)}

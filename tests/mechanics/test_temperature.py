@@ -175,7 +175,7 @@ def test_an_over_constrained_guide_twists_its_stage_and_a_released_one_does_not(
 
 
 def clamped_and_warmed(share, count=4):
-    """Cubic beams between walls, whose increment is a share of T = 4 pi^2 (t^2/12)/(alpha L^2), at which they buckle."""
+    """Cubic beams between walls, their increment a share of T = 4 pi^2 (t^2/12)/(alpha L^2), at which they buckle."""
     critical = 4 * np.pi**2 * THICKNESS**2 / 12 / (ALPHA * L**2)
     b = fm.Builder()
     for i in range(count + 1):
