@@ -1,6 +1,7 @@
 """Where statics has no answer, or a tempting wrong one: a right answer or a named result."""
 
 import contextlib
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -128,7 +129,7 @@ def test_at_a_bifurcation_the_state_is_found_and_called_critical():
     def modes_at(load_factor):
         return fm.modes(fm.linearize(model, load_factor=load_factor))
 
-    critical = brentq(lambda factor: float(modes_at(factor).eigenvalues[0]), 0.8, 0.85, xtol=1e-14)
+    critical: Any = brentq(lambda factor: float(modes_at(factor).eigenvalues[0]), 0.8, 0.85, xtol=1e-14)
     # Euler's load, closed form; strain P/EA.
     assert 3 * critical == pytest.approx(2.4674011003, rel=5e-6)
     codes = {}
