@@ -263,24 +263,34 @@ def test_shift_of_pivots():
     assert far / near == pytest.approx(8, rel=1e-2)
 
 
-def test_notch_hinge_and_four_bar():
-    # 4 k/L^2 with k of one hinge, its integral by Simpson's rule with 2e5 intervals in the angle on the rim.
-    width, height, neck, radius = 0.01, 6e-3, 5e-4, 3.5e-3
+NOTCH = {"width": 0.01, "height": 6e-3, "neck": 5e-4, "radius": 3.5e-3}
+
+
+def stiffness_of_a_notch():
+    """By Simpson's rule with 2e5 intervals in the angle on the rim, and the largest angle."""
+    width, height, neck, radius = NOTCH.values()
     rim = np.arccos(1 - (height - neck) / 2 / radius)
     angle = np.linspace(-rim, rim, 200001)
     around = 12 * radius * np.cos(angle) / (210e9 * width * (neck + 2 * radius * (1 - np.cos(angle))) ** 3)
     weights = np.tile([2.0, 4.0], 100000)
-    hinge = 3 / ((angle[1] - angle[0]) * (np.sum(weights * around[:-1]) - around[0] + around[-1]))
-    sizes = {"width": width, "height": height, "neck": neck, "radius": radius, "material": STEEL}
+    return 3 / ((angle[1] - angle[0]) * (np.sum(weights * around[:-1]) - around[0] + around[-1])), rim
+
+
+def test_notch_hinge():
     b = fm.Builder()
     b.node("ground", (0.0, 0.0, 0.0))
     b.fix("ground")
-    notch_hinge(b, "ground", "stage", along=(1, 0, 0), y=(0, 1, 0), **sizes)
+    notch_hinge(b, "ground", "stage", along=(1, 0, 0), y=(0, 1, 0), material=STEEL, **NOTCH)
     # About its axis, y; the vertical slope of the profile at its ends costs 5e-7.
-    assert 1 / fm.compliance(b.build(), "stage")[4, 4] == pytest.approx(hinge, rel=1e-6)
-    b = ground(notch_four_bar, length=L, spacing=S, **sizes)
-    assert b.nodes["stage"].start[1] == pytest.approx(L + 2 * radius * np.sin(rim), rel=1e-12)
-    # A hinge bends over a millimetre beside its middle too, where the moment is (1 mm/(L/2))^2 = 4e-4 more or less.
+    assert 1 / fm.compliance(b.build(), "stage")[4, 4] == pytest.approx(stiffness_of_a_notch()[0], rel=1e-6)
+
+
+def test_notch_four_bar():
+    hinge, rim = stiffness_of_a_notch()
+    b = ground(notch_four_bar, length=L, spacing=S, material=STEEL, **NOTCH)
+    assert b.nodes["stage"].start[1] == pytest.approx(L + 2 * NOTCH["radius"] * np.sin(rim), rel=1e-12)
+    # 4 k/L^2 with k of one hinge, which bends over a millimetre beside its middle too, where the moment is
+    # (1 mm/(L/2))^2 = 4e-4 more or less.
     assert 1 / fm.compliance(b.build(), "stage")[0, 0] == pytest.approx(4 * hinge / L**2, rel=1e-3)
 
 

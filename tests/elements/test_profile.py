@@ -304,7 +304,8 @@ def test_a_faulty_profile_is_refused_by_name(fault, space):
         cantilever(element, sections.Profile(function, breaks), end).build()
 
 
-def test_a_smooth_groove_bends_as_its_compliances_say():
+@pytest.mark.parametrize(("order", "breaks"), [(10, ()), (5, (0.3, 0.37, 0.45))])
+def test_a_smooth_groove_bends_as_its_compliances_say(order, breaks):
     """Tip of a cantilever by SciPy's quadrature; refused until the order, or breaks, see the groove."""
 
     def thickness(s, xp):
@@ -320,8 +321,7 @@ def test_a_smooth_groove_bends_as_its_compliances_say():
     exact = pytest.approx(1e-4 * 0.1**3 * share / (210e9 * WIDTH * 5e-4**3 / 12), rel=1e-3)
     with pytest.raises(fm.ModelError, match="take a higher order, or divide"):
         tip(5)
-    assert tip(5, (0.3, 0.37, 0.45)) == exact
-    assert tip(10) == exact
+    assert tip(order, breaks) == exact
 
 
 def test_what_is_no_profile_is_refused():

@@ -291,28 +291,27 @@ def test_point_on_a_turning_line(space, body):
         np.testing.assert_allclose(found.at("pin.rotation"), found.at("slot.rotation"), atol=1e-10)
 
 
+@pytest.mark.parametrize("kind", ["rigid_body", "beam"])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_a_rigid_body_is_clamped_at_both_ends(dimension):
-    """Two beams in line bend as one with a stiff part, where that hands on the moment."""
+def test_a_rigid_body_is_clamped_at_both_ends(dimension, kind):
+    """Two beams in line bend as one with a stiff part, where that hands on the moment.
+
+    It does so as a beam without a section, which nothing frees.
+    """
     module, section = (planar, spatial)[dimension - 2], fm.Rigidity(EA=1e5, EIy=1.0, EIz=1.0, GIt=1.0, mass=0.1)
 
-    def line(element):
-        b = fm.Builder()
-        for i, x in enumerate((0.0, 0.1, 0.15, 0.25)):
-            b.node(f"n{i}", (x, *(0.0,) * (dimension - 1)))
-        b.add(module.beam, "n0", "n1", section=section)
-        b.add(element, "n1", "n2", name="body")
-        b.add(module.beam, "n2", "n3", section=section)
-        b.fix("n0")
-        b.force("n3", (0, 1e-4, 0)[:dimension])
-        return b.build()
-
+    b = fm.Builder()
+    for i, x in enumerate((0.0, 0.1, 0.15, 0.25)):
+        b.node(f"n{i}", (x, *(0.0,) * (dimension - 1)))
+    b.add(module.beam, "n0", "n1", section=section)
+    b.add(getattr(module, kind), "n1", "n2", name="body")
+    b.add(module.beam, "n2", "n3", section=section)
+    b.fix("n0")
+    b.force("n3", (0, 1e-4, 0)[:dimension])
     # Both beams and the stiff part between them, by hand: a cantilever bends where it can, by M = F (l - x).
     expected = 1e-4 * ((0.25**3 - 0.15**3) + 0.1**3) / 3
     # The slope to the second power.
-    assert fm.equilibrium(line(module.rigid_body)).at("n3")[1] == pytest.approx(expected, rel=1e-6)
-    # As a beam without a section, which nothing frees.
-    assert fm.equilibrium(line(module.beam)).at("n3")[1] == pytest.approx(expected, rel=1e-6)
+    assert fm.equilibrium(b.build()).at("n3")[1] == pytest.approx(expected, rel=1e-6)
 
 
 def test_pin_body_is_a_rigid_beam():

@@ -99,7 +99,9 @@ def test_what_carries_no_mass_is_named_in_a_simulation():
     with pytest.raises(fm.AnalysisError, match=r"without mass: .*mass\.(x|y)|rod\.phi") as fault:
         fm.simulate(b.build(), [0, 1.0], form="reduced")
     assert fault.value.code == "singular_mass"
-    # One of two motions.
+
+
+def test_one_of_two_motions_that_carries_no_mass_is_named_in_a_simulation():
     b = motions.double_pendulum()
     b.members = {name: m for name, m in b.members.items() if not (m.hidden and "lower" in m.nodes)}
     with pytest.raises(fm.AnalysisError, match=r"without mass: .*(lower\.x|second\.phi)") as fault:

@@ -47,7 +47,10 @@ def test_buckling_counts_from_the_increments_that_act(pressed):
         # What more of the increment it bears.
         assert float(fm.buckling_loads(model, **at)[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
     assert float(fm.buckling(model, increment=1.0).multipliers[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
-    # Without incremental loads all are scaled, those of the state itself.
+
+
+def test_buckling_about_a_state_without_increments_scales_its_own_loads(pressed):
+    model, _ = pressed
     constant = dataclasses.replace(model.parameters, loads=model.parameters.increment, increment=None)
     constant = dataclasses.replace(model, parameters=constant)
     path = fm.path(constant, step=0.5)
@@ -90,11 +93,22 @@ def test_stress_of_all_states_is_one_call(bent):
         fm.plot.stress(found, path)
 
 
-def test_states_of_a_motion(bent):
-    # A force twice what the path has, on the strip at rest: it swings about its equilibrium, to twice the stress.
+@pytest.fixture(scope="module")
+def swinging(bent):
+    """A force twice what the path has, on the strip at rest: it swings about its equilibrium, to twice the stress."""
     stiffness = 3 * 210e9 * WIDTH * THICKNESS**3 / 12 / LENGTH**3
     half = np.pi / np.sqrt(stiffness / 0.1)
-    motion = fm.simulate(bent, [0.0, half / 2, half], increment=lambda t: 1.0, rtol=1e-8)
+    return half, fm.simulate(bent, [0.0, half / 2, half], increment=lambda t: 1.0, rtol=1e-8)
+
+
+def test_what_is_no_time_of_a_motion_is_named_beside_the_nearest(bent, swinging):
+    half, motion = swinging
+    with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s; the nearest are 0, {half / 2:.5g} s"):
+        fm.frequencies(bent, at=motion, time=half / 3)
+
+
+def test_states_of_a_motion(bent, swinging):
+    half, motion = swinging
     found = fm.stress(bent, at=motion)
     expected = 6 * 1e-3 * LENGTH / (WIDTH * THICKNESS**2)
     # The rotary inertia of the tip adds a share of 1e-6 / (0.1 L^2), a thousandth.
@@ -103,8 +117,6 @@ def test_states_of_a_motion(bent):
     np.testing.assert_allclose(alone.maximum, found.maximum[2], rtol=1e-9)
     at_rest = fm.frequencies(bent, increment=0.0)
     np.testing.assert_allclose(fm.frequencies(bent, at=motion, step=0), at_rest, rtol=1e-8)
-    with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s; the nearest are 0, {half / 2:.5g} s"):
-        fm.frequencies(bent, at=motion, time=half / 3)
     with pytest.raises(NotImplementedError, match=r"fm\.poles"):
         fm.modes(bent, at=motion, time=half)
 

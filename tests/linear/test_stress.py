@@ -658,36 +658,39 @@ def test_answers_have_the_stress_of_sections_with_a_shape():
     assert "stress" not in answer(numbers, "numbers", 7, dofs="auto").data
 
 
+def stepped(place, points=5, beams=1):
+    """Stress of cantilevers of two thicknesses that small forces bend."""
+    thick, thin = (fm.Rectangle(0.01, t, fm.Material(E=2e11, G=8e10, strength=3e8)) for t in (0.004, 0.001))
+    b = fm.Builder()
+    b.node("A", (0, 0))
+    b.fix("A")
+    section = fm.sections.stepped([thick, thin], [place])
+    for end in "BC"[:beams]:
+        b.node(end, (0.1, 0))
+        b.force(end, (0, 0.1))
+        b.add(planar.spectral_beam(order=3), "A", end, name="leaf" + end, section=section)
+    return fm.stress(b.build(dofs="named"), points=points)
+
+
 def test_both_sides_of_a_break_are_looked_at():
-    """A stepped cantilever under a small force F: beside the step F L (1 - s)/W in its thin part."""
-
-    def stressed(place, points=5, beams=1):
-        thick, thin = (fm.Rectangle(0.01, t, fm.Material(E=2e11, G=8e10, strength=3e8)) for t in (0.004, 0.001))
-        b = fm.Builder()
-        b.node("A", (0, 0))
-        b.fix("A")
-        section = fm.sections.stepped([thick, thin], [place])
-        for end in "BC"[:beams]:
-            b.node(end, (0.1, 0))
-            b.force(end, (0, 0.1))
-            b.add(planar.spectral_beam(order=3), "A", end, name="leaf" + end, section=section)
-        return fm.stress(b.build(dofs="named"), points=points)
-
-    found = stressed(0.37)
+    """Under a small force F: beside the step F L (1 - s)/W in its thin part."""
+    found = stepped(0.37)
     # The force bends it so little that its lever is 1e-5 shorter.
     np.testing.assert_allclose(found.maximum, 0.1 * 0.063 / (0.01 * 0.001**2 / 6), rtol=1e-4)
     assert (found.where.place, len(found.places)) == (pytest.approx(0.37), 5 + 2 + 2)
     np.testing.assert_allclose(found.utilisation, float(found.maximum) / 3e8)
-    # With two points the middle of either part is looked at as well.
-    np.testing.assert_allclose(stressed(0.37, points=2).places, [0, 0.185, 0.37, 0.37, 0.685, 1], atol=1e-8)
     # Traced breaks of two elements at one place are not known to be one: it stands twice, and counts once.
-    found = fm.jit(lambda place: stressed(place, beams=2))(0.37)
+    found = fm.jit(lambda place: stepped(place, beams=2))(0.37)
     once = np.diff(found.places, prepend=-1.0) > 0
     assert np.sum(once) < len(once)
     norm = np.sum(np.asarray(found.von_mises)[:, once] ** 4) ** 0.25
     np.testing.assert_allclose(found.smooth_maximum(4.0), norm, rtol=1e-9)
-    # The step moves, and what is looked at beside it.
-    slope = fm.jit(jax.grad(lambda place: stressed(place).maximum))(0.37)
+
+
+def test_a_step_moves_and_what_is_looked_at_beside_it():
+    # With two points the middle of either part is looked at as well.
+    np.testing.assert_allclose(stepped(0.37, points=2).places, [0, 0.185, 0.37, 0.37, 0.685, 1], atol=1e-8)
+    slope = fm.jit(jax.grad(lambda place: stepped(place).maximum))(0.37)
     np.testing.assert_allclose(slope, -0.1 * 0.1 / (0.01 * 0.001**2 / 6), rtol=1e-4)
 
 

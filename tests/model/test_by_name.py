@@ -109,7 +109,7 @@ def test_force_at_a_prescribed_tip_is_that_of_its_stiffness():
     assert float(jax.grad(drive)(0.0)) == pytest.approx(3 * EI / LENGTH**3, rel=1e-8)
 
 
-def test_a_shaft_is_turned_by_its_torque_and_its_derivative_is_finite_at_rest():
+def test_a_shaft_is_turned_by_its_torque():
     model = shaft(1e-3)
     at = fm.equilibrium(model)
     # T L / GIt about the axis alone; a cubic beam is linear but for the square of its twist, 4e-8.
@@ -118,7 +118,8 @@ def test_a_shaft_is_turned_by_its_torque_and_its_derivative_is_finite_at_rest():
     np.testing.assert_allclose(at.force_needed("tip.rotation"), [1e-3, 0, 0], atol=1e-10)
     assert float(at.force_needed("tip", "rx")) == pytest.approx(1e-3, rel=1e-9)
 
-    # At rest.
+
+def test_the_derivative_of_a_turn_is_finite_at_rest_and_a_mode_turns():
     turned = fm.jit(lambda torque: fm.equilibrium(shaft(torque)).rotation("tip", "rx"))
     assert float(jax.grad(turned)(0.0)) == pytest.approx(LENGTH / GIT, rel=1e-9)
     assert float(jax.jacfwd(turned)(0.0)) == pytest.approx(LENGTH / GIT, rel=1e-9)

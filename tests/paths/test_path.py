@@ -177,10 +177,12 @@ def test_no_jump_past_a_nearby_branch():
 
 
 def test_preload_and_increment_are_told_apart():
-    whole = fm.path(column(8, 3.0)).critical_points[0].load_factor * 3.0
+    other = fm.path(column(8, 2.6, preload=0.4))
     path = fm.path(column(8, 2.0, preload=1.0))
-    # The same total load: located to 1e-10.
-    assert 1.0 + 2.0 * path.critical_points[0].load_factor == pytest.approx(whole, rel=1e-10)
+    # The same total load, Euler's of eight cubic beams: located to 1e-10.
+    whole = 1.0 + 2.0 * path.critical_points[0].load_factor
+    assert 0.4 + 2.6 * other.critical_points[0].load_factor == pytest.approx(whole, rel=1e-10)
+    assert whole / EULER - 1 == pytest.approx(5.1e-4 / 16, rel=0.1)
     # Multipliers are of what more of the increment; strain of the column 1e-8.
     foretold = path.load_factor[path.stable] + path.multipliers[path.stable, 0]
     np.testing.assert_allclose(foretold, path.critical_points[0].load_factor, rtol=1e-6)
@@ -529,8 +531,8 @@ def test_a_path_tells_how_far_it_is_and_keeps_what_it_has_when_it_is_stopped():
     np.testing.assert_array_equal(part.x, whole.x[:6])
 
 
-@pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
-def test_what_nothing_elastic_resists_is_named(what):
+def loose(what):
+    """An arm with a load at its end, of which nothing holds one motion, and its name."""
     b = fm.Builder()
     b.node("A", (0.0, 0.0))
     b.node("B", (0.1, 0.0))
@@ -541,14 +543,27 @@ def test_what_nothing_elastic_resists_is_named(what):
         b.node("C", (0.1, 0.05))
     else:
         b.fix("A", "x", "y")
-    model, name = b.build(), "C.x" if what.startswith("a node") else "A.rotation.phi"
-    for ask in (fm.equilibrium, fm.path, lambda model: fm.path(model, sparse=True), fm.limit_load):
+    return b.build(), "C.x" if what.startswith("a node") else "A.rotation.phi"
+
+
+@pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
+def test_what_nothing_elastic_resists_is_named(what):
+    model, name = loose(what)
+    for ask in (fm.equilibrium, fm.path, lambda model: fm.path(model, sparse=True)):
         with pytest.raises(fm.AnalysisError, match=f"nothing elastic resists .*{name}") as info:
             ask(model)
         assert info.value.code == "singular_stiffness"
     # Round-off may tell it as the other.
     ends = fm.RESULTS.singular_stiffness, fm.RESULTS.not_converged, fm.RESULTS.max_steps
     assert fm.path(model, throw=False).result in ends
+
+
+@pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
+def test_a_limit_load_of_what_nothing_elastic_resists_is_refused_by_its_name(what):
+    model, name = loose(what)
+    with pytest.raises(fm.AnalysisError, match=f"nothing elastic resists .*{name}") as info:
+        fm.limit_load(model)
+    assert info.value.code == "singular_stiffness"
 
 
 def test_damping_takes_stability_of_a_load_that_follows():

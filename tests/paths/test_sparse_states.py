@@ -96,6 +96,13 @@ def test_what_the_path_has_not_is_named(paths):
             ask()
 
 
+def test_critical_states_have_the_loads_of_their_points():
+    path = fm.path(arch(4, sparse=True), sparse=True, stop={"critical_points": 2})
+    at = path.at_critical_points()
+    np.testing.assert_array_equal(at.load_factor, [point.load_factor for point in path.critical_points])
+    assert len(at.load_factor) == 2
+
+
 def test_pictures_and_critical_states():
     stop = {"critical_points": 2}
     wanted, found = (fm.path(arch(4, sparse=of), sparse=of, stop=stop) for of in (False, True))

@@ -256,23 +256,22 @@ def test_bars_that_hold_the_same_twice_and_too_few_are_told_apart(bars, why):
     assert info.value.code == why
 
 
-def test_memory_that_does_not_suffice_is_named(monkeypatch):
+@pytest.mark.parametrize("ask", ["answers about a state", "equilibrium"])
+def test_memory_that_does_not_suffice_is_named(monkeypatch, ask):
     def full(*_, **__):
         raise MemoryError
 
     model = arm().build(check=False)
-    lin = fm.linearize(model, sparse=True)
+    asked = [lambda: fm.equilibrium(model, sparse=True)]
+    if ask != "equilibrium":
+        lin = fm.linearize(model, sparse=True)
+        asked = [lambda: fm.compliance(lin, "d"), lambda: fm.frequencies(lin, count=1)]
     monkeypatch.setattr("flexmb.statics.sparse.chain_of", lambda topology: None)
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     monkeypatch.setattr("flexmb.math.element_matrices._known", type(element_matrices._known)())
-    asked = (
-        lambda: fm.equilibrium(model, sparse=True),
-        lambda: fm.compliance(lin, "d"),
-        lambda: fm.frequencies(lin, count=1),
-    )
-    for ask in asked:
+    for of in asked:
         with pytest.raises(fm.AnalysisError, match="memory does not suffice") as info:
-            ask()
+            of()
         assert info.value.code == "out_of_memory"
 
 

@@ -131,12 +131,14 @@ def test_a_motion_is_looked_for_beside_a_stiff_one(stiffness, negative):
 
 
 def test_motions_are_counted_and_named():
-    load = 1.1 * EULER
-    (planar_one,) = told(column(6, load, EIy=1.0))
+    (planar_one,) = told(column(6, 1.1 * EULER, EIy=1.0))
     assert "in 1 motion (n6.rotation.phi, " in planar_one
     assert "in 2 motions (" in told(column(6, 9.1 * EULER, EIy=1.0))[0]
-    # Both ways at once: an even number of negative ones, which no determinant shows.
-    square = column(4, load, spatial, EIy=1.0, EIz=1.0, GIt=1.0)
+
+
+def test_a_column_that_buckles_both_ways_at_once_is_told():
+    """An even number of negative ones, which no determinant shows."""
+    square = column(4, 1.1 * EULER, spatial, EIy=1.0, EIz=1.0, GIt=1.0)
     assert "in 2 motions (" in told(square)[0]
     assert len(told(square, sparse=True)) == 1
 
