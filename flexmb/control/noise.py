@@ -13,6 +13,7 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
 from ..linear.linearize import Linearization, ManyStates, Where, linearized
+from ..linear.loose import refuse_without_anything
 from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
@@ -300,6 +301,7 @@ def _frequencies(
     entries, exact = entering.entries, hertz is None and band is None
     # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
     by_states = loop is None or loop.matrices is not None
+    refuse_without_anything(lin)
     system, orders = plain(second_order(lin))
     grid: Any
     whole, poles, settles, (grid, widths) = _loop(
@@ -324,7 +326,7 @@ def _frequencies(
     if not exact:
         undamped = undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
-        if is_concrete(undamped):
+        if is_concrete((undamped, poles)):
             _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
     return _Frequencies(grid, widths, settles, whole if exact else None)
 

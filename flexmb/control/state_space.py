@@ -13,7 +13,7 @@ from ..compilation.compile import jit
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.choice import sparsely
 from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
-from ..linear.loose import refuse_negative_mass
+from ..linear.loose import refuse_negative_mass, refuse_without_anything
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import Factors, factorise
@@ -436,6 +436,8 @@ def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple
     """
     if not len(whole.orders):
         return
+    if condensed:
+        refuse_without_anything(lin)
     inputs, weights = lin.model.labels.inputs, lin.model.parameters.weights
     factors = np.abs(np.asarray(combined(inputs, None if weights is None else weights[0])))
     sizes = sizes_of(lin.model.topology, lin.model.parameters)

@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..control.nonlinear_system import plant_rates
+from ..errors import AnalysisError
+from ..linear.loose import without_mass
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
@@ -16,6 +18,7 @@ from ..motion.drives_by_name import Drives, driven_by
 from ..motion.loop import check_signals
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
+from ..results import RESULTS
 from ..statics.configuration import configuration
 from ..statics.equilibrium import warn_of_increment
 from .translate import Unit
@@ -93,6 +96,7 @@ def plant(
         motion: Prescribed motion as functions of time, see :class:`flexmb.motion.Drives`.
 
     Raises:
+        AnalysisError: singular_mass, where a motion carries no mass.
         ModelError: The model names no inputs or no outputs, or one that has no place in a simulation; or an element or
             a function of time calls back to Python or does what has no translation.
 
@@ -102,6 +106,8 @@ def plant(
     model = as_model(model, "plant")
     warn_of_increment(model, "plant")
     check_signals(model, "A plant")
+    if massless := without_mass(model):
+        raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {massless}")
     driven = driven_by(model, Drives(loads=loads, motion=motion))
     nameless, topology, labels = model.without_names(), model.topology, model.labels
     sizes = sizes_of(topology, model.parameters)

@@ -117,13 +117,42 @@ def without_mass(model: Model) -> str:
     return f"Motions without mass: {named(model, motions @ vectors[:, light])}." if np.any(light) else ""
 
 
-def without_anything(lin: Linearization) -> str:
-    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none."""
+def without_anything(lin: Linearization, *, damped: bool = True) -> str:
+    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none.
+
+    Args:
+        damped: Whether those that have damping are named too.
+    """
     m = lin.matrices
     _, free = free_motions(m)
-    mass = np.asarray(m.M0)
-    light = [v for v in free.T if abs(v @ mass @ v) <= MASSLESS * (np.abs(v) @ np.abs(mass) @ np.abs(v))]
+    light = [v for v in free.T if _is_left_alone(v, np.asarray(m.M0))]
+    if not damped:
+        light = [v for v in light if _is_left_alone(v, np.asarray(m.C0) + np.asarray(m.D0))]
     return f"Here that is {named(lin.model, np.asarray(m.DFx) @ np.array(light).T)}." if light else ""
+
+
+def _is_left_alone(v: np.ndarray, matrix: np.ndarray) -> bool:
+    """Whether a motion has no part in a quadratic form but round-off."""
+    return bool(abs(v @ matrix @ v) <= MASSLESS * (np.abs(v) @ np.abs(matrix) @ np.abs(v)))
+
+
+def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
+    """Refuse motions that have neither mass nor stiffness, of concrete numbers about one state.
+
+    Args:
+        lin: Linearization.
+        damped: Whether those that have damping are refused too.
+
+    Raises:
+        AnalysisError: singular_stiffness, with the names of what moves.
+    """
+    m = lin.matrices
+    if not is_concrete(m) or np.ndim(m.K) != 2 or not np.size(m.K):
+        return
+    about = without_anything(lin, damped=damped)
+    if about:
+        remedy = "It has no mass either: give it a mass or an inertia, or hold it."
+        raise AnalysisError("singular_stiffness", f"{RESULTS.singular_stiffness.message} {about} {remedy}")
 
 
 def of_stiffest(model: Model) -> str:

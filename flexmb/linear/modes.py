@@ -29,6 +29,7 @@ from .loose import (
     of_negative_mass,
     of_stiffest,
     refuse_negative_mass,
+    refuse_without_anything,
     without_anything,
 )
 from .shapes import Shapes
@@ -321,8 +322,9 @@ def poles(
         but where two of them meet, as in critical damping or of a free motion: there derivatives are NaN.
 
     Raises:
-        AnalysisError: The equilibrium was not found, or a motion has a negative mass; by sparse matrices also
-            singular_stiffness, where a motion has neither mass nor stiffness, and not_converged.
+        AnalysisError: The equilibrium was not found, or a motion has a negative mass; singular_stiffness, where one has
+            neither mass, stiffness nor damping, by sparse matrices neither mass nor stiffness; by those also
+            not_converged.
         ValueError: ``count`` is not positive, or missing with sparse matrices, or more than there can be.
         TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing.
 
@@ -338,6 +340,8 @@ def poles(
     if not is_concrete(lin.matrices):
         return _poles_of_traced(lin.matrices, count)
     refuse_negative_mass(lin)
+    # Nothing but damping leaves a pole at zero; without it any number would be one.
+    refuse_without_anything(lin, damped=False)
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     return slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)

@@ -246,6 +246,15 @@ def test_derivatives_of_a_loop(band):
     assert np.all(np.isinf(answers(np.array([K, -1e6]))))
 
 
+def test_derivatives_of_some_frequencies_need_no_compiled_function():
+    def tip(stiffness):
+        return fm.control.noise_budget(shaken(stiffness), [1.0, 2.0], sources={"push": FORCE}, outputs="tip").rms("tip")
+
+    # Error of a central difference: the square of its step.
+    difference = (tip(K * 1.0001) - tip(K * 0.9999)) / (2e-4 * K)
+    assert float(jax.jvp(tip, (K,), (1.0,))[1]) == pytest.approx(float(difference), rel=1e-6)
+
+
 def test_an_answer_of_designs():
     """The variance S/(2 d k) is inverse to stiffness and to damping."""
     answers = {"rms": lambda m: fm.control.noise_budget(m, sources={"push": FORCE}, outputs="tip").rms("tip")}

@@ -206,3 +206,44 @@ def test_derivative_of_a_compliance_still_is():
     # With the cube of the thickness.
     value, slope = jax.value_and_grad(flexibility)(5e-4)
     assert slope == pytest.approx(-3 * float(value) / 5e-4, rel=1e-9)
+
+
+# -- neither mass nor stiffness -------------------------------------------------------------------------------------
+
+
+def with_a_wheel(damping=0.0):
+    """A mass on a damped spring, and a rotation that nothing joins, which a damper may hold to the frame."""
+    b = motions.sprung_mass(stiffness=500.0, damping=0.1, mass=2.0)
+    b.rotation("wheel")
+    b.dof("wheel", "phi")
+    if damping:
+        b.rotation("frame")
+        b.fix("frame")
+        b.add(planar.hinge, "frame", "wheel", name="brake", damping=damping, released="all")
+    b.input("mass", "x", name="push")
+    b.output("mass", "x", name="tip")
+    return b.build()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        fm.poles,
+        lambda model: fm.poles(model, count=2, sparse=True),
+        fm.to_statespace,
+        lambda model: fm.frequency_response(model, [0.5]),
+        lambda model: fm.control.noise_budget(model, sources={"push": 1.0}),
+        lambda model: fm.save_fmu(model, "never.fmu", nonlinear=True),
+    ],
+    ids=["poles", "sparse poles", "state space", "response", "noise", "unit"],
+)
+def test_what_has_neither_mass_nor_stiffness_is_named(ask):
+    with pytest.raises(fm.AnalysisError, match=r"wheel\.phi \(1\)"):
+        ask(with_a_wheel())
+
+
+def test_what_damping_alone_holds_has_a_pole_at_zero():
+    decay = 0.1 / (2 * 2.0)
+    rate = np.sqrt(500.0 / 2.0 - decay**2)
+    found = fm.poles(with_a_wheel(damping=0.3))
+    np.testing.assert_allclose(found, [0, -decay - 1j * rate, -decay + 1j * rate], rtol=1e-12, atol=1e-12)
