@@ -1,5 +1,6 @@
 """Global settings of JAX that a user switches on by one call; importing flexmb changes none."""
 
+import contextlib
 import os
 import sys
 from pathlib import Path
@@ -34,7 +35,10 @@ def _prepared(path: Path) -> None:
     for folder in (path, path / "traces", path / "constants"):
         if folder.is_dir():
             with os.scandir(folder) as found:
-                files += [(file.stat(), file.path) for file in found if file.is_file()]
+                for file in found:
+                    # Another process may rename or remove it meanwhile.
+                    with contextlib.suppress(FileNotFoundError):
+                        files += [(file.stat(), file.path)] if file.is_file() else []
     files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
     kept = 0
     for state, file in files:

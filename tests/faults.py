@@ -1211,14 +1211,14 @@ FAULTS = [
     ),
     Fault(
         "build/idle.py",
-        "if idle and missing and (missing",
-        "if idle and missing and False and (missing",
+        "if one in missing] if idle else []",
+        "if one in missing] if not idle else []",
         "build/test_idle.py",
     ),
     Fault(
         "build/idle.py",
-        'or missing != {"EA"}',
-        "or missing",
+        "(without == 0) & (beside != 0)",
+        "(beside != 0)",
         "build/test_idle.py",
     ),
     Fault(
@@ -1241,8 +1241,14 @@ FAULTS = [
     ),
     Fault(
         "trajectory/about_motion.py",
-        "found = moved @ shares.T / jnp.where(whole > 0, whole, 1.0)",
-        "found = moved @ shares.T",
+        "[:, np.array(moving)].T / jnp.where(whole > 0, whole, 1.0)",
+        "[:, np.array(moving)].T",
+        "trajectory/test_about_motion.py",
+    ),
+    Fault(
+        "trajectory/about_motion.py",
+        "apart - apart[0] * (term.order == 0)",
+        "apart",
         "trajectory/test_about_motion.py",
     ),
     Fault(

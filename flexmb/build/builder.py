@@ -720,7 +720,8 @@ class Builder(Description):
                 move or do not determine the rest; too_large, where too much hangs together to be checked.
 
         Warns:
-            FlexmbWarning: A prestress, strain or damping of deformations that are held.
+            FlexmbWarning: A prestress, strain or damping of deformations that are held; rigidities or dampers that an
+                element does not use, in place of those that a free deformation lacks.
             BeamTheoryWarning: Plain beams leave out shear or restrained warping of more than 1 % of a stiffness.
         """
         if not isinstance(dofs, str):

@@ -1,12 +1,14 @@
 """Warnings of rigidities, stress, strain and damping that a Builder describes and that do nothing."""
 
 import dataclasses
+import functools
 from typing import Any
 
 import jax
 import numpy as np
 
 from ..arguments import is_concrete
+from ..elements.element import ELASTIC
 from ..elements.sections import Damping, MaterialDamping, Rigidity
 from ..errors import IdleWarning, warn
 from ..model.roles import HELD, Role
@@ -14,6 +16,7 @@ from .description import Description, Member
 
 # Numbers of a section or of dampers that resist deformations.
 RESISTING = ("EA", "EIy", "EIz", "GIt")
+RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
 def warn_of_idle(builder: Description) -> None:
@@ -54,11 +57,12 @@ def _warn_of_other_numbers(builder: Description) -> None:
     told: set[Any] = set()
     for name, member in builder.members.items():
         element = member.element
+        free = tuple(i for i, role in enumerate(member.roles) if role not in HELD)
         for key, kind in (("section", "stiffness"), ("damping", "damping")):
             numbers = member.properties.get(key)
-            if not isinstance(numbers, Rigidity | Damping) or (element, id(numbers)) in told:
+            if not isinstance(numbers, Rigidity | Damping) or (element, id(numbers), free) in told:
                 continue
-            told.add((element, id(numbers)))
+            told.add((element, id(numbers), free))
             if not is_concrete(numbers):
                 continue
             given = {one for one in RESISTING if np.any(np.asarray(getattr(numbers, one)) != 0)}
@@ -66,32 +70,54 @@ def _warn_of_other_numbers(builder: Description) -> None:
                 continue
             if (element, kind) not in used:
                 used[element, kind] = _used(member, key, kind)
-            idle, missing = given - used[element, kind], used[element, kind] - given
-            # Who states no axial rigidity alone may hold the elongation.
-            if idle and missing and (missing == used[element, kind] or missing != {"EA"}):
-                what, lacking, every = (
-                    ", ".join(one for one in RESISTING if one in some) for some in (idle, missing, used[element, kind])
-                )
+            every = used[element, kind]
+            idle, missing = given - every, every - given
+            lacking = [one for one in RESISTING if one in missing] if idle else []
+            lacking = [one for one in lacking if _is_lacked(builder, member, key, kind, one, free)]
+            if lacking:
+                what, uses = (", ".join(one for one in RESISTING if one in some) for some in (idle, every))
                 warn(
-                    f"{key.capitalize()} of element '{name}' ({element.name}): {lacking} is zero, and what is given as"
-                    f" {what} is not used there. The element uses {every}.",
-                    IdleWarning,
+                    f"{key.capitalize()} of element '{name}' ({element.name}): nothing {RESISTS[kind]} some of its free"
+                    f" deformations for want of {', '.join(lacking)}, and what is given as {what} is not used there."
+                    f" The element uses {uses}."
                 )
+
+
+def _matrix(member: Member, key: str, kind: str, numbers: dict[str, Any], places: list[Any]):
+    """Stiffness or damping of an element with other numbers, (n_e, n_e)."""
+    element = member.element
+    companion: Any = getattr(element, kind)
+    arguments: Any = element.arguments(companion, member.properties)
+    own = dataclasses.replace(arguments[key], **numbers)
+    return companion(ref=element.reference(places), **{**arguments, key: own})
 
 
 def _used(member: Member, key: str, kind: str) -> set[str]:
-    """Which of the numbers of a section, or of dampers, enter the stiffness, or the damping, of an element."""
+    """Which numbers of a section, or of dampers, enter a matrix of an element; none where other functions take them."""
     element = member.element
-    companion: Any = getattr(element, kind)
-    arguments = element.arguments(companion, member.properties)
-    if arguments is None or key not in arguments:
+    takes = [
+        one
+        for one in (*ELASTIC, "damping", "dissipation")
+        if key in (element.arguments(getattr(element, one), member.properties) or ())
+    ]
+    if takes != [kind]:
         return set()
-
-    def resisting(numbers: dict[str, Any], places: list[Any]):
-        own = dataclasses.replace(arguments[key], **numbers)
-        return companion(ref=element.reference(places), **{**arguments, key: own})
-
     places = [np.zeros(len(node.start)) for node in element.nodes.values()]
-    program = jax.make_jaxpr(resisting)(dict.fromkeys(RESISTING, 1.0), places).jaxpr
+    program = jax.make_jaxpr(functools.partial(_matrix, member, key, kind))(dict.fromkeys(RESISTING, 1.0), places).jaxpr
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
+
+
+def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
+    """Whether a number would resist a deformation that is free and that nothing resists."""
+    starts = [builder.nodes[node].start for node in member.nodes]
+    if not is_concrete(starts) or not free:
+        return False
+    places = [np.asarray(start, float) for start in starts]
+    own = getattr(member.properties[key], name)
+    with jax.ensure_compile_time_eval():
+        without, beside = (
+            np.diag(np.asarray(_matrix(member, key, kind, {name: own + more}, places)))[list(free)]
+            for more in (0.0, 1.0)
+        )
+    return bool(np.any((without == 0) & (beside != 0)))

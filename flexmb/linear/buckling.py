@@ -341,7 +341,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
             " tells. Ask the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
         )
     if is_concrete((multiplier, moved, result)) and int(result) == RESULTS.successful:
-        _warn_of_moving(multiplier, moved, model.parameters.increment is None)
+        _warn_of_moving(multiplier, moved, model.parameters.increment is None and where.at is None)
     return multiplier, shapes, lin
 
 
@@ -438,7 +438,7 @@ def _by_sparse(
             increment = 0.0 if where.increment is None else where.increment
             *answer, moved = found(model, load_factors_of(model, 1.0, increment, function), int(count))
         if is_concrete((answer[0], moved)):
-            _warn_of_moving(answer[0], moved, model.parameters.increment is None)
+            _warn_of_moving(answer[0], moved, model.parameters.increment is None and where.at is None)
         return answer
     except ModelError as refused:
         try:

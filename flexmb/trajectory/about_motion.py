@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
 from ..errors import ModelError, warn
+from ..mechanics.extent import extent_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -26,8 +27,9 @@ MEASURES = {
     False: ("position", "velocity", "acceleration"),
     True: ("deformation", "deformation rate", "deformation acceleration"),
 }
-# Parts of an input that move apart by more than this share of how far they move are told.
-APART = 1e-6
+# Parts of an input that move apart by more than this share of how far they move are told, and by more than this share
+# of how far, or how fast, anything moves.
+APART, ROUND_OFF = 1e-6, 1e-9
 
 
 class About(NamedTuple):
@@ -81,11 +83,18 @@ def about(given: Any, function: str) -> About:
 
 
 def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
-    """Inputs that move what is held, as that moves along the motion itself; zero for forces, (n_t, n_u)."""
+    """Inputs that move what is held, as that moves along the motion itself; zero for forces, (n_t, n_u).
+
+    Displacements are those from the undeformed mechanism. Where two inputs move the same thing, each has all of it.
+    """
     model = motion.model
-    labels, weights = model.labels, model.parameters.weights
+    labels, weights, top = model.labels, model.parameters.weights, model.topology
     terms = terms_of(labels.inputs)
     moving = [i for i, term in enumerate(terms) if term.order is not None]
+    if is_concrete((top.x.prescribed, top.e.prescribed)):
+        # What is FIXED stands still.
+        driven = [np.asarray(of).tolist() for of in (top.x.prescribed, top.e.prescribed)]
+        moving = [i for i in moving if terms[i].index in driven[terms[i].of_element]]
     if not moving:
         return jnp.zeros((len(motion.t), len(labels.inputs)))
     seen = tuple(dataclasses.replace(terms[i], quantity=MEASURES[terms[i].of_element][terms[i].order]) for i in moving)
@@ -96,18 +105,44 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
         parameters=dataclasses.replace(model.parameters, weights=alone),
     )
     moved = outputs_of(dataclasses.replace(motion, model=measuring_them))
-    shares = jnp.asarray(combined(labels.inputs, None if weights is None else weights[0]))[:, np.array(moving)]
-    whole = jnp.sum(shares**2, axis=1)
-    found = moved @ shares.T / jnp.where(whole > 0, whole, 1.0)
-    apart = jnp.max(jnp.abs(found @ shares - moved), axis=0)
-    if is_concrete((apart, moved)) and np.any(apart > APART * np.max(np.abs(moved), axis=0)):
-        first = terms[moving[int(np.argmax(apart))]]
-        name = next(signal.name for signal in labels.inputs if first in signal.terms)
-        warn(
-            f"Input '{name}' moves several held things together, which along this motion do not move as it would move"
-            " them: its nominal value is the one that is nearest to all."
+    every = jnp.asarray(combined(labels.inputs, None if weights is None else weights[0]))
+    moves = np.array([term.order is not None for term in terms])
+    whole = jnp.sum(jnp.where(moves, every, 0.0) ** 2, axis=1)
+    found = moved @ every[:, np.array(moving)].T / jnp.where(whole > 0, whole, 1.0)
+    if is_concrete((found, moved, motion.xd)):
+        _tell_of_parts(
+            motion, np.asarray(found), np.asarray(every), dict(zip(moving, np.asarray(moved).T, strict=True))
         )
     return found
+
+
+def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: dict[int, np.ndarray]) -> None:
+    """Warn of an input whose parts do not move together, by a constant distance at most.
+
+    Args:
+        motion: Motion.
+        found: Nominal inputs, (n_t, n_u).
+        every: What each input does to each term, (n_u, terms).
+        moved: How the terms that are not FIXED move, by their numbers, (n_t,).
+    """
+    sizes = extent_of(motion.model.topology, motion.model.parameters), np.max(np.abs(motion.xd), initial=0.0)
+    span = float(np.ptp(np.asarray(motion.t))) or 1.0
+    floors = (ROUND_OFF * sizes[0], ROUND_OFF * sizes[1], ROUND_OFF * sizes[1] / span)
+    first = 0
+    for number, signal in enumerate(motion.labels.inputs):
+        for place, term in enumerate(signal.terms, first):
+            if len(signal.terms) == 1 or term.order is None:
+                continue
+            own = moved.get(place, np.zeros(len(found)))
+            apart = found[:, number] * every[number, place] - own
+            apart = apart - apart[0] * (term.order == 0)
+            if np.max(np.abs(apart)) > APART * np.max(np.abs(own)) + floors[term.order]:
+                warn(
+                    f"Input '{signal.name}' moves several held things together, which along this motion do not move as"
+                    " it would move them: its nominal value is the one that is nearest to all."
+                )
+                break
+        first += len(signal.terms)
 
 
 def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "n_t n_q"]]:

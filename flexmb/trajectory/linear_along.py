@@ -393,6 +393,9 @@ def time_varying(along: Any) -> TimeVarying:
         TypeError: It is neither.
         ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or it did not reach its end.
 
+    Warns:
+        FlexmbWarning: What one input moves, such as two supports, does not move together along the motion.
+
     Source:
         THEORY.md 6, eq. (6.4) and (6.5), 7, eq. (7.7), and 14, eq. (14.20).
     """

@@ -164,8 +164,9 @@ def test_derivatives_are_those_of_central_differences():
         lin = fm.linearize(rotor(3, load), sparse=True)
         response = fm.frequency_response(lin, jnp.array([0.5])).response[0]
         poles = fm.poles(lin, count=4)
-        # Each counts, in a sum that takes one program.
-        return sum(map(jnp.sum, (jnp.abs(response), fm.compliance(lin, "n3")[:2, 1], jnp.real(poles), jnp.abs(poles))))
+        # With slopes of one size, in a sum that takes one program.
+        parts = jnp.abs(response), 100 * fm.compliance(lin, "n3")[:2, 1], 1e4 * jnp.real(poles), 10 * jnp.abs(poles)
+        return sum(map(jnp.sum, parts))
 
     both = fm.jit(jax.value_and_grad(answers))
     start, h = 3.0, 1e-3

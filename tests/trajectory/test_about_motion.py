@@ -1,18 +1,42 @@
 """Inputs along a motion: those that move what is held are what it does there, and outputs beside them are known."""
 
-import jax.numpy as jnp
+import warnings
+
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.trajectory.about_motion import about, outputs_of
 
 TIMES = np.linspace(0.0, 1.0, 5)
 ROUND_OFF = {"rtol": 1e-12, "atol": 1e-15}
+RATES = {
+    "displacement": lambda t: 0.01 * t**3 + 0.002 * t,
+    "velocity": lambda t: 0.03 * t**2 + 0.002,
+    "acceleration": lambda t: 0.06 * t,
+}
 
 
-def shaken(quantities=("displacement",), parts=False):
-    """A mass between two walls that move along x, on springs; the force on it is an input too."""
+def law(t):
+    return RATES["displacement"](t)
+
+
+def twice(t):
+    return 2 * law(t)
+
+
+def away(t):
+    return 0.05 + 2 * law(t)
+
+
+def push(t):
+    return 0.3 * t
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    """A mass between two walls that move along x, on springs; the force on it is an input."""
     b = fm.Builder()
     for name, x in (("left", 0.0), ("mass", 1.0), ("right", 2.0)):
         b.node(name, (x, 0.0))
@@ -22,43 +46,36 @@ def shaken(quantities=("displacement",), parts=False):
     b.prescribe("left", "x", 0.0)
     b.prescribe("right", "x", 0.0)
     b.mass("mass", 2.0)
-    for quantity in quantities:
-        b.input("left", "x", quantity, name=f"floor {quantity}")
-    if parts:
-        b.actuator("both", {"displacement left.x": 1.0, "displacement right.x": 2.0})
+    for quantity in RATES:
+        b.input("left", "x", quantity, name=quantity)
+    b.actuator("both", {"displacement left.x": 1.0, "displacement right.x": 2.0})
+    b.actuator("held", {"acceleration left.y": 1.0, "acceleration right.y": 1.0})
     b.input("mass", "x", name="coil")
     b.output("left", "x", "reaction", name="of the wall")
     return b.build()
 
 
-def law(t):
-    return 0.01 * t**3 + 0.002 * t
+def along(model, right):
+    motion = fm.simulate(model, TIMES, motion={"left.x": law, "right.x": right}, inputs={"coil": push})
+    return motion, np.asarray(about(motion, "time_varying").u0)
 
 
-def test_an_input_that_moves_a_wall_is_what_the_wall_does():
-    rates = {"displacement": law, "velocity": lambda t: 0.03 * t**2 + 0.002, "acceleration": lambda t: 0.06 * t}
-    motion = fm.simulate(shaken(tuple(rates)), TIMES, motion={"left.x": law}, inputs={"coil": lambda t: 0.3 * t})
-    along = fm.trajectory.time_varying(motion)
-    wanted = np.stack([*(rate(TIMES) for rate in rates.values()), 0.3 * TIMES], axis=1)
-    np.testing.assert_allclose(along.u0, wanted, **ROUND_OFF)
+def test_an_input_that_moves_a_wall_is_what_the_wall_does(shaken):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        motion, u0 = along(shaken, twice)
+    wanted = [*(rate(TIMES) for rate in RATES.values()), law(TIMES), 0 * TIMES, push(TIMES)]
+    np.testing.assert_allclose(u0, np.stack(wanted, axis=1), **ROUND_OFF)
     # The wall has no mass: it holds the spring.
-    np.testing.assert_allclose(along.y0[:, 0], -100.0 * motion.observe().e[:, 0], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(outputs_of(motion)[:, 0], -100.0 * motion.observe().e[:, 0], rtol=1e-9, atol=1e-12)
 
 
-def test_walls_that_one_input_moves_together():
-    model = shaken(parts=True)
-    both = {"left.x": law, "right.x": lambda t: 2 * law(t)}
-    along = fm.trajectory.time_varying(fm.simulate(model, TIMES, motion=both))
-    np.testing.assert_allclose(along.u0[:, :2], np.stack([law(TIMES)] * 2, axis=1), **ROUND_OFF)
-    alone = fm.simulate(model, TIMES, motion={"left.x": law})
-    with pytest.warns(fm.FlexmbWarning, match="Input 'both' moves several held things together"):
-        along = fm.trajectory.time_varying(alone)
-    # Nearest to one that moves and, of twice the weight, one that stands still.
-    np.testing.assert_allclose(along.u0[:, 1], law(TIMES) / 5, **ROUND_OFF)
-
-
-def test_a_wall_that_stands_still_has_a_reaction():
-    motion = fm.simulate(shaken(), TIMES, inputs={"coil": lambda t: jnp.sin(t)})
-    along = fm.trajectory.time_varying(motion)
-    np.testing.assert_allclose(along.u0[:, 0], 0.0, atol=1e-15)  # round-off
-    assert np.all(np.isfinite(along.y0))
+@pytest.mark.parametrize(("right", "told"), [(away, False), (law, True)])
+def test_walls_that_one_input_moves_do_so_together_but_for_a_constant_distance(shaken, right, told):
+    expected = pytest.warns(fm.FlexmbWarning, match="Input 'both' moves several held things together")
+    with expected if told else warnings.catch_warnings():
+        if not told:
+            warnings.simplefilter("error")
+        u0 = along(shaken, right)[1]
+    # What is nearest to one wall that moves as it says, and one that moves so twice as far.
+    np.testing.assert_allclose(u0[:, 3], (law(TIMES) + 2 * right(TIMES)) / 5, **ROUND_OFF)
