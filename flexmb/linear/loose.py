@@ -123,11 +123,12 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     Args:
         damped: Whether those that have damping are named too.
     """
-    m = lin.matrices
+    # On the host from the first: sums of arrays of JAX would be traced within another program.
+    m = jax.tree.map(np.asarray, lin.matrices)
     _, free = free_motions(m)
-    light = [v for v in free.T if _is_left_alone(v, np.asarray(m.M0))]
+    light = [v for v in free.T if _is_left_alone(v, m.M0)]
     if not damped:
-        light = [v for v in light if _is_left_alone(v, np.asarray(m.C0) + np.asarray(m.D0))]
+        light = [v for v in light if _is_left_alone(v, m.C0 + m.D0)]
     return f"Here that is {named(lin.model, np.asarray(m.DFx) @ np.array(light).T)}." if light else ""
 
 
@@ -147,7 +148,7 @@ def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
         AnalysisError: singular_stiffness, with the names of what moves.
     """
     m = lin.matrices
-    if not is_concrete(m) or np.ndim(m.K) != 2 or not np.size(m.K):
+    if not is_concrete(m) or np.ndim(m.K0) != 2 or not np.size(m.K0):
         return
     about = without_anything(lin, damped=damped)
     if about:

@@ -97,7 +97,9 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
         moving = [i for i in moving if terms[i].index in driven[terms[i].of_element]]
     if not moving:
         return jnp.zeros((len(motion.t), len(labels.inputs)))
-    seen = tuple(dataclasses.replace(terms[i], quantity=MEASURES[terms[i].of_element][terms[i].order]) for i in moving)
+    seen = tuple(
+        dataclasses.replace(t, quantity=MEASURES[t.of_element][t.order or 0]) for t in (terms[i] for i in moving)
+    )
     alone = None if weights is None else (weights[0], jnp.ones(len(seen)))
     measuring_them = dataclasses.replace(
         model,
