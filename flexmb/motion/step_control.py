@@ -71,9 +71,13 @@ class DisplacementController(diffrax.PIDController):
         error_u, error_w = (jnp.where(jnp.isfinite(error), error, jnp.inf) for error in (error_u, error_w))
         measured = MotionState(error_u, error_w, jnp.zeros_like(y_error.memory))
         begin, end = (MotionState(jnp.broadcast_to(after, (n,)), y.w, y.memory) for y in (y0, y1_candidate))
+        # Steps stay where they are when what they end at moves, but for their beginning: were the next one longer in
+        # proportion, after one that a jump cut short all others would move by many times as much, and their errors.
+        fixed = jax.lax.stop_gradient((t0, t1))
         keep, next_t0, next_t1, made_jump, state, result = super().adapt_step_size(
-            t0, t1, begin, end, args, measured, error_order, before_step
+            *fixed, begin, end, args, measured, error_order, before_step
         )
+        next_t0 = next_t0 + jnp.where(keep, t1 - fixed[1], t0 - fixed[0])
         if self.kinks is not None:
             least = 0.0 if self.dtmin is None else self.dtmin
             refused, next_t1, search = search.after(self.kinks, (t0, t1), (y0, y1_candidate), keep, next_t1, least)

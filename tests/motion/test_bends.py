@@ -57,6 +57,16 @@ def test_derivative_by_a_bend_that_stands_in_jumps():
         assert slope(bend) == pytest.approx(answer_to(lambda t: -5.0, bend, LAST), rel=1e-4)
 
 
+def test_derivative_by_the_time_of_a_jump_of_what_moves():
+    slope = fm.jit(jax.grad(lambda p: moved(lambda t: 20 + jnp.where(t > p, 5.0, 0.0), jumps=[p])))
+    decay = DAMPING / (2 * MASS)
+    rate = np.sqrt(STIFFNESS / MASS - decay**2)
+    left = LAST - BEND
+    # Less of what the jump adds. The tolerance of a step, 1e-4, of five times as much; steps that moved along: 570 %.
+    wanted = -5 * np.exp(-decay * left) * np.sin(rate * left) / (MASS * rate)
+    assert slope(BEND) == pytest.approx(wanted, rel=5e-4)
+
+
 def test_derivative_by_the_times_of_a_table():
     begin, end = times = np.array([0.05, BEND])
     slopes = jax.grad(lambda times: moved(Table(times, jnp.array([0.0, 5.0])), rtol=1e-6))(times)
