@@ -141,6 +141,7 @@ def stayed(sparse):
     return b.build(check=not sparse)
 
 
+@pytest.mark.filterwarnings("ignore:As they are, these loads")
 def test_laws_with_a_potential():
     dense, sparse = (fm.path(stayed(of), sparse=of, stop={"load_factor": 0.3}) for of in (False, True))
     (critical,) = dense.critical_points
