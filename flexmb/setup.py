@@ -38,7 +38,8 @@ def _prepared(path: Path) -> None:
                 for file in found:
                     # Another process may rename or remove it meanwhile.
                     with contextlib.suppress(FileNotFoundError):
-                        files += [(file.stat(), file.path)] if file.is_file() else []
+                        if file.is_file():
+                            files.append((file.stat(), file.path))
     files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
     kept = 0
     for state, file in files:

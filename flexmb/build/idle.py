@@ -104,6 +104,7 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
         return set()
     places = [np.zeros(len(node.start)) for node in element.nodes.values()]
     program = jax.make_jaxpr(functools.partial(_matrix, member, key, kind))(dict.fromkeys(RESISTING, 1.0), places).jaxpr
+    # The first variables are the numbers: JAX orders a dictionary by its keys, as RESISTING stands.
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
 
