@@ -607,6 +607,7 @@ FAULTS = [
     Fault(
         "motion/march.py", "jnp.where(stops > begin, stops", "jnp.where(stops < begin, stops", "motion/test_sudden.py"
     ),
+    Fault("math/derivative.py", "jax.tree.map(same, value)", "value", "math/test_derivative.py"),
     Fault("motion/integrate.py", "step_ts=stops, jump_ts", "step_ts=None, jump_ts", "motion/test_sudden.py -k diffrax"),
     Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),
     Fault(

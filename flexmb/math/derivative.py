@@ -113,6 +113,25 @@ def with_derivative(
     return value(*[leaves[i] for i in places])
 
 
+def refusing_derivatives(value: Any, message: str) -> Any:
+    """The same numbers, whose own derivatives are refused, in both modes.
+
+    Args:
+        value: Pytree of numbers.
+        message: What the TypeError says.
+    """
+
+    @jax.custom_jvp
+    def same(number: jax.Array):
+        return number
+
+    @same.defjvp
+    def _(*_: Any):
+        raise TypeError(message)
+
+    return jax.tree.map(same, value)
+
+
 def _varied(argument: Any, varies: list[bool]) -> Varied:
     leaves, structure = jax.tree.flatten(argument)
 

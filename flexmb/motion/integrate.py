@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..math.derivative import Varied, jit_beside_reverse, with_derivative
+from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, with_derivative
 from ..mechanics.extent import sizes_of
 from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder
@@ -40,6 +40,11 @@ from .tree_form import TreeForm, tree_form
 MET = 1e-6
 # Of more coordinates of a chain or a net, which dense matrices would bring there, it is the least change.
 MANY = 3000
+# What a derivative of a derivative in reverse is told.
+ONCE = (
+    "A motion is differentiated in reverse once. Second derivatives are found forward, by jax.jacfwd of jax.jacfwd with"
+    " fm.simulate(.., adjoint=diffrax.ForwardMode())."
+)
 # The first step is at most one of so many parts of the time, or of an interval between two samples.
 FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
@@ -153,7 +158,7 @@ def _solved(
         equations, span, start, *rest = parts
         # The tolerances and what came before choose the steps, which are as they are.
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
-        return *march_back(equations, span, start, tape, changes), *none
+        return refusing_derivatives((*march_back(equations, span, start, tape, changes), *none), ONCE)
 
     return with_derivative(plain, ahead, back, *own)
 

@@ -102,6 +102,11 @@ def test_derivatives_forward_name_what_they_ask_for():
         jax.jacfwd(lambda f: moved(lambda t: f * t))(1.0)
 
 
+def test_second_derivatives_in_reverse_name_what_they_ask_for():
+    with pytest.raises(TypeError, match="differentiated in reverse once"):
+        jax.eval_shape(jax.grad(jax.grad(lambda f: moved(lambda t: f * t))), 1.0)
+
+
 def test_a_law_made_of_a_table_is_no_prescribed_motion():
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))
