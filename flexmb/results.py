@@ -235,6 +235,32 @@ def check(result: Any, throw: bool, about: str = "") -> None:
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
 
 
+def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
+    """An answer whose numbers are traced, NaN where it failed: nobody is there to raise, and no code goes with it.
+
+    Where codes are collected they tell, and the answer stays as it is; as it does with ``throw=False``.
+
+    Args:
+        answer: Pytree of arrays; of a batch of codes, each with the batch as its first axis.
+        result: Code, () or a batch of them.
+        throw: What the caller was given.
+    """
+    import jax
+    import jax.numpy as jnp
+
+    if not throw or not isinstance(result, jax.core.Tracer) or collects():
+        return answer
+    failed = jnp.all(jnp.stack([result != int(code) for code in ANSWERED]), axis=0)
+
+    def known(number: Any) -> Any:
+        number = jnp.asarray(number)
+        if not jnp.issubdtype(number.dtype, jnp.inexact):
+            return number
+        return jnp.where(failed.reshape(failed.shape + (1,) * (number.ndim - failed.ndim)), jnp.nan, number)
+
+    return jax.tree.map(known, answer)
+
+
 def collects() -> bool:
     """Whether codes are collected here."""
     collector = _CODES.get()

@@ -57,3 +57,47 @@ def test_answers_obey_the_laws(space):
     np.testing.assert_allclose(fm.frequencies(model, count=4, sparse=True), hertz[:4], rtol=CLOSE)
     poles = np.sort(np.abs(np.imag(fm.poles(model))))[::2] / (2 * np.pi)
     np.testing.assert_allclose(poles[:8], hertz[:8], rtol=CLOSE)
+
+
+def asked_of(name):
+    """An answer of a beam with a mass at its end, of the force on it [N]."""
+
+    def answer(force):
+        b = fm.Builder()
+        b.node("a", (0.0, 0.0))
+        b.node("c", (0.1, 0.0))
+        section = fm.Rectangle(0.01, 5e-4, fm.Material(E=200e9, G=77e9, rho=7800))
+        b.add(planar.beam, "a", "c", section=section)
+        b.fix("a")
+        b.mass("c", 0.1, inertia=1e-5)
+        b.force("c", (0.0, force))
+        b.input("c", "y", name="push")
+        b.output("c", "y", name="place")
+        model = b.build()
+        return {
+            "equilibrium": lambda: fm.equilibrium(model).x,
+            "equilibria": lambda: fm.equilibria(model, load_factor=[0.0, 1.0]).position("c")[1],
+            "frequencies": lambda: fm.frequencies(model),
+            "state": lambda: fm.frequencies(fm.linearize(model)),
+            "compliance": lambda: fm.compliance(model, "c"),
+            "poles": lambda: fm.poles(model, count=2),
+            "response": lambda: fm.frequency_response(model, [1.0]).response,
+            "load multipliers": lambda: fm.buckling_loads(model),
+            "stress": lambda: fm.stress(model).maximum,
+            "smooth stress": lambda: fm.stress(model).smooth_maximum(),
+            "motion": lambda: fm.simulate(model, np.linspace(0, 1e-3, 3)).x[-1],
+        }[name]()
+
+    return answer
+
+
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+@pytest.mark.parametrize(
+    "name",
+    "stress; frequencies; motion; equilibrium; equilibria; state; compliance; poles; response; load multipliers; "
+    "smooth stress".split("; "),
+)
+def test_what_fails_under_a_trace_is_no_number(name):
+    answer = fm.jit(asked_of(name))
+    assert not np.any(np.isnan(answer(0.1)))
+    assert np.all(np.isnan(answer(np.nan)))

@@ -20,6 +20,8 @@ from .threads import one_thread
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
 QUICK = {
     "xla_backend_optimization_level": 0,
+    # It moves little out of our loops and carries that through every later pass: a twentieth to an eighth of the time.
+    "xla_disable_hlo_passes": "while-loop-invariant-code-motion",
     "xla_cpu_use_fusion_emitters": False,
     # Its fused products crash on some sizes of small matrices.
     "xla_cpu_experimental_ynn_fusion_type": "",

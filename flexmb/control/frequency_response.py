@@ -24,7 +24,7 @@ from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model
-from ..results import RESULTS, collect
+from ..results import RESULTS, collect, or_nan
 from ..statics.stable import is_unstable, unstable_motions
 from .second_order_form import SecondOrder, second_order
 from .sparse_response import responses
@@ -270,6 +270,7 @@ def response_of(
     by_modes = method != "direct" and rests
     found, result = _response(whole, lossy, hertz, us=tuple(us), ys=tuple(ys), orders=orders, by_modes=by_modes)
     check_spectrum(result, True, lin)
+    found = or_nan(found, result)
     return FrequencyResponse(
         hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
     )

@@ -447,7 +447,7 @@ def _budget(
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
-    spectra = jnp.where(density > 0, size * density, 0.0)
+    spectra = jnp.where(density <= 0, 0.0, size * density)
     if widths is None:
         parts = jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2
         below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])

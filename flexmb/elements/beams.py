@@ -209,7 +209,7 @@ def length_or_zero(ref: Reference) -> Float[Array, ""]:
         () [m].
     """
     square = (ref.q - ref.p) @ (ref.q - ref.p)
-    return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+    return jnp.where(square <= 0, 0.0, jnp.sqrt(jnp.where(square <= 0, 1.0, square)))
 
 
 def truss_resultants(

@@ -265,7 +265,7 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
             places, own = at(nodes)
             weighted = (sizes[:, None] * weights).ravel()
             stiff = jnp.stack([getattr(own, name) for name in STIFF])
-            compliances = jnp.where(stiff > 0, 1 / jnp.where(stiff > 0, stiff, 1.0), 0.0)
+            compliances = jnp.where(stiff <= 0, 0.0, 1 / jnp.where(stiff <= 0, 1.0, stiff))
             moments = jnp.stack([jnp.ones_like(places), places, places**2, (1 - places) ** 2])
             return (compliances * weighted) @ moments.T, own.mass @ weighted
 

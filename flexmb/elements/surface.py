@@ -48,7 +48,8 @@ def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any 
         Von Mises's criterion for plane stress.
     """
     square = squared(sigma_x, tau, across)
-    return jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+    # What is not a number stays none.
+    return jnp.where(square <= 0, 0.0, jnp.sqrt(jnp.where(square <= 0, 1.0, square)))
 
 
 def torsion_stress(

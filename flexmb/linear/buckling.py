@@ -26,7 +26,7 @@ from ..mechanics.transfer import multipliers
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS
+from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import held_values, solve_state
 from .choice import few_of, is_large
@@ -342,7 +342,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
         )
     if is_concrete((multiplier, moved, result)) and int(result) == RESULTS.successful:
         _warn_of_moving(multiplier, moved, model.parameters.increment is None and where.at is None)
-    return multiplier, shapes, lin
+    return *or_nan((multiplier, shapes), result, throw), lin
 
 
 def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization | SparseLinearization, LoadFactors]:

@@ -15,7 +15,7 @@ from ..errors import AnalysisError, warn
 from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
-from ..results import RESULTS, check, collect
+from ..results import RESULTS, check, collect, or_nan
 from .choice import sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearized
 from .loose import free_motions, named, naming_culprit, takes_part
@@ -111,7 +111,7 @@ def compliance(
         return _beside_free_motions(lin, node, np.asarray(jacobian))
     check(result, True)
     _warn_of_instability(found, node)
-    return found
+    return or_nan(found, result)
 
 
 def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:

@@ -22,7 +22,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, told
+from ..results import RESULTS, check, or_nan, told
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
 from ..statics.stable import collect_unstable
@@ -563,11 +563,10 @@ def linearize(
 
 
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
-    lin = Linearization(_matrices(model.topology, model.parameters, target), model)
-    m = lin.matrices
+    m: Matrices = _matrices(model.topology, model.parameters, target)
     check_stiffness(model, m.result, throw)
     collect_unstable(m.K0 + m.G0, m.K0, m.symmetric)
-    return lin
+    return Linearization(or_nan(m, m.result, throw), model)
 
 
 @kernel

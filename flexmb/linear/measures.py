@@ -13,7 +13,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS
+from ..results import RESULTS, or_nan
 from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
 from .modes import Modes, check_spectrum, refuse_unsymmetric
@@ -201,7 +201,7 @@ def frequency_like(
         raise ValueError("Argument `shape` must have an entry that is not zero.")
     value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(given, float))
     check_spectrum(result, throw, model)
-    return value
+    return or_nan(value, result, throw)
 
 
 @kernel

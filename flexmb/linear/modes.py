@@ -19,7 +19,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, collects
+from ..results import RESULTS, check, collects, or_nan
 from ..statics.equilibrium import load_factors_of, without_stiffness
 from .choice import few_of, sparsely
 from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
@@ -185,7 +185,7 @@ def frequencies(
         refuse_unsymmetric(not lacks_potential(model.topology))
         values, result = _frequencies(model.topology, model.parameters, target, count=count)
     check_spectrum(result, throw, model)
-    return values
+    return or_nan(values, result, throw)
 
 
 def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array, ""]]:
@@ -359,7 +359,7 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
         )
     values, result = traced_poles(m.K, m.C0 + m.D0, m.M0, count)
     check(result, True)
-    return values
+    return or_nan(values, result)
 
 
 def _poles_of_large(lin: SparseLinearization, count: Any) -> Any:

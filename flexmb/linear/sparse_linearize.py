@@ -20,7 +20,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import told
+from ..results import or_nan, told
 from ..statics.equilibrium import check_stiffness
 from ..statics.sparse import sparse_equilibrium
 from ..statics.tangent import by_deformations, element_matrices
@@ -160,7 +160,7 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
     """
     found, _ = sparse_equilibrium(model.topology, model.parameters, target)
     check_stiffness(model, found[-1], throw)
-    return about_state(model, target, *found)
+    return about_state(model, target, *or_nan(found, found[-1], throw))
 
 
 def about_state(

@@ -269,13 +269,13 @@ class Stress(Result, Record):
         # Scaled by the largest, so that no power overflows; the value does not depend on the scale.
         own = (-3, -2, -1)
         largest = jax.lax.stop_gradient(jnp.max(square, axis=own))
-        largest = jnp.where(largest > 0, largest, 1.0)
+        largest = jnp.where(largest <= 0, 1.0, largest)
         powers = (square / largest[..., None, None, None]) ** (sharpness / 2)
         # A place that stands twice, as it may under a trace, counts once.
         anew = jnp.diff(self.places, prepend=-1.0) > 0
         total = jnp.sum(jnp.where(anew[:, None], powers, 0.0), axis=own)
-        stressed = total > 0
-        return jnp.where(stressed, jnp.sqrt(largest) * jnp.where(stressed, total, 1.0) ** (1 / sharpness), 0.0)
+        none = total <= 0
+        return jnp.where(none, 0.0, jnp.sqrt(largest) * jnp.where(none, 1.0, total) ** (1 / sharpness))
 
 
 def _rows(labels: Labels) -> tuple[tuple[str, ...], np.ndarray]:

@@ -19,7 +19,7 @@ from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, or_nan
 from .coordinates_form import coordinates_form
 from .drive import Driven
 from .drives_by_name import Drives, driven_by
@@ -129,6 +129,7 @@ def steady_motion(
     numbers = model.topology, model.parameters, driven
     found = Linearization(_steady(*numbers, jnp.asarray(time, float)), model)
     check(found.matrices.result, throw)
+    found = Linearization(or_nan(found.matrices, found.matrices.result, throw), model)
     if throw and is_concrete((model, driven, found)):
         _warn_of_change(numbers, found.matrices, float(time))
     return found

@@ -26,7 +26,7 @@ from ..mechanics.signals import terms_of
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
-from ..results import RESULTS, check, collect
+from ..results import RESULTS, check, collect, or_nan
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from ..statics.strained import warn_of_needless_strain
@@ -179,7 +179,7 @@ def simulate(
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
     found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
     _tell(found, drives, run.jumped, throw and not stopped)
-    return found
+    return dataclasses.replace(found, **or_nan({"x": found.x, "xd": found.xd, "u": found.u}, found.result, throw))
 
 
 def _records(

@@ -20,7 +20,7 @@ from ..mechanics.loads import LoadFactors
 from ..model.model import Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure
 from ..statics.tangent import assemble, unknowns
 from .stepper import scales_increment
@@ -140,6 +140,7 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
         unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
         bent, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
         check(result, True)
+        bent = or_nan(bent, result)
     before: Any = model.parameters.strain
     strain = bent if before is None else bent + before
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain))

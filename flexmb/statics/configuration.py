@@ -21,7 +21,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, told
+from ..results import RESULTS, check, or_nan, told
 from .solve import held_values
 
 # What is given goes from its undeformed value in steps of this share of the mechanism's extent, or radians.
@@ -211,4 +211,4 @@ def configuration(
     x, xd, e, result = _configure(model.topology, model.parameters, *values)
     found = Configuration(x, xd, e, result, model.labels)
     check(found.result, throw)
-    return found
+    return or_nan(found, found.result, throw)

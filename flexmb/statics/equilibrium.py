@@ -22,7 +22,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, told
+from ..results import RESULTS, check, or_nan, told
 from .chain import is_long_chain
 from .choice import by_sparse
 from .solve import external_of, reactions_of, solve_state
@@ -170,6 +170,7 @@ def equilibrium(
     found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
     check_stiffness(model, solved.result, throw)
+    solved = or_nan(solved, solved.result, throw)
     if is_concrete((model, solved, looked_at)) and int(solved.result) == RESULTS.successful:
         if sparse and looked_at:
             warn_of_unstable(model)

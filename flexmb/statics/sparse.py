@@ -28,7 +28,7 @@ from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_for
 from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check
+from ..results import RESULTS, check, or_nan
 from .chain import balanced_chain, chain_of, pivots_tell_unstable_chain
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
@@ -261,6 +261,7 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
     z, code = solution_at(topology, parameters, factors, near, solved, -change)
     check(code, True)
+    z = or_nan(z, code)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change, no_change)
@@ -274,7 +275,7 @@ def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) ->
     """
     found = _balanced(topology, parameters, target)
     check(found.result, True)
-    return found
+    return or_nan(found, found.result)
 
 
 def refuse_what_is_not_sparse(topology: Topology) -> None:

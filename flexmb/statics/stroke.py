@@ -18,7 +18,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, collect
+from ..results import RESULTS, collect, or_nan
 from .equilibrium import Equilibrium, check_stiffness, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
@@ -182,7 +182,7 @@ def equilibria(
     factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
     found, worst, unstable = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
     check_stiffness(model, worst, throw)
-    each: Any = (*found, model.labels)
+    each: Any = (*or_nan(found, found[-1], throw), model.labels)
     if is_concrete((model, found, unstable)):
         _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(found[-1]) == RESULTS.successful))
     elif throw:

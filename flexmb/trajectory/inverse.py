@@ -32,7 +32,7 @@ from ..motion.element_forces import Moving, deformed
 from ..motion.loop import under_inputs
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
-from ..results import RESULTS, check, told
+from ..results import RESULTS, check, or_nan, told
 from ..statics.strained import warn_of_needless_strain
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
@@ -195,6 +195,7 @@ def inverse_dynamics(
     if throw and is_concrete(found):
         _explain(names, {**{name: one.law for name, one in wanted.items()}, **prescribed}, found, np.asarray(times))
     check(found.result, throw)
+    found = or_nan(found, found.result, throw)
     if is_concrete((model, found)):
         _warn_of_needless_strain(model, np.asarray(found.near), np.asarray(times))
     count = len(times)
