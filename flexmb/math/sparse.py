@@ -114,6 +114,7 @@ class SparseFactors:
     Attributes:
         ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
         regular: Whether the factors can be trusted.
+        by_diagonal: Whether they can because entries of the diagonal were made one, see :func:`equilibrating`.
         negative: Number of negative eigenvalues of a symmetric matrix; None where rows changed places, so that pivots
             tell no sign.
 
@@ -141,9 +142,14 @@ class SparseFactors:
         largest = np.sqrt(abs(matrix).max(axis=1).toarray().ravel())
         self._order, self.ordering = ordering, ordering
         self.regular = self._scaled(matrix, 1 / np.where(largest > 0, largest, 1.0), on_diagonal)
+        self.by_diagonal = False
         if not self.regular and np.all(np.isfinite(matrix.data)):
-            # One round of scaling leaves rigid bodies and stiff beams in small units far apart.
-            self.regular = self._scaled(matrix, equilibrating(matrix), on_diagonal)
+            # One round of scaling leaves rigid bodies and stiff beams in small units far apart; and all rounds the
+            # stiffnesses of a mechanism of micrometres far below its constraints.
+            for self.by_diagonal in (False, True):
+                self.regular = self._scaled(matrix, equilibrating(matrix, self.by_diagonal), on_diagonal)
+                if self.regular:
+                    break
         self.negative: int | None = None
         if self._factors is not None and np.array_equal(self._factors.perm_r, self._factors.perm_c):
             self.negative = int(np.sum(self._factors.U.diagonal() < 0))
@@ -265,19 +271,26 @@ def _exchanges(order: np.ndarray) -> int:
     return n - int(connected_components(moves, directed=False, return_labels=False))
 
 
-def equilibrating(matrix: Any) -> np.ndarray:
+def equilibrating(matrix: Any, by_diagonal: bool = False) -> np.ndarray:
     """Factors of rows and columns of a symmetric matrix, by which the largest entry of each becomes about one.
+
+    Args:
+        matrix: Sparse.
+        by_diagonal: Whether entries of the diagonal become one, where there are any, and only the other rows are made
+            alike: where stiffnesses are far below the constraints beside them, their share would not be seen.
 
     Source:
         Ruiz (2001), A scaling algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034.
     """
     coordinates = matrix.tocoo()
     (rows, columns), sizes = coordinates.coords, np.abs(coordinates.data)
-    scale = np.ones(matrix.shape[0])
+    diagonal = np.abs(matrix.diagonal()) if by_diagonal else np.zeros(matrix.shape[0])
+    kept = diagonal > 0
+    scale = 1 / np.sqrt(np.where(kept, diagonal, 1.0))
     for _ in range(ROUNDS):
         largest = np.zeros(len(scale))
         np.maximum.at(largest, rows, sizes * scale[rows] * scale[columns])
-        scale = scale / np.sqrt(np.where(largest > 0, largest, 1.0))
+        scale = scale / np.sqrt(np.where((largest > 0) & ~kept, largest, 1.0))
     return scale
 
 
@@ -305,7 +318,7 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
         return factored.negative - rest
     if order is None or rest == 0:
         return None
-    alike = scipy.sparse.diags_array(equilibrating(tangent))
+    alike = scipy.sparse.diags_array(equilibrating(tangent, factored.by_diagonal))
     tangent = (alike @ tangent @ alike).tocsc()
     stiffness, rows = tangent[:n, :n], tangent[n:, :n]
     stiff = rows.T @ rows

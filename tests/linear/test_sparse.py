@@ -289,6 +289,25 @@ def test_soft_and_free_motions_leave_others_their_digits(clamped):
     assert np.sum(np.abs(found) < 1e-3 * found[10]) == 3 * (not clamped)
 
 
+@pytest.mark.parametrize("space", [False, True])
+def test_a_cantilever_of_any_size_vibrates_alike(space):
+    """Of a nanometre too, stiffnesses are 1e16 times below the constraints beside them."""
+
+    def lowest(size):
+        kind, d = (spatial, 3) if space else (planar, 2)
+        b = fm.Builder()
+        b.node("a", np.zeros(d))
+        b.node("c", size * np.eye(d)[0])
+        section = fm.Rectangle(0.18 * size, 5e-3 * size, fm.Material(E=210e9, G=80e9, rho=7850))
+        b.add(kind.spectral_beam(3), "a", "c", section=section, **({"y": (0, 1, 0)} if space else {}))
+        b.fix("a")
+        b.mass("c", 100 * size**3)
+        return size * fm.frequencies(b.build(check=False), count=1, sparse=True)[0]
+
+    # Lengths and times by one factor: the frequency by its inverse. From round-off, times what it grows by.
+    np.testing.assert_allclose([lowest(1e-6), lowest(1e-9)], lowest(1.0), rtol=1e-9)
+
+
 def test_a_negative_mass_is_refused():
     """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
     with pytest.raises(fm.AnalysisError, match="a negative one"):
