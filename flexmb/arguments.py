@@ -35,6 +35,11 @@ def as_known(tree: Any) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, tree)
 
 
+def copied(tree: Any) -> Any:
+    """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards."""
+    return jax.tree.map(lambda leaf: leaf.copy() if isinstance(leaf, np.ndarray) else leaf, tree)
+
+
 _NOTED: ContextVar[tuple[Any, list[Any]] | None] = ContextVar("noted", default=None)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..arguments import as_known, check_choice, check_flag, check_numbers, is_concrete, shown
+from ..arguments import as_known, check_choice, check_flag, check_numbers, copied, is_concrete, shown
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
@@ -154,7 +154,9 @@ class Builder(Description):
         name = self._free_name(element.name) if name is None else named("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
-        element, properties = with_options(element, name, {key: as_known(value) for key, value in properties.items()})
+        element, properties = with_options(
+            element, name, {key: copied(as_known(value)) for key, value in properties.items()}
+        )
         properties = complete_properties(element, name, properties)
         n_e = number_of_deformations(element, name, properties)
         companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
@@ -238,7 +240,7 @@ class Builder(Description):
         else:
             entry = self._entry(of, component, kind)
         self._set_roles([entry], Role.PRESCRIBED)
-        self._load("prescribed", increment)[entry] = value
+        self._load("prescribed", increment)[entry] = copied(value)
 
     def start(
         self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
@@ -258,7 +260,7 @@ class Builder(Description):
             check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
         entry = self._entry(of, component, kind)
         self._owner(entry)
-        self.starts[entry] = (value, velocity)
+        self.starts[entry] = copied((value, velocity))
 
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
@@ -818,7 +820,7 @@ class Builder(Description):
         found = []
         for i, value in enumerate(some_of(what.lower(), element, values), 1):
             check_numbers(f"{what} of element '{element}'", value, (), ModelError)
-            found.append((self._entry(element, i, "element"), value))
+            found.append((self._entry(element, i, "element"), copied(value)))
         return found
 
     @staticmethod
@@ -841,7 +843,7 @@ class Builder(Description):
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
         element = getattr(planar if self.dimension == 2 else spatial, kind)
-        own = complete_properties(element, f"{kind} of {node}", properties)
+        own = complete_properties(element, f"{kind} of {node}", copied(properties))
         for part in nodes:
             self._owner(("node", part, 1))
         self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)

@@ -509,3 +509,21 @@ def test_what_acts_on_fixed_deformations_is_warned_of(what):
         b.build()
     b.release("leaf", 1)
     b.build()
+
+
+def test_arrays_that_are_written_into_afterwards_leave_a_model_as_it_is():
+    def numbers(write):
+        thickness, center, inertia, place, pull = (np.array(v) for v in (5e-4, [0.01, 0.0], 1e-5, 0.1, 0.3))
+        b = fm.Builder()
+        b.node("a", (0.0, 0.0))
+        b.node("c", (0.1, 0.0))
+        b.add(planar.beam, "a", "c", name="leaf", section=fm.Rectangle(0.018, thickness, LEAF.material))
+        b.fix("a")
+        b.body("c", 0.1, center=center, inertia=inertia)
+        b.prestress("leaf", pull)
+        b.start("c", "y", place, place)
+        for given in (thickness, center, inertia, place, pull) if write else ():
+            given[...] = 7.0
+        return jax.tree.leaves(b.build().parameters)
+
+    assert all(map(np.array_equal, numbers(False), numbers(True)))
