@@ -437,14 +437,14 @@ def check_state(at: Any, model: Model, function: str) -> None:
     Loads and strains may differ: those of a path's steps and of its imperfections do.
 
     Args:
-        at: What has ``labels``, and may have a ``model``.
+        at: What has ``labels``, and may have a ``model``, or tell which one it was ``asked_of``.
         model: What a function is asked about.
         function: Its name.
 
     Raises:
         ValueError: Another model.
     """
-    own = getattr(at, "model", None)
+    own = getattr(at, "model", None) or getattr(at, "asked_of", None)
     if own is model:
         return
     labels = model.labels

@@ -1,6 +1,6 @@
 """Static equilibrium of a mechanism under its loads."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import numpy as np
@@ -62,6 +62,8 @@ class Equilibrium(ByName, Result, Record):
     result: Int[Array, ""]
     labels: Labels = static()
     one_axis = "x"
+    # The model it was asked of, where its numbers were known: beside the fields, since nothing is computed with it.
+    asked_of: ClassVar[Model | None] = None
 
     def summary(self) -> Summary:
         """Outcome, and the largest deformation, stress resultant and reaction with their names."""
@@ -170,6 +172,8 @@ def equilibrium(
     found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
     check_stiffness(model, solved.result, throw)
+    if is_concrete((model, solved)):
+        vars(solved)["asked_of"] = model
     solved = or_nan(solved, solved.result, throw)
     if is_concrete((model, solved, looked_at)) and int(solved.result) == RESULTS.successful:
         if sparse and looked_at:

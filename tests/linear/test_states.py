@@ -143,6 +143,7 @@ def renamed():
         (lambda m, p: fm.frequencies(bent_strip(), at=p, step=0), ValueError, "of another model"),
         (lambda m, p: fm.frequencies(thicker(), at=p, step=0), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(thicker(), at=p, step=0), ValueError, "with other dimensions"),
+        (lambda m, p: fm.stress(thicker(), at=fm.equilibrium(m, increment=0.0)), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(renamed(), at=fm.equilibrium(m, increment=0.0)), ValueError, "have other names"),
         (lambda m, p: fm.frequencies(m, at=fm.equilibrium(m, increment=1.0)), TypeError, "not an Equilibrium"),
         (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
