@@ -23,6 +23,19 @@ def is_concrete(tree: Any) -> bool:
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
 
 
+def require_double_precision() -> None:
+    """Refuse to work in single precision, which jax.config may have been put back to.
+
+    Raises:
+        RuntimeError: Double precision is off.
+    """
+    if jax.dtypes.canonicalize_dtype(np.float64) != np.float64:
+        raise RuntimeError(
+            "flexmb needs double precision: a leaf spring is 1e5 times stiffer in tension than in bending."
+            " Call flexmb.enable_x64() before building a model, and leave it on."
+        )
+
+
 def as_known(tree: Any) -> Any:
     """Arrays of JAX that are known as arrays of the host: within a trace, what is made of them would be traced.
 

@@ -634,6 +634,7 @@ FAULTS = [
     Fault(
         "statics/equilibrium.py", '["asked_of"] = model', '["asked_of"] = None', "linear/test_states.py -k go_together"
     ),
+    Fault("model/model.py", "        require_double_precision()\n", "", "build/test_builder.py -k double_precision"),
     Fault("math/derivative.py", "jax.tree.map(same, value)", "value", "math/test_derivative.py"),
     Fault("motion/integrate.py", "step_ts=stops, jump_ts", "step_ts=None, jump_ts", "motion/test_sudden.py -k diffrax"),
     Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),
@@ -1058,7 +1059,7 @@ FAULTS = [
         "return [] and check_shear(False, numbers_of(",
         "elements/test_spectral.py -k neither",
     ),
-    Fault("build/builder.py", "key: as_known(value)", "key: value", "design/test_possible.py -k known_numbers"),
+    Fault("build/builder.py", "copied(as_known(value))", "copied(value)", "design/test_possible.py -k known_numbers"),
     Fault(
         "build/builder.py",
         "with jax.ensure_compile_time_eval():\n            faults",

@@ -8,7 +8,16 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..arguments import as_known, check_choice, check_flag, check_numbers, copied, is_concrete, shown
+from ..arguments import (
+    as_known,
+    check_choice,
+    check_flag,
+    check_numbers,
+    copied,
+    is_concrete,
+    require_double_precision,
+    shown,
+)
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
@@ -55,11 +64,7 @@ class Builder(Description):
     """
 
     def __init__(self):
-        if jax.dtypes.canonicalize_dtype(np.float64) != np.float64:
-            raise RuntimeError(
-                "flexmb needs double precision: a leaf spring is 1e5 times stiffer in tension than in bending."
-                " Call flexmb.enable_x64() before building a model."
-            )
+        require_double_precision()
         super().__init__()
 
     # -- nodes and elements ------------------------------------------------------------------------------------

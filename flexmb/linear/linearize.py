@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_whole, computed, is_concrete
+from ..arguments import check_flag, check_whole, computed, is_concrete, require_double_precision
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.blocks import kernel
@@ -482,6 +482,7 @@ def linearized(
         ValueError: It is a linearisation along a motion, at many times; or arguments do not go together.
         AnalysisError: The equilibrium was not found.
     """
+    require_double_precision()
     where = where or Where()
     where.refuse(function, given=isinstance(given, Linearization))
     if isinstance(given, SparseLinearization):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Array
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, require_double_precision
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed
 from ..errors import AnalysisError, ModelError
@@ -299,8 +299,10 @@ def as_model(given: Any, function: str) -> Model:
 
     Raises:
         TypeError: It is no Model.
+        RuntimeError: Double precision is off.
     """
     if isinstance(given, Model):
+        require_double_precision()
         return given
     kind = type(given).__name__
     instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")

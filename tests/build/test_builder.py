@@ -221,9 +221,11 @@ def test_too_few_and_too_many_degrees_of_freedom(many, monkeypatch):
         many.build()
 
 
-def test_double_precision_is_asked_for():
+@pytest.mark.parametrize("ask", [lambda model: fm.Builder(), fm.equilibrium, lambda model: fm.frequencies(model, at=0)])
+def test_double_precision_is_asked_for(ask):
+    model = mechanisms.planar_guide().build()
     with jax.enable_x64(False), pytest.raises(RuntimeError, match=r"flexmb\.enable_x64\(\)"):
-        fm.Builder()
+        ask(model)
 
 
 def test_found_degrees_of_freedom_are_said_and_can_be_named():
