@@ -635,6 +635,15 @@ FAULTS = [
         "statics/equilibrium.py", '["asked_of"] = model', '["asked_of"] = None', "linear/test_states.py -k go_together"
     ),
     Fault("model/model.py", "        require_double_precision()\n", "", "build/test_builder.py -k double_precision"),
+    Fault(
+        "workbench/server.py", "        atexit.register(self.close)\n", "", "workbench/test_server.py -k ends_closes"
+    ),
+    Fault(
+        "workbench/dat_file.py",
+        "if str(fault) not in map(in_no_element, joined):",
+        "if True:",
+        "workbench/test_dat_file.py -k refused_leaves",
+    ),
     Fault("math/derivative.py", "jax.tree.map(same, value)", "value", "math/test_derivative.py"),
     Fault("motion/integrate.py", "step_ts=stops, jump_ts", "step_ts=None, jump_ts", "motion/test_sudden.py -k diffrax"),
     Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),

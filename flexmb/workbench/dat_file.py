@@ -19,7 +19,7 @@ from ..spacar.arithmetic import names_in
 from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
-from ..spacar.write import lines_of
+from ..spacar.write import in_no_element, lines_of
 from ..spacar.written import WrittenLine, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
@@ -149,14 +149,18 @@ def refused(document: Document) -> list[str]:
         document: The document.
     """
     found: list[str] = []
+    # Nodes that were joined before anything was taken away.
+    joined: set[str] = set()
     # One thing after the other is taken away, so that all are told at once.
     for _ in range(MOST_FAULTS):
         try:
+            joined = joined or _joined(build(document).builder)
             lines_of(_without_strength(build(document).builder), {})
         except ModelError as fault:
             if found and not build(document).builder.members:
                 break
-            found.append(str(fault).removesuffix("."))
+            if str(fault) not in map(in_no_element, joined):
+                found.append(str(fault).removesuffix("."))
             culprit = _culprit(document, str(fault))
             if culprit is None:
                 break
@@ -164,6 +168,10 @@ def refused(document: Document) -> list[str]:
             continue
         break
     return list(dict.fromkeys(found))
+
+
+def _joined(builder: Builder) -> set[str]:
+    return {node for member in builder.members.values() if not member.hidden for node in member.nodes}
 
 
 def _called(document: Document, address: str) -> str:

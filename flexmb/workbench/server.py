@@ -5,6 +5,7 @@ is this machine (a foreign name may be made to point here), and for the socket a
 """
 
 import asyncio
+import atexit
 import contextlib
 import hmac
 import http
@@ -94,9 +95,12 @@ class Server:
         self._thread.start()
         self._ready.wait()
         self.session.listen(self.tell)
+        # A process that ends while its threads compute is aborted within JAX's own code.
+        atexit.register(self.close)
 
     def close(self) -> None:
         """Tell the pages, end the session, and give the port back; a second call does nothing."""
+        atexit.unregister(self.close)
         if self._thread.is_alive() and self._loop is not None and self._ended is not None:
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._ended.set)

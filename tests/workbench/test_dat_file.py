@@ -234,3 +234,15 @@ def test_commands_take_what_was_saved(guide):
     assert "10.79932" in command("run", guide, "--mode", "7", *numbers).output
     study = guide.with_suffix(".toml")
     assert "successful" in command("sweep", study).output
+
+
+def test_what_is_refused_leaves_no_node_to_be_refused_after_it(tmp_path):
+    b = mechanisms.planar_guide()
+    b.node("tip", (0.2, 0.3))
+    b.add(fm.planar.spectral_beam, "right1", "tip", name="curved", section=fm.Rigidity(EA=1e5, EIy=1.0), curvature=0.5)
+    b.body("tip", 0.1)
+    document, _ = document_of(b)
+    with pytest.raises(ModelError) as fault:
+        save_dat(document, tmp_path / "guide.dat")
+    assert "'curved'" in str(fault.value)
+    assert "in no element" not in str(fault.value)

@@ -1,5 +1,6 @@
 """The server of the workbench: who is let in, what a message may be, several pages, and its end."""
 
+import atexit
 import hashlib
 import http.client
 import json
@@ -64,6 +65,17 @@ def refused(server, **options):
     with pytest.raises(InvalidStatus) as fault:
         Client(address, greet=False, **options)
     return fault.value.response.status_code
+
+
+def test_a_process_that_ends_closes_it(monkeypatch):
+    seen = []
+    monkeypatch.setattr(atexit, "register", seen.append)
+    own = Server(Session())
+    own.start()
+    (close,) = seen
+    close()
+    with pytest.raises(ConnectionRefusedError):
+        got(own, "/")
 
 
 def test_bundle_is_built_from_the_source():
