@@ -3,7 +3,7 @@
 import contextlib
 import operator
 import reprlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from typing import Any
 
@@ -284,6 +284,18 @@ def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
     """
     if not isinstance(value, bool | np.bool_):
         raise fault(f"Argument `{name}` must be True or False, not {shown(value)}.")
+
+
+def check_by_name(name: str, value: Any) -> None:
+    """Refuse an argument that is no dictionary.
+
+    Raises:
+        TypeError: It is none.
+    """
+    if not isinstance(value, Mapping):
+        raise TypeError(
+            f"Argument `{name}` must be a dictionary by name, such as {{'thickness': ..}}, not {shown(value)}."
+        )
 
 
 def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> None:

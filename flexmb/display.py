@@ -235,6 +235,9 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
     """
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
+    # What lies within an element says nothing to a reader, but where nothing else moves.
+    inner = np.array([entry.kind == "internal" for entry in names], bool)
+    moves = np.where(inner[:, None] & np.any(moves[~inner], axis=0), 0.0, moves)
     own = {}
     for i, value in enumerate(values[:AT_MOST]):
         moving = f", moves {names[int(np.argmax(np.abs(moves[:, i])))]} most" if names else ""

@@ -11,6 +11,8 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.control.frequency_response import places_of
+from flexmb.control.truncation import numbered
 
 
 def cart(**options):
@@ -502,3 +504,21 @@ def _weighed(mass):
     b = cart()
     b.mass("2", mass)
     return b.build(dofs=MODEL.q_labels)
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda build, answers: fm.sweep(build, answers, [1e-3]), "`designs` must be a dictionary"),
+        (lambda build, answers: fm.sensitivities(build, answers, [1e-3]), "`dimensions` must be a dictionary"),
+        (lambda build, answers: fm.tune(build, answers, [1e-3], bounds={}), "`dimensions` must be a dictionary"),
+        (lambda build, answers: fm.tune(build, answers, {}, bounds=None), "`bounds` must be a dictionary"),
+        (lambda build, answers: fm.lean(build, bandwidth=1.0, increments=5), "`increments` must be a list of factors"),
+        (lambda build, answers: fm.lean(build, bandwidth=1.0, nodes=5), "`nodes` must be a list of names"),
+        (lambda build, answers: places_of("input", ["push"], 3), "`inputs` must be a name or a list of names, not 3"),
+        (lambda build, answers: numbered(np.array(0.5), 3), "`modes` must be a whole number, or numbers of modes"),
+    ],
+)
+def test_what_is_neither_a_dictionary_nor_a_list_is_named(ask, words):
+    with pytest.raises((TypeError, fm.ModelError), match=words):
+        ask(lambda t: None, {"mass": fm.mass})

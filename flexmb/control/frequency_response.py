@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import check_choice, check_numbers, is_concrete
+from ..arguments import check_choice, check_numbers, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
@@ -144,11 +144,14 @@ def places_of(kind: str, known: Sequence[str], wanted: Sequence[str] | str | Non
     Raises:
         KeyError: There is none of a name.
         ModelError: There are no names at all.
+        TypeError: What is wanted is neither a name nor a list.
     """
     if not known:
         raise ModelError(f"A response needs an {kind}: name it with {kind}() of the builder.")
     if wanted is None:
         return list(range(len(known)))
+    if not isinstance(wanted, str | Sequence):
+        raise TypeError(f"Argument `{kind}s` must be a name or a list of names, not {shown(wanted)}.")
     found = [one_of(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
     if not found or len(set(found)) < len(found):
         raise ValueError(f"Argument `{kind}s` must name {kind}s, each once. There are: {', '.join(known)}.")

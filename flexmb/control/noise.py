@@ -317,7 +317,7 @@ def _frequencies(
         _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
     if hertz is not None:
         grid, widths = check_hertz(hertz), None
-        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0)):
+        if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0) or grid[0] == grid[-1]):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
         grid, widths = refined(lin, loop, entries, grid), None

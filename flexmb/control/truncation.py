@@ -1,6 +1,6 @@
 """A state space of the modes that matter: which they are, what follows them statically, and the error that is left."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
@@ -45,7 +45,7 @@ def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, .
     refuse_unsymmetric(lin.matrices.symmetric)
     if lin.matrices.M0.ndim > 2:
         raise ValueError("Modes are those of one state, and this linearisation is along a motion: give lin.at_time(0).")
-    traced = not is_concrete(lin.matrices)
+    traced = not is_concrete((lin.matrices, bandwidth))
     if traced:
         if bandwidth is not None:
             raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
@@ -100,7 +100,7 @@ def numbered(modes: Any, count: int) -> tuple[int, ...]:
         if not 1 <= whole <= count:
             raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {whole}.")
         return tuple(range(whole))
-    if isinstance(modes, str) or not isinstance(modes, Sequence | np.ndarray) or not len(modes):
+    if not isinstance(modes, list | tuple | range | np.ndarray) or np.ndim(modes) != 1 or not len(modes):
         raise TypeError(f"Argument `modes` must be a whole number, or numbers of modes from 0, not {shown(modes)}.")
     found = [check_whole("modes", number) for number in modes]
     if len(set(found)) < len(found) or min(found) < 0 or max(found) >= count:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_number, check_whole
+from ..arguments import check_number, check_whole, shown
 from ..build.restrict import Restriction, can_be_tied, restrict
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
@@ -171,6 +171,10 @@ def lean(
     if not isinstance(model, Model) and not callable(model):
         raise ModelError(f"Argument `model` must be a Model or a function that builds it, not {type(model).__name__}.")
     check_question(model if isinstance(model, Model) else None, bandwidth, tolerance, nodes)
+    if np.ndim(increments) != 1:
+        raise ModelError(
+            f"Argument `increments` must be a list of factors, such as [0.0, 5.0], not {shown(increments)}."
+        )
     try:
         increments = numbers("Argument `increments`", list(increments)).ravel().tolist()
         finest = check_whole("finest", finest, 2)
@@ -207,8 +211,8 @@ def lean(
         error = worst.plus(spent)
         if error.worst <= tolerance:
             names = tuple(str(whole.labels.e[i]) for i in fixed)
-            shown = in_band(theirs, bandwidth) + 1
-            ours = own[0].frequencies()[:shown]
+            these = in_band(theirs, bandwidth) + 1
+            ours = own[0].frequencies()[:these]
             return Lean(
                 small, whole, error, beams, names, ties, bandwidth, tolerance, theirs[:shown], ours, restriction
             )
@@ -236,8 +240,8 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
             check_number(name, value, above=0)
         except (TypeError, ValueError) as fault:
             raise ModelError(str(fault)) from None
-    if isinstance(nodes, str):
-        raise ModelError(f"Argument `nodes` must be a list of names, such as ['{clean(nodes)}'].")
+    if isinstance(nodes, str) or not isinstance(nodes, Sequence):
+        raise ModelError(f"Argument `nodes` must be a list of names, such as ['top'], not {shown(nodes)}.")
     for node in nodes:
         if model is not None and not model.labels.coordinates(node):
             raise ModelError(f"Argument `nodes`: there is no node '{clean(node)}' in the model.")

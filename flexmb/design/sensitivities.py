@@ -8,7 +8,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_whole, shown
+from ..arguments import check_by_name, check_whole, shown
 from ..compilation.by_meaning import jit
 from ..display import Result, Summary, counted, largest, short
 from ..errors import AnalysisError, clean, warn
@@ -108,6 +108,7 @@ def sensitivities(
         Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
         :func:`flexmb.frequencies`); d ln a/d ln p = (p/a) da/dp.
     """
+    check_by_name("dimensions", dimensions)
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)

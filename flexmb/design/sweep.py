@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..arguments import check_whole
+from ..arguments import check_by_name, check_whole
 from ..compilation.identity import identity
 from ..errors import clean, warn
 from ..model.model import Model
@@ -86,6 +86,7 @@ def sweep(
         The analyses that are asked; ``jax.lax.map`` over the designs.
     """
     functions = named_answers(answers)
+    check_by_name("designs", designs)
     designs = designs if isinstance(designs, Designs) else Designs(designs)
     check_dimensions(build, tuple(designs))
     check_names(tuple(designs), tuple(functions), RESERVED)

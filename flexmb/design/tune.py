@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, check_whole
+from ..arguments import check_by_name, check_number, check_whole
 from ..compilation.by_meaning import jit
 from ..errors import AnalysisError, clean, first_line, warn
 from ..progress import reporting
@@ -117,6 +117,8 @@ def tune(
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
+    check_by_name("dimensions", dimensions)
+    check_by_name("bounds", bounds)
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
