@@ -16,6 +16,8 @@ import numpy as np
 
 # Entries of a list in a summary; lines of a result on the terminal, and their length.
 AT_MOST = 6
+# What moves no more than this share of the largest motion of a mode is at rest in it.
+STILL = 1e-6
 LINES, WIDTH = 12, 120
 
 
@@ -237,7 +239,9 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
     count = moves.shape[1]
     # What lies within an element says nothing to a reader, but where nothing else moves.
     inner = np.array([entry.kind == "internal" for entry in names], bool)
-    moves = np.where(inner[:, None] & np.any(moves[~inner], axis=0), 0.0, moves)
+    if inner.any() and not inner.all():
+        outer = np.max(np.abs(moves[~inner]), axis=0) > STILL * np.max(np.abs(moves), axis=0)
+        moves = np.where(inner[:, None] & outer, 0.0, moves)
     own = {}
     for i, value in enumerate(values[:AT_MOST]):
         moving = f", moves {names[int(np.argmax(np.abs(moves[:, i])))]} most" if names else ""

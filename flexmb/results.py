@@ -236,7 +236,7 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 
 def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
-    """An answer whose numbers are traced, NaN where it failed: nobody is there to raise, and no code goes with it.
+    """An answer whose numbers are traced, NaN with its derivatives where it failed, since nothing can be raised there.
 
     Where codes are collected they tell, and the answer stays as it is; as it does with ``throw=False``.
 
@@ -252,13 +252,17 @@ def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
         return answer
     failed = jnp.all(jnp.stack([result != int(code) for code in ANSWERED]), axis=0)
 
-    def known(number: Any) -> Any:
-        number = jnp.asarray(number)
-        if not jnp.issubdtype(number.dtype, jnp.inexact):
-            return number
-        return jnp.where(failed.reshape(failed.shape + (1,) * (number.ndim - failed.ndim)), jnp.nan, number)
+    # By a product: where it failed the derivatives are no numbers either, and not zero.
+    factor = jnp.where(failed, jnp.nan, 1.0)
 
-    return jax.tree.map(known, answer)
+    def marked(number: Any) -> Any:
+        if not isinstance(number, jax.core.Tracer) or not jnp.issubdtype(number.dtype, jnp.inexact):
+            return number
+        if jnp.iscomplexobj(number):
+            return jax.lax.complex(marked(jnp.real(number)), marked(jnp.imag(number)))
+        return number * factor.reshape(failed.shape + (1,) * (number.ndim - failed.ndim))
+
+    return jax.tree.map(marked, answer)
 
 
 def collects() -> bool:

@@ -1,5 +1,6 @@
 """Laws that answers obey whatever the mechanism: turned, mirrored, in other units, reversed, by other matrices."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -85,19 +86,36 @@ def asked_of(name):
             "load multipliers": lambda: fm.buckling_loads(model),
             "stress": lambda: fm.stress(model).maximum,
             "smooth stress": lambda: fm.stress(model).smooth_maximum(),
+            "sparse equilibrium": lambda: fm.equilibrium(model, sparse=True).x,
+            "sparse frequencies": lambda: fm.frequencies(model, count=1, sparse=True),
+            "sparse load multipliers": lambda: fm.buckling_loads(model, count=1, sparse=True),
+            "sparse poles": lambda: fm.poles(model, count=2, sparse=True),
             "motion": lambda: fm.simulate(model, np.linspace(0, 1e-3, 3)).x[-1],
         }[name]()
 
     return answer
 
 
-@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
-@pytest.mark.parametrize(
-    "name",
-    "stress; frequencies; motion; equilibrium; equilibria; state; compliance; poles; response; load multipliers; "
-    "smooth stress".split("; "),
+NAMES = (
+    "stress; frequencies; motion; sparse frequencies; equilibrium; equilibria; state; compliance; poles; response;"
+    " load multipliers; smooth stress; sparse equilibrium; sparse load multipliers; sparse poles"
 )
+
+
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+@pytest.mark.parametrize("name", NAMES.split("; "))
 def test_what_fails_under_a_trace_is_no_number(name):
-    answer = fm.jit(asked_of(name))
-    assert not np.any(np.isnan(answer(0.1)))
-    assert np.all(np.isnan(answer(np.nan)))
+    good, bad = fm.jit(jax.vmap(asked_of(name)))(np.array([0.1, np.nan]))
+    assert not np.any(np.isnan(good))
+    assert np.all(np.isnan(bad))
+
+
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+@pytest.mark.parametrize("derivative", [jax.grad, jax.jacfwd])
+def test_what_fails_under_a_trace_has_no_derivative(derivative):
+    # Ten thousand newtons are beyond all that load steps reach.
+    slopes = fm.jit(jax.vmap(derivative(lambda force: asked_of("equilibrium")(force)[-1])))(
+        np.array([0.1, 1e4, np.nan])
+    )
+    assert np.isfinite(slopes[0])
+    assert np.all(np.isnan(slopes[1:]))

@@ -636,7 +636,7 @@ class Builder(Description):
         keys = [part[1:5] for part in parts]
         if twice := [said for i, said in enumerate(weights) if keys[i] in keys[:i]]:
             raise ModelError(f"{what.capitalize()} '{name}' has '{twice[0]}' twice: give the sum of its factors.")
-        signal = NamedSignal("", what, parts[0].key, parts=tuple(parts), weights=tuple(weights.values()))
+        signal = NamedSignal("", what, parts[0].key, parts=tuple(parts), weights=copied(tuple(weights.values())))
         self._add_signal(side, name, signal)
 
     def _part(self, side: str, what: str, said: str) -> NamedSignal:
@@ -833,7 +833,7 @@ class Builder(Description):
         """One number or several as a list of as many as there may be."""
         check_numbers(what, given, fault=ModelError)
         alone = not isinstance(given, list | tuple) and np.ndim(given) == 0
-        found = [given] if alone else listed(what, given)
+        found = [copied(given)] if alone else listed(what, given)
         if len(found) not in counts:
             raise ModelError(f"{what} must be {wanted}, not {shown(given)}.")
         return found

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..arguments import as_whole, check_numbers, shown
+from ..arguments import as_whole, check_numbers, copied, shown
 from ..elements.element import ALL
 from ..errors import ModelError
 
@@ -21,7 +21,7 @@ def listed(what: str, values: Any) -> list:
     if isinstance(values, str | dict | set):
         raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
     try:
-        found = list(values)
+        found = copied(list(values))
     except TypeError:
         raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.") from None
     for value in found:

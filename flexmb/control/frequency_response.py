@@ -1,7 +1,7 @@
 """Responses to harmonic inputs: complex, by frequency, output and input, with derivatives."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import jax
@@ -150,7 +150,7 @@ def places_of(kind: str, known: Sequence[str], wanted: Sequence[str] | str | Non
         raise ModelError(f"A response needs an {kind}: name it with {kind}() of the builder.")
     if wanted is None:
         return list(range(len(known)))
-    if not isinstance(wanted, str | Sequence):
+    if not isinstance(wanted, Iterable):
         raise TypeError(f"Argument `{kind}s` must be a name or a list of names, not {shown(wanted)}.")
     found = [one_of(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
     if not found or len(set(found)) < len(found):

@@ -2,7 +2,7 @@
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -171,7 +171,7 @@ def lean(
     if not isinstance(model, Model) and not callable(model):
         raise ModelError(f"Argument `model` must be a Model or a function that builds it, not {type(model).__name__}.")
     check_question(model if isinstance(model, Model) else None, bandwidth, tolerance, nodes)
-    if np.ndim(increments) != 1:
+    if not isinstance(increments, Iterable):
         raise ModelError(
             f"Argument `increments` must be a list of factors, such as [0.0, 5.0], not {shown(increments)}."
         )
@@ -214,7 +214,7 @@ def lean(
             these = in_band(theirs, bandwidth) + 1
             ours = own[0].frequencies()[:these]
             return Lean(
-                small, whole, error, beams, names, ties, bandwidth, tolerance, theirs[:shown], ours, restriction
+                small, whole, error, beams, names, ties, bandwidth, tolerance, theirs[:these], ours, restriction
             )
     raise AnalysisError(
         "not_lean",
@@ -240,7 +240,7 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
             check_number(name, value, above=0)
         except (TypeError, ValueError) as fault:
             raise ModelError(str(fault)) from None
-    if isinstance(nodes, str) or not isinstance(nodes, Sequence):
+    if isinstance(nodes, str) or not isinstance(nodes, Iterable):
         raise ModelError(f"Argument `nodes` must be a list of names, such as ['top'], not {shown(nodes)}.")
     for node in nodes:
         if model is not None and not model.labels.coordinates(node):

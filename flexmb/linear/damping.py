@@ -16,7 +16,7 @@ from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
 from ..math.spectral import harmonic, spectral
 from ..model.model import Model
-from ..results import RESULTS
+from ..results import RESULTS, or_nan
 from .linearize import Linearization, Matrices, linearized
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
@@ -93,7 +93,7 @@ def damped(
         losses = None if loss_factor is None else loss_factors(lin, loss_factor)
         modal, result = _modal_damping(m, ratios, losses)
         check_spectrum(result, True, lin)
-        added = added + modal
+        added = added + or_nan(modal, result)
     own = {"D0": m.D0 + added} if elements else {"D0": added, "S_d": jnp.zeros_like(m.S_d)}
     return Linearization(dataclasses.replace(m, result=result, **own), lin.model)
 

@@ -43,11 +43,14 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 
 def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """As :func:`on_host` inside compiled code."""
+    """As :func:`on_host` inside compiled code; NaN of what is not finite, since something before it has failed."""
 
     def called(*arguments: Any):
+        numbers = jax.tree.map(np.asarray, arguments)
+        if not all(np.all(np.isfinite(number)) for number in jax.tree.leaves(numbers)):
+            return jax.tree.map(lambda one: np.full(one.shape, np.nan, one.dtype), like)
         with one_thread():
-            return on_host_thread(function, *jax.tree.map(np.asarray, arguments))
+            return on_host_thread(function, *numbers)
 
     return jax.pure_callback(called, like, *arguments, vmap_method="sequential")
 

@@ -114,7 +114,7 @@ def with_derivative(
 
 
 def refusing_derivatives(value: Any, message: str) -> Any:
-    """The same numbers, whose own derivatives are refused, in both modes.
+    """The same numbers, whose own derivatives are refused, in both modes, also where they would be stopped afterwards.
 
     Args:
         value: Pytree of numbers.

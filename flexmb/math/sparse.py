@@ -150,6 +150,7 @@ class SparseFactors:
                 self.regular = self._scaled(matrix, equilibrating(matrix, self.by_diagonal), on_diagonal)
                 if self.regular:
                     break
+            self.by_diagonal = self.by_diagonal and self.regular
         self.negative: int | None = None
         if self._factors is not None and np.array_equal(self._factors.perm_r, self._factors.perm_c):
             self.negative = int(np.sum(self._factors.U.diagonal() < 0))
@@ -277,7 +278,7 @@ def equilibrating(matrix: Any, by_diagonal: bool = False) -> np.ndarray:
     Args:
         matrix: Sparse.
         by_diagonal: Whether entries of the diagonal become one, where there are any, and only the other rows are made
-            alike: where stiffnesses are far below the constraints beside them, their share would not be seen.
+            alike: where stiffnesses are far below the constraints beside them, their share would be lost in round-off.
 
     Source:
         Ruiz (2001), A scaling algorithm to equilibrate both rows and columns norms in matrices, RAL-TR-2001-034.

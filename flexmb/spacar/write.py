@@ -86,7 +86,7 @@ def _numbered(names: list[str]) -> dict[str, int]:
     return {name: own[name] if name in own else next(free) for name in names}
 
 
-def in_no_element(node: str) -> str:
+def told_in_no_element(node: str) -> str:
     """What is said of a node that no element joins.
 
     Args:
@@ -211,7 +211,7 @@ class _Writer:
                 self._check_leaf(name, m)
         for name, node in self.builder.nodes.items():
             if name not in joined:
-                raise ModelError(in_no_element(name))
+                raise ModelError(told_in_no_element(name))
             if node.kind.part == "rotation" and tuple(numbers_of(node.start)) != node.kind.start:
                 raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
         if "gravity" in self.builder.loads["increment"]:

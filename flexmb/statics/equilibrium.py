@@ -65,6 +65,10 @@ class Equilibrium(ByName, Result, Record):
     # The model it was asked of, where its numbers were known: beside the fields, since nothing is computed with it.
     asked_of: ClassVar[Model | None] = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Its fields alone: the model may hold functions that no file can."""
+        return {name: value for name, value in vars(self).items() if name != "asked_of"}
+
     def summary(self) -> Summary:
         """Outcome, and the largest deformation, stress resultant and reaction with their names."""
         rows = {

@@ -19,7 +19,7 @@ from ..spacar.arithmetic import names_in
 from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
-from ..spacar.write import in_no_element, lines_of
+from ..spacar.write import lines_of, told_in_no_element
 from ..spacar.written import WrittenLine, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
@@ -159,7 +159,7 @@ def refused(document: Document) -> list[str]:
         except ModelError as fault:
             if found and not build(document).builder.members:
                 break
-            if str(fault) not in map(in_no_element, joined):
+            if str(fault) not in map(told_in_no_element, joined):
                 found.append(str(fault).removesuffix("."))
             culprit = _culprit(document, str(fault))
             if culprit is None:

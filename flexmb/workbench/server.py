@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
 from typing import Any
 
+from .jobs import PATIENCE
 from .messages import LONGEST_FRAME, Page, guarded, number_of, parsed, refused, written
 from .session import Refused, Session
 
@@ -104,7 +105,7 @@ class Server:
         if self._thread.is_alive() and self._loop is not None and self._ended is not None:
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._ended.set)
-            self._thread.join()
+            self._thread.join(PATIENCE)
         self._socket.close()
         self.session.close()
         self._desk.shutdown(cancel_futures=True)
