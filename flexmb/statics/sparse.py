@@ -261,7 +261,6 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
     z, code = solution_at(topology, parameters, factors, near, solved, -change)
     check(code, True)
-    z = or_nan(z, code)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change, no_change)
