@@ -245,7 +245,7 @@ def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
         result: Code, () or a batch of them.
         throw: What the caller was given.
     """
-    import jax
+    import jax.core
     import jax.numpy as jnp
 
     if not throw or not isinstance(result, jax.core.Tracer) or collects():

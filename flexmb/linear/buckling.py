@@ -342,7 +342,8 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
         )
     if is_concrete((multiplier, moved, result)) and int(result) == RESULTS.successful:
         _warn_of_moving(multiplier, moved, model.parameters.increment is None and where.at is None)
-    return *or_nan((multiplier, shapes), result, throw), lin
+    multiplier, shapes = or_nan((multiplier, shapes), result, throw)
+    return multiplier, shapes, lin
 
 
 def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization | SparseLinearization, LoadFactors]:
