@@ -2964,7 +2964,7 @@ FAULTS = [
     ),
     Fault("compilation/compile.py", "if used > FULL * most:", "if False:", "compilation/test_room.py"),
     # Where loads bend.
-    Fault("motion/stages.py", "jnp.minimum(t + alpha * h, end)", "t + alpha * h", "motion/test_bends.py -k in_jumps"),
+    Fault("motion/stages.py", "jnp.minimum(t + alpha * h, end)", "t + alpha * h", "motion/test_bends.py -k beyond_it"),
     Fault(
         "motion/drives_by_name.py",
         "jax.lax.stop_gradient(jnp.asarray(own, float))",
