@@ -50,9 +50,12 @@ def moved(load, **options):
 
 
 def test_a_step_onto_a_jump_does_not_look_beyond_it():
-    # Where round-off led the last stage of that step beyond the jump, it was refused again and again: 50 steps.
-    jump = {"cart.x": lambda t: jnp.where(t >= BEND, 500.0, 0.0)}
-    assert fm.simulate(oscillator(), TIMES, loads=jump, jumps=[BEND]).steps < 25
+    def steps(p):
+        load = {"cart.x": lambda t: jnp.where(t >= p, 500.0, 0.0)}
+        return fm.simulate(oscillator(), TIMES, loads=load, jumps=[p]).steps
+
+    # Where round-off leads the last stage of that step beyond the jump, it is refused again and again: 44 steps.
+    assert fm.jit(steps)(BEND) < 25
 
 
 def test_derivative_by_a_bend_that_stands_in_jumps():
