@@ -1,6 +1,7 @@
 """Questions about a stated state: increments, a state of a path or of a motion; against closed forms of a guide."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -154,3 +155,12 @@ def renamed():
 def test_what_does_not_go_together(pressed, ask, kind, words):
     with pytest.raises(kind, match=words):
         ask(*pressed)
+
+
+def test_an_equilibrium_is_stored_without_its_model(pressed):
+    model, _ = pressed
+    found = fm.equilibrium(model, increment=0.0)
+    assert found.asked_of is model
+    stored = pickle.loads(pickle.dumps(found))
+    assert stored.asked_of is None
+    np.testing.assert_array_equal(stored.x, found.x)
