@@ -49,7 +49,13 @@ def as_known(tree: Any) -> Any:
 
 
 def copied(tree: Any) -> Any:
-    """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards."""
+    """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards.
+
+    Args:
+        tree: Itself where it holds no such array: elements that share a section are known by that.
+    """
+    if not any(isinstance(leaf, np.ndarray) for leaf in jax.tree.leaves(tree)):
+        return tree
     return jax.tree.map(lambda leaf: leaf.copy() if isinstance(leaf, np.ndarray) else leaf, tree)
 
 

@@ -235,7 +235,7 @@ def check(result: Any, throw: bool, about: str = "") -> None:
         raise AnalysisError(member.name, member.message + (f" {about}" if about else ""))
 
 
-def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
+def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
     """An answer whose numbers are traced, NaN with its derivatives where it failed, since nothing can be raised there.
 
     Where codes are collected they tell, and the answer stays as it is; as it does with ``throw=False``.
@@ -244,6 +244,7 @@ def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
         answer: Pytree of arrays; of a batch of codes, each with the batch as its first axis.
         result: Code, () or a batch of them.
         throw: What the caller was given.
+        of: Pytree of numbers by which it has derivatives although nothing may have come of them.
     """
     import jax.core
     import jax.numpy as jnp
@@ -254,6 +255,10 @@ def or_nan(answer: Any, result: Any, throw: bool = True) -> Any:
 
     # By a product: where it failed the derivatives are no numbers either, and not zero.
     factor = jnp.where(failed, jnp.nan, 1.0)
+    for number in jax.tree.leaves(of):
+        if isinstance(number, jax.core.Tracer) and jnp.issubdtype(number.dtype, jnp.floating):
+            known = jnp.where(jnp.isfinite(number), number, 0.0)
+            factor = factor * (1.0 + jnp.where(failed, 1.0, 0.0) * jnp.sum(known - jax.lax.stop_gradient(known)))
 
     def marked(number: Any) -> Any:
         if not isinstance(number, jax.core.Tracer) or not jnp.issubdtype(number.dtype, jnp.inexact):

@@ -660,6 +660,12 @@ FAULTS = [
         TRACED,
     ),
     Fault("statics/equilibrium.py", 'if name != "asked_of"', "if True", "linear/test_states.py -k stored_without"),
+    Fault(
+        "trajectory/vibrations.py",
+        "holding - _of_servo(m,",
+        "holding + 0 * _of_servo(m,",
+        "trajectory/test_vibrations.py -k servo",
+    ),
     Fault("math/derivative.py", "jax.tree.map(same, value)", "value", "math/test_derivative.py"),
     Fault("motion/integrate.py", "step_ts=stops, jump_ts", "step_ts=None, jump_ts", "motion/test_sudden.py -k diffrax"),
     Fault("motion/chain_march.py", "until_stop(stops, begin, end)", "end", "motion/test_sudden.py -k chain"),

@@ -427,7 +427,8 @@ def _loop(
     """
     whole = closed(energy_form(system, orders), matrices, places, *entries)
     poles, _, _ = general_eigen(whole.A)
-    settles = jnp.max(jnp.real(poles)) < (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles))
+    # So that what is not a number does not count as unstable.
+    settles = ~(jnp.max(jnp.real(poles)) >= (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles)))
     return whole, poles, settles, frequencies(poles, *(band or (None, None)))
 
 

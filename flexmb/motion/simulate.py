@@ -179,7 +179,8 @@ def simulate(
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
     found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
     _tell(found, drives, run.jumped, throw and not stopped)
-    return dataclasses.replace(found, **or_nan({"x": found.x, "xd": found.xd, "u": found.u}, found.result, throw))
+    rows, numbers = {"x": found.x, "xd": found.xd, "u": found.u}, (model.parameters, driven, times)
+    return dataclasses.replace(found, **or_nan(rows, found.result, throw, numbers))
 
 
 def _records(

@@ -42,7 +42,8 @@ class Perturbation(Result, Record):
         q: Deviations of the degrees of freedom from the nominal motion, (n_t, n_q) [m, rad].
         qd: Their rates, (n_t, n_q) [1/s].
         u: Inputs beside what the nominal motion has in its loads, (n_t, n_u), or (n_t, 0) for none [N, N m].
-        held: Force that holds each degree of freedom along the nominal motion and is let go, (n_t, n_q) [N, N m].
+        held: Force that holds each degree of freedom along the nominal motion and is let go, less that of a servo which
+            holds some meanwhile, (n_t, n_q) [N, N m].
         nominal: The nominal motion.
         error: Estimated error of the time steps: largest displacement by which ``q`` is off, over the largest by which
             the vibrations move anything; NaN where the steps were given [-].
@@ -297,6 +298,7 @@ def perturbation(
     traced = not is_concrete((m, start, force))
     (found, rates), error, count = refined(run, apart, substeps, rtol, traced, "The vibration")
     moved, moving = whole(found, rates)
+    holding = holding - _of_servo(m, force, kept, moved, moving)
     return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))
 
 
@@ -334,6 +336,20 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
             " it."
         )
     return jnp.einsum("tij,tj->ti", form.B0, u)
+
+
+def _of_servo(
+    m: Matrices, force: Float[Array, "n_t n_q"], kept: Array, q: Float[Array, "n_t n_q"], qd: Float[Array, "n_t n_q"]
+) -> Float[Array, "n_t n_q"]:
+    """Forces along the degrees of freedom by which those that are not kept follow the nominal motion."""
+    if len(kept) == force.shape[1]:
+        return jnp.zeros_like(force)
+    lacking = force - jnp.einsum("tij,tj->ti", m.C0 + m.D0, qd) - jnp.einsum("tij,tj->ti", m.K, q)
+    # What has no mass has no acceleration of its own.
+    inverse = jnp.linalg.pinv(m.M0[:, kept][:, :, kept], hermitian=True)
+    accelerated = jnp.einsum("tij,tj->ti", inverse, lacking[:, kept])
+    needed = jnp.einsum("tij,tj->ti", m.M0[:, :, kept], accelerated) - lacking
+    return needed.at[:, kept].set(0.0)
 
 
 def _not_held(names: list[str], held: Sequence[str]) -> Array:
