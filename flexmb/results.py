@@ -8,6 +8,8 @@ process pays for.
 import contextlib
 import contextvars
 import enum
+import functools
+import operator
 from collections.abc import Iterator
 from typing import Any
 
@@ -251,8 +253,7 @@ def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
 
     if not throw or not isinstance(result, jax.core.Tracer) or collects():
         return answer
-    failed = jnp.all(jnp.stack([result != int(code) for code in ANSWERED]), axis=0)
-
+    failed = functools.reduce(operator.and_, [result != int(code) for code in ANSWERED])
     # By a product: where it failed the derivatives are no numbers either, and not zero.
     factor = jnp.where(failed, jnp.nan, 1.0)
     for number in jax.tree.leaves(of):
