@@ -85,6 +85,9 @@ def asked_of(name):
             "poles": lambda: fm.poles(model, count=2),
             "response": lambda: fm.frequency_response(model, [1.0]).response,
             "load multipliers": lambda: fm.buckling_loads(model),
+            "noise": lambda: fm.control.noise_budget(
+                fm.damped(model, ratio=0.1), sources={"push": 1.0}, band=(1.0, 50.0)
+            ).rms("place"),
             "stress": lambda: fm.stress(model).maximum,
             "smooth stress": lambda: fm.stress(model).smooth_maximum(),
             "sparse equilibrium": lambda: fm.equilibrium(model, sparse=True).x,
@@ -99,7 +102,7 @@ def asked_of(name):
 
 NAMES = (
     "stress; frequencies; motion; sparse frequencies; equilibrium; equilibria; state; compliance; poles; response;"
-    " load multipliers; smooth stress; sparse equilibrium; sparse load multipliers; sparse poles"
+    " load multipliers; smooth stress; noise; sparse equilibrium; sparse load multipliers; sparse poles"
 )
 
 

@@ -150,3 +150,14 @@ def test_matrices_are_attributes_of_what_is_linearised():
     assert along.moving is along.matrices.moving
     with pytest.raises(AttributeError, match="M1"):
         lin.M1  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_modes_are_told_by_nodes_and_not_by_what_lies_within_an_element():
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("tip", (0.0, 0.1))
+    b.add(planar.spectral_beam(2), "foot", "tip", section=fm.Rigidity(EA=1e5, EIy=0.1, mass=0.1))
+    b.fix("foot")
+    told = repr(fm.modes(b.build()))
+    assert "moves tip.rotation.phi most" in told
+    assert "internal" not in told

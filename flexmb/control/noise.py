@@ -14,6 +14,7 @@ from ..display import Result, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
 from ..linear.linearize import Linearization, ManyStates, Where, linearized
 from ..linear.loose import refuse_without_anything
+from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
@@ -65,7 +66,7 @@ class NoiseBudget(Result, Record):
         Raises:
             KeyError: There is no such output or source.
         """
-        return _root(self._part(self.variances, output, source))
+        return root_or_zero(self._part(self.variances, output, source))
 
     def _part(self, values: Any, output: str | None, source: str | None) -> Any:
         own = values[..., one_of("output", self.outputs, output), :]
@@ -93,7 +94,7 @@ class NoiseBudget(Result, Record):
         Returns:
             (n_f,) [unit of the output].
         """
-        return _root(self._part(self.below, output, source))
+        return root_or_zero(self._part(self.below, output, source))
 
     def summary(self) -> Summary:
         """Root mean square of each output, and the share that each source has in its square."""
@@ -109,12 +110,6 @@ class NoiseBudget(Result, Record):
             rows[f"rms of {name}"] = f"{short(np.sqrt(total))}: {', '.join(shares)}"
         title = f"NoiseBudget: {len(self.outputs)} outputs, {len(self.sources)} sources"
         return Summary(title, rows, "noise", {} if len(self.outputs) == 1 else None)
-
-
-def _root(variance: Any) -> Any:
-    """Square root, with a derivative of zero where there is nothing."""
-    there = variance > 0
-    return jnp.where(there, jnp.sqrt(jnp.where(there, variance, 1.0)), 0.0)
 
 
 def noise_budget(

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from numpy.polynomial import polynomial
 
+from ..math.derivative import root_or_zero
 from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
 
@@ -208,8 +209,7 @@ def length_or_zero(ref: Reference) -> Float[Array, ""]:
     Returns:
         () [m].
     """
-    square = (ref.q - ref.p) @ (ref.q - ref.p)
-    return jnp.where(square <= 0, 0.0, jnp.sqrt(jnp.where(square <= 0, 1.0, square)))
+    return root_or_zero((ref.q - ref.p) @ (ref.q - ref.p))
 
 
 def truss_resultants(

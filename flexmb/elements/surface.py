@@ -13,6 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..math.derivative import root_or_zero
+
 # Points of a rectangle over half its sides, counter-clockwise from the corner at +y, +z: corners and middles in turn.
 RECTANGLE = np.array([[1.0, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])
 POINTS = len(RECTANGLE)
@@ -47,9 +49,7 @@ def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any 
     Source:
         Von Mises's criterion for plane stress.
     """
-    square = squared(sigma_x, tau, across)
-    # What is not a number stays none.
-    return jnp.where(square <= 0, 0.0, jnp.sqrt(jnp.where(square <= 0, 1.0, square)))
+    return root_or_zero(squared(sigma_x, tau, across))
 
 
 def torsion_stress(

@@ -132,6 +132,16 @@ def refusing_derivatives(value: Any, message: str) -> Any:
     return jax.tree.map(same, value)
 
 
+def root_or_zero(square: Any) -> Any:
+    """Square root of what is not negative, with a derivative of zero where it is zero; NaN stays NaN.
+
+    Args:
+        square: Any shape; what round-off left below zero counts as zero.
+    """
+    none = square <= 0
+    return jnp.where(none, 0.0, jnp.sqrt(jnp.where(none, 1.0, square)))
+
+
 def _varied(argument: Any, varies: list[bool]) -> Varied:
     leaves, structure = jax.tree.flatten(argument)
 

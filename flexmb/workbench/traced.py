@@ -22,6 +22,7 @@ from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import frequencies
 from ..linear.stress import stress
+from ..math.derivative import root_or_zero
 from ..model.model import Model
 from ..results import RESULTS
 from ..spacar.arithmetic import is_number
@@ -122,8 +123,7 @@ def _largest_displacement(lin: Linearization) -> Any:
         if entry.kind == "position":
             nodes.setdefault(entry.of, []).append(i)
     moved = (lin.x - lin.model.parameters.reference)[np.array(list(nodes.values()))]
-    squares = jnp.max(jnp.sum(moved**2, axis=1))
-    return jnp.where(squares > 0, jnp.sqrt(jnp.where(squares > 0, squares, 1.0)), 0.0)
+    return root_or_zero(jnp.max(jnp.sum(moved**2, axis=1)))
 
 
 _WHOLE: dict[str, Answer] = {

@@ -515,7 +515,8 @@ def test_what_acts_on_fixed_deformations_is_warned_of(what):
 
 def test_arrays_that_are_written_into_afterwards_leave_a_model_as_it_is():
     def numbers(write):
-        thickness, center, inertia, place, pull = (np.array(v) for v in (5e-4, [0.01, 0.0], 1e-5, 0.1, 0.3))
+        every = [np.array(v) for v in (5e-4, [0.01, 0.0], 1e-5, 0.1, 0.3, 2.0)]
+        thickness, center, inertia, place, pull, factor = every
         b = fm.Builder()
         b.node("a", (0.0, 0.0))
         b.node("c", (0.1, 0.0))
@@ -524,7 +525,9 @@ def test_arrays_that_are_written_into_afterwards_leave_a_model_as_it_is():
         b.body("c", 0.1, center=center, inertia=inertia)
         b.prestress("leaf", pull)
         b.start("c", "y", place, place)
-        for given in (thickness, center, inertia, place, pull) if write else ():
+        b.gravity((0.0, factor))
+        b.actuator("pair", {"c.x": factor, "c.y": 1.0})
+        for given in every if write else ():
             given[...] = 7.0
         return jax.tree.leaves(b.build().parameters)
 

@@ -285,6 +285,7 @@ def test_what_is_refused():
         (ValueError, "cannot be negative", {"sources": {"push": -1.0}, "band": (1, 2)}),
         (ValueError, "'push' is not white", {"sources": {"push": lambda f: 1 / f}}),
         (ValueError, "ascend", {"hertz": [2.0, 1.0]}),
+        (ValueError, "ascend", {"hertz": [1.0, 1.0]}),
         (ValueError, "`band` must be two ascending", {"band": (2, 1)}),
         (ValueError, "either `hertz` or `band`", {"band": (1, 2), "hertz": [1.0, 2.0]}),
         (ValueError, "1 inputs, but 4 outputs", {"controller": 3.0}),

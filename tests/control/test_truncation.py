@@ -199,6 +199,12 @@ def test_derivatives():
     assert jax.grad(answer)(at) == pytest.approx(expected, rel=1e-6)
 
 
+def test_a_bandwidth_that_is_traced_chooses_no_modes():
+    model = chain()
+    with pytest.raises(ValueError, match="depends on numbers: give `modes`"):
+        jax.eval_shape(lambda hertz: fm.control.state_matrices(model, bandwidth=hertz)[0], 3.0)
+
+
 @pytest.mark.parametrize(
     ("given", "kind", "words"),
     [
