@@ -21,7 +21,7 @@ import jax
 import pytest
 
 import flexmb as fm
-from flexmb.compilation.compile import OPTIONS, compile_thoroughly
+from flexmb.compilation.compile import OPTIONS, compile_thoroughly, make_room
 from flexmb.setup import cache_folder
 
 fm.enable_x64()
@@ -114,9 +114,8 @@ def pytest_collection_finish():
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
-    """Each compiled function holds a dozen memory maps, of which a process has 65530: beyond them compiling crashes."""
+    """Where it takes much room: what files have in common is compiled once, and four gigabytes are enough for a worker."""
     # A command that an earlier module ran has switched to its own.
     use_cache()
     yield
-    jax.clear_caches()
-    gc.collect()
+    make_room(0.3)

@@ -152,14 +152,18 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
                 results = own(*leaves)
             results = jax.block_until_ready(results)
             if own._cache_size() > programs:
-                _make_room()
+                make_room()
             return results
 
     return run
 
 
-def _make_room() -> None:
-    """Give compiled code back where a next program may not find a memory map: what is asked again compiles again."""
+def make_room(share: float = FULL) -> None:
+    """Give compiled code back where a next program may not find a memory map: what is asked again compiles again.
+
+    Args:
+        share: Of the memory maps that a process may have, from which on compiled code goes.
+    """
     try:
         most = int(Path("/proc/sys/vm/max_map_count").read_text())
         with open("/proc/self/maps", "rb") as maps:
@@ -167,7 +171,7 @@ def _make_room() -> None:
     except OSError:
         # Other systems than Linux have no such limit.
         return
-    if used > FULL * most:
+    if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()
 
