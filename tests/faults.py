@@ -475,7 +475,7 @@ FAULTS = [
     Fault("fmu/runtime.c", "a != a || b != b ? NAN : a > b", "a > b", "fmu/test_translate.py -k primitive"),
     Fault("fmu/translate.py", "[new if self._is_own(new, block)", "[new if True", "fmu/test_translate.py -k primitive"),
     Fault("fmu/flatten.py", "refuse_callbacks(program.jaxpr)", "pass", "fmu/test_translate.py -k refused"),
-    Fault("fmu/nonlinear.py", "steps <= 256", "steps < 4", "fmu/test_translate.py -k space"),
+    Fault("fmu/nonlinear.py", "steps <= 256", "steps < 4", "fmu/test_translate.py -k space", slow=True),
     Fault("checks/mobility.py", 'in ("internal", "warping")', 'in ("warping",)', "checks/test_mobility.py -k leaf"),
     Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
@@ -489,6 +489,7 @@ FAULTS = [
         "(2 * s * m + c) @ moved",
         "(s * m + c) @ moved",
         "control/test_frequency_response.py -k dimensions",
+        slow=True,
     ),
     Fault(
         "control/frequency_response.py",
@@ -513,7 +514,13 @@ FAULTS = [
     Fault(
         "control/energy_form.py", "* terms, b - taken, 0.0)", "* terms, b, 0.0)", "control/test_noise.py -k one_mass"
     ),
-    Fault("control/feedback.py", "[a + bd @ by_z, bd", "[a - bd @ by_z, bd", "control/test_noise.py -k lyapunov"),
+    Fault(
+        "control/feedback.py",
+        "[a + bd @ by_z, bd",
+        "[a - bd @ by_z, bd",
+        "control/test_noise.py -k lyapunov",
+        slow=True,
+    ),
     Fault("math/lyapunov.py", "lower=adjoint)", "lower=False)", "control/test_noise.py -k derivatives"),
     Fault(
         "control/nonlinear_system.py",
@@ -722,6 +729,7 @@ FAULTS = [
         "matrix = 2 * jnp.einsum",
         "matrix = jnp.einsum",
         "control/test_signals.py -k input_acts_as",
+        slow=True,
     ),
     Fault("motion/drive.py", "values[i] + share *", "values[i] - share *", "motion/test_simulate.py -k loads_as"),
     Fault(
@@ -790,7 +798,13 @@ FAULTS = [
         "return (jnp.concatenate(values),)",
         "motion/test_start.py -k left_alone",
     ),
-    Fault("motion/start.py", "own.w * reduced.sizes)", "0.0 * own.w)", "motion/test_start.py -k values_are_kept"),
+    Fault(
+        "motion/start.py",
+        "own.w * reduced.sizes)",
+        "0.0 * own.w)",
+        "motion/test_start.py -k values_are_kept",
+        slow=True,
+    ),
     Fault(
         "motion/integrate.py",
         "there = there | met",
@@ -857,6 +871,7 @@ FAULTS = [
         "at.C0 + at.D0, at.M0",
         "at.D0, at.M0",
         "motion/test_simulate.py -k negative_lumped",
+        slow=True,
     ),
     Fault(
         "motion/moving_matrices.py",
@@ -948,6 +963,7 @@ FAULTS = [
         "smallest, keep, after)",
         "smallest, False, after)",
         "motion/test_chain.py -k failures",
+        slow=True,
     ),
     Fault("motion/chain_march.py", "keep = error < 1", "keep = error < 1e6", "motion/test_chain.py -k diffrax"),
     Fault(
@@ -961,6 +977,7 @@ FAULTS = [
         "10 * u - 4 * w + a / 2",
         "10 * u - 4 * w - a / 2",
         "motion/test_chain.py -k what_follows",
+        slow=True,
     ),
     Fault(
         "motion/collocation.py",
@@ -973,6 +990,7 @@ FAULTS = [
         "(times, reached, z)",
         "(t + 0 * times, reached, z)",
         "motion/test_chain.py -k what_follows",
+        slow=True,
     ),
     Fault("motion/collocation.py", "LEFT, ROUND_OFF = 0.01", "LEFT, ROUND_OFF = 1e5", "motion/test_chain.py"),
     Fault("mechanics/turning.py", "back * before[places]", "before[places]", "mechanics/test_turning.py"),
@@ -997,12 +1015,14 @@ FAULTS = [
         "self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)",
         "self._pulled(self.stiffness, strain)",
         "motion/test_chain.py -k what_follows",
+        slow=True,
     ),
     Fault(
         "motion/chain_form.py",
         "acting.force - form.applied(t, at.x), at",
         "acting.force + form.applied(t, at.x), at",
         "motion/test_chain.py -k what_follows",
+        slow=True,
     ),
     Fault("mechanics/sparse_order.py", "np.array_equal(known, entries)", "True", "mechanics/test_sparse_order.py"),
     Fault(
@@ -1326,6 +1346,7 @@ FAULTS = [
         "if is_concrete((undamped, poles)):",
         "if is_concrete(undamped):",
         "control/test_noise.py -k no_compiled",
+        slow=True,
     ),
     Fault("control/noise.py", "    refuse_without_anything(lin)\n", "", "linear/test_loose.py -k neither_mass"),
     Fault(
@@ -1349,12 +1370,14 @@ FAULTS = [
         "fixed = jax.lax.stop_gradient((t0, t1))",
         "fixed = t0, t1",
         "motion/test_bends.py -k time_of_a_jump",
+        slow=True,
     ),
     Fault(
         "motion/step_control.py",
         "next_t0 = next_t0 + jnp.where(keep, t1 - fixed[1], t0 - fixed[0])",
         "pass",
         "motion/test_bends.py -k time_of_a_jump",
+        slow=True,
     ),
     Fault(
         "linear/buckling.py",
@@ -1718,12 +1741,14 @@ FAULTS = [
         "[nothing, -found.e[held]]",
         "[nothing, 0 * found.e[held]]",
         "paths/test_sparse_path.py -k begins_bent",
+        slow=True,
     ),
     Fault(
         "paths/imperfection.py",
         "loads=Loads(), increment=own.loads",
         "loads=own.loads",
         "paths/test_stops.py -k limit_point",
+        slow=True,
     ),
     Fault(
         "paths/critical.py",
@@ -1879,6 +1904,7 @@ FAULTS = [
         "            _add_stress(figure, stressed)",
         "            pass",
         "spacar/test_outlines.py -k draws_it",
+        slow=True,
     ),
     Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
     Fault(
@@ -2110,7 +2136,7 @@ FAULTS = [
     Fault(
         "design/stroke.py", "at.sigma[index] - held", "held.sigma[index] - at", "design/test_verdict.py -k deformation"
     ),
-    Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling"),
+    Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling", slow=True),
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
     Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k snaps"),
     Fault(
@@ -2211,7 +2237,11 @@ FAULTS = [
         "answers/test_trajectory.py -k torques",
     ),
     Fault(
-        "answers/trajectory.py", "direct + (others if left else [])", "direct", "answers/test_trajectory.py -k let_go"
+        "answers/trajectory.py",
+        "direct + (others if left else [])",
+        "direct",
+        "answers/test_trajectory.py -k let_go",
+        slow=True,
     ),
     Fault(
         "answers/motion.py",
@@ -2279,7 +2309,9 @@ FAULTS = [
         "test_jobs.py -k folded",
     ),
     Fault("elements/sections.py", "w * t**3 / 12, t * w**3", "w * t**3 / 12.1, t * w**3", "test_jobs.py -k identified"),
-    Fault("motion/motion.py", "held == 1.0, force, 0.0", "held == 1.0, -force, 0.0", "test_jobs.py -k four_bar"),
+    Fault(
+        "motion/motion.py", "held == 1.0, force, 0.0", "held == 1.0, -force, 0.0", "test_jobs.py -k four_bar", slow=True
+    ),
     Fault(
         "statics/stroke.py",
         "external_of(topology, parameters, at)",
@@ -2328,6 +2360,7 @@ FAULTS = [
         "below + np.sum(values < 0, axis=1)",
         "np.sum(values < 0, axis=1)",
         "paths/test_sparse_path.py -k again",
+        slow=True,
     ),
     Fault("paths/sparse_critical.py", "negative - int(np.sum(rough < -shift))", "0", "paths/test_sparse_critical.py"),
     Fault(
@@ -2513,12 +2546,14 @@ FAULTS = [
         "Balanced(about.x, about.sigma[held], about.e, ",
         "Balanced(about.x, 0 * about.sigma[held], about.e, ",
         "paths/test_sparse_states.py -k of_a_held_elongation",
+        slow=True,
     ),
     Fault(
         "linear/sparse_buckling.py",
         "return elastic + of_stress(sigma, loads.gravity) + value",
         "return elastic + value",
         "linear/test_buckling.py -k derivative",
+        slow=True,
     ),
     Fault(
         "linear/buckling.py",
@@ -2531,18 +2566,21 @@ FAULTS = [
         "(rows, columns, -own)",
         "(rows, columns, own)",
         "paths/test_sparse_states.py -k frequencies",
+        slow=True,
     ),
     Fault(
         "linear/sparse_solve.py",
         "slopes = -jnp.diagonal(y[n + h :])",
         "slopes = jnp.diagonal(y[n + h :])",
         "linear/test_sparse.py -k derivatives_are",
+        slow=True,
     ),
     Fault(
         "linear/sparse_spectrum.py",
         "shares[:, ::-1][:, :count]",
         "shares[:, :count]",
         "linear/test_sparse.py -k mass_on_many",
+        slow=True,
     ),
     # Many short beams.
     Fault(
@@ -2581,6 +2619,7 @@ FAULTS = [
         "if not better:",
         "if True:",
         "math/test_by_deformations.py -k forward_and_reverse",
+        slow=True,
     ),
     Fault("build/assemble.py", "else found[places]", "else found", "build/test_properties.py -k traced_once"),
     Fault(
@@ -2606,6 +2645,7 @@ FAULTS = [
         "values, motions = ritz(motions)",
         "values = np.sort(np.einsum('ij,ij->j', motions, motions))",
         "math/test_by_deformations.py -k bifurcate",
+        slow=True,
     ),
     Fault(
         "paths/sparse_critical.py",
@@ -2636,6 +2676,7 @@ FAULTS = [
         "value * (mass @ y[:n])",
         "0 * (mass @ y[:n])",
         "linear/test_sparse.py -k derivatives_are",
+        slow=True,
     ),
     Fault("math/by_deformations.py", "if not before <= left:", "if False:", "math/test_by_deformations.py -k help"),
     # Large mechanisms without a potential.
@@ -2669,6 +2710,7 @@ FAULTS = [
         "_carried(lin, transposed(elements), held)",
         "_carried(lin, elements, held)",
         "linear/test_sparse_poles.py -k responses",
+        slow=True,
     ),
     Fault(
         "control/sparse_response.py",
@@ -2735,7 +2777,7 @@ FAULTS = [
         "load_factors(1.0, 0.0) if",
         "linear/test_states.py -k buckling",
     ),
-    Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call"),
+    Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call", slow=True),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k no_time_of"),
     Fault("spacar/light.py", "return damped(lin", "return lin or damped(lin", "spacar/test_light.py -k damping_ratio"),
     # What is drawn along a path.
@@ -2771,6 +2813,7 @@ FAULTS = [
         "return common - rest @ stiffness @ common, rest",
         "return common, rest",
         "trajectory/test_linear_along.py -k reduction",
+        slow=True,
     ),
     Fault(
         "trajectory/ltv_file.py",
@@ -2785,13 +2828,18 @@ FAULTS = [
         "trajectory/test_linear_along.py -k cannot",
     ),
     Fault(
-        "trajectory/vibrations.py", "-holding, jnp", "holding, jnp", "trajectory/test_vibrations.py -k nonlinear_motion"
+        "trajectory/vibrations.py",
+        "-holding, jnp",
+        "holding, jnp",
+        "trajectory/test_vibrations.py -k nonlinear_motion",
+        slow=True,
     ),
     Fault(
         "trajectory/vibrations.py",
         "(*own.driven, *released(model, self.t, self.held))",
         "own.driven",
         "trajectory/test_vibrations.py -k nonlinear_motion",
+        slow=True,
     ),
     Fault(
         "motion/motion.py",
@@ -2809,6 +2857,7 @@ FAULTS = [
         "Table(times, -f0[:, n:])",
         "Table(times, f0[:, n:])",
         "trajectory/test_inverse.py -k held",
+        slow=True,
     ),
     Fault(
         "trajectory/inverse.py",
@@ -2837,6 +2886,7 @@ FAULTS = [
         "if moved and parameters.start is not None",
         "if False",
         "trajectory/test_inverse.py -k elbow",
+        slow=True,
     ),
     Fault(
         "trajectory/laws.py",
@@ -3077,6 +3127,7 @@ FAULTS = [
         "if one.given is not None:",
         "if False:",
         "trajectory/test_vibrations.py -k inputs_of",
+        slow=True,
     ),
     Fault(
         "linear/buckling.py",
@@ -3136,7 +3187,9 @@ FAULTS = [
         "value.dtype == int and",
         "compilation/test_captured.py -k told",
     ),
-    Fault("motion/kinks.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps"),
+    Fault(
+        "motion/kinks.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps", slow=True
+    ),
     Fault(
         "build/clamps.py", "clamps |= jnp.abs(across", "flat |= jnp.abs(across", "design/test_other_clamps.py -k widths"
     ),
@@ -3158,7 +3211,11 @@ FAULTS = [
     Fault("design/evaluate.py", "max(codes, default=", "min([], default=", "design/test_unstable.py -k compiled"),
     Fault("design/objectives.py", "max_squarings=SQUARINGS", "max_squarings=2", "design/test_objectives.py -k stiff"),
     Fault(
-        "design/search.py", "if all(problem.violation", "if any(problem.violation", "design/test_tune.py -k infeasible"
+        "design/search.py",
+        "if all(problem.violation",
+        "if any(problem.violation",
+        "design/test_tune.py -k infeasible",
+        slow=True,
     ),
     Fault(
         "design/lean.py",
@@ -3269,12 +3326,14 @@ FAULTS = [
         "lin, grid = jax.lax.stop_gradient((lin, grid))",
         "pass",
         "control/test_noise.py -k is_traced",
+        slow=True,
     ),
     Fault(
         "math/linear.py",
         "* vectors.T, axis=1), vectors, conditions",
         "* vectors, axis=1), vectors, conditions",
         "linear/test_buckling.py -k unsymmetric",
+        slow=True,
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
     Fault(
