@@ -92,7 +92,7 @@ def copied(folder: Path) -> None:
             shutil.copy2(ROOT / name, folder / name)
 
 
-def tested(folder: Path, tests: str, slow: bool = False) -> tuple[int, str]:
+def tested(folder: Path, tests: str, slow: bool) -> tuple[int, str]:
     """Exit status of pytest in a folder, and the last of what it said; slow tests are run where asked for.
 
     In a process of its own that takes over the libraries that this one has loaded: they take as long as most tests.
