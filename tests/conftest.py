@@ -114,7 +114,7 @@ def pytest_collection_finish():
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
-    """Where it takes much room: what files have in common is compiled once, and four gigabytes are enough for a worker."""
+    """Where it takes much room: what files have in common is compiled once, in some four gigabytes a worker."""
     # A command that an earlier module ran has switched to its own.
     use_cache()
     yield
