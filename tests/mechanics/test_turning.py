@@ -32,7 +32,6 @@ def rod(space: bool):
 def test_forces_turn_with_the_mechanism(space):
     model, random = rod(space), np.random.default_rng(5)
     levels = levels_of(model.topology)
-    form = chain_form(model, (), levels)
     turning, entries = levels.turning, model.labels.x
     before = np.asarray(model.parameters.reference) + 0.05 * random.standard_normal(model.topology.n_x)
     places = {}
@@ -54,12 +53,12 @@ def test_forces_turn_with_the_mechanism(space):
     assert turning.parameters.shape == ((3, 4) if space else (0, 4))
     turns = jax.jit(turning.since)(jnp.asarray(after), jnp.asarray(before))
     z = jnp.asarray(random.standard_normal(len(levels.back)))
-    n = form.size
 
     @jax.jit
     def force(x, z):
+        form = chain_form(model, (), levels)
         state = form.state_of(jnp.asarray(x), jnp.zeros(len(before)), None)
-        return form.residual(0.0, MotionState(state.u, jnp.zeros(n), state.memory), z)
+        return form.residual(0.0, MotionState(state.u, jnp.zeros(form.size), state.memory), z)
 
     turned_by = jax.jit(turning.turned)
     turned = turned_by(turns, z)
