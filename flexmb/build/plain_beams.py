@@ -90,9 +90,10 @@ def _left_out(
     nodes, weights = gauss(SAMPLES)
     places, weights = (np.asarray(all_).ravel() for all_ in (pieces.spread(nodes), pieces.sizes[:, None] * weights))
     sections: list[Any] = [section.at(place, chain.length) for place in (places if section.varies else (0.0,))]
-    first = sections[0]
-    if not isinstance(first, Rectangle | Circle) or not is_concrete(sections):
+    if not isinstance(sections[0], Rectangle | Circle) or not is_concrete(sections):
         return {}
+    # By NumPy, for which nothing is compiled.
+    first, *_ = sections = jax.tree.map(np.asarray, sections)
     counted = [] if section.varies else known.setdefault(id(section), [])
     if not counted:
         counted += [dataclasses.replace(one, shear=True).rigidity() for one in sections]
