@@ -1117,7 +1117,7 @@ FAULTS = [
     Fault("build/builder.py", "copied(as_known(value))", "copied(value)", "design/test_possible.py -k known_numbers"),
     Fault(
         "build/builder.py",
-        "with jax.ensure_compile_time_eval():\n            faults",
+        "with jax.core.eval_context():\n            faults",
         "if True:\n            faults",
         "design/test_possible.py -k known_numbers",
     ),
