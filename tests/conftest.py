@@ -1,4 +1,3 @@
-import functools
 import gc
 import os
 from importlib.metadata import version
@@ -20,7 +19,6 @@ os.environ["XLA_FLAGS"] = " ".join(
 import hypothesis
 import jax
 import pytest
-from jax._src.interpreters import mlir
 
 import flexmb as fm
 from flexmb.compilation.compile import OPTIONS, compile_thoroughly, make_room
@@ -44,9 +42,6 @@ OPTIONS["quick"] = OPTIONS["thorough"] = {**OPTIONS["quick"], "xla_cpu_parallel_
 # Where in Python each operation was written is kept with a program, for some percent of its compilation; nobody
 # reads it here.
 jax.config.update("jax_traceback_in_locations_limit", 0)
-# Each program is written in a context of its own, which takes three milliseconds to make: here one serves all.
-if hasattr(mlir, "make_ir_context"):
-    mlir.make_ir_context = functools.cache(mlir.make_ir_context)
 # Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
 # a tenth of the time of modules that compile much.
 gc.set_threshold(100_000, 50, 100)

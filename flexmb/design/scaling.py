@@ -67,5 +67,7 @@ class Scaling:
         """Dimensions, (n,), for numbers from 0 to 1, (n,); also under a trace."""
         ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
         linear = self.lower + unit * (self.upper - self.lower)
-        found = jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)
-        return jnp.clip(found, self.lower, self.upper) if isinstance(unit, np.ndarray) else found
+        if isinstance(unit, np.ndarray):
+            found = np.where(self.log, self.lower * np.exp(unit * np.log(ratio)), linear)
+            return np.clip(found, self.lower, self.upper)
+        return jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)

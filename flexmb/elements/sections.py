@@ -64,13 +64,14 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         time = ratio / (np.pi * frequency)
         return Damping(EA=time * s.EA, EIy=time * s.EIy, EIz=time * s.EIz, GIt=time * s.GIt)
     mass = s.mass * length
+    xp = _library(s.EA, s.EIy, s.EIz, s.GIt, mass, ratio)
 
     def equivalent(rigidity: Scalar, power: int):
         stiffness = rigidity / length**power
         # A spring without this rigidity has no damping in it; the root has no derivative at zero.
-        positive = jnp.asarray(stiffness * mass) > 0
-        product = jnp.where(positive, stiffness * mass, 1.0)
-        return jnp.where(positive, 2 * ratio * jnp.sqrt(product), 0.0) * length**power
+        positive = xp.asarray(stiffness * mass) > 0
+        product = xp.where(positive, stiffness * mass, 1.0)
+        return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
 
     return Damping(EA=equivalent(s.EA, 1), EIy=equivalent(s.EIy, 3), EIz=equivalent(s.EIz, 3), GIt=equivalent(s.GIt, 3))
 

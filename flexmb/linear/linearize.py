@@ -566,7 +566,7 @@ def linearize(
 def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
     m: Matrices = _matrices(model.topology, model.parameters, target)
     check_stiffness(model, m.result, throw)
-    collect_unstable(m.K0 + m.G0, m.K0, m.symmetric)
+    collect_unstable([m.K0, m.G0], m.K0, m.symmetric)
     return Linearization(or_nan(m, m.result, throw), model)
 
 

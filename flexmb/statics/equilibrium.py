@@ -189,7 +189,7 @@ def equilibrium(
                 warn_of_unstable(model, np.asarray(to_x) @ motions)
     elif throw and not sparse:
         stiffness, structural, _ = looked_at
-        collect_unstable(stiffness, structural, not lacks_potential(model.topology))
+        collect_unstable([stiffness], structural, not lacks_potential(model.topology))
     return solved
 
 

@@ -1,5 +1,6 @@
 """Whether an equilibrium is stable, and a word where it is not."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -8,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..checks.mobility import shares
+from ..compilation.compile import jit
 from ..errors import warn
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Whole
@@ -63,7 +65,8 @@ def unstable_motions(
     return scale[:, None] * motions[:, negative]
 
 
-def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool) -> Bool[Array, ""]:
+@jit
+def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], *, symmetric: bool) -> Bool[Array, ""]:
     """As :func:`unstable_motions`, whether there are any, in compiled code.
 
     Args:
@@ -79,14 +82,15 @@ def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"],
     return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky(stiffness * scale + more)))
 
 
-def collect_unstable(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool) -> None:
+def collect_unstable(parts: Sequence[Float[Array, "n n"]], structural: Float[Array, "n n"], symmetric: bool) -> None:
     """Add the code of an unstable state where codes are collected, as of designs that are traced.
 
     Args:
-        stiffness, structural, symmetric: As of :func:`unstable_motions`.
+        parts: What adds up to the stiffness.
+        structural, symmetric: As of :func:`unstable_motions`.
     """
     if collects():
-        unstable = is_negative(*jax.lax.stop_gradient((stiffness, structural)), symmetric)
+        unstable = is_negative(*jax.lax.stop_gradient((sum(parts), structural)), symmetric=symmetric)
         collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 

@@ -113,7 +113,7 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
-        unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), not lacks_potential(topology))
+        unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), symmetric=not lacks_potential(topology))
         return begin, ((at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result), unstable)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))

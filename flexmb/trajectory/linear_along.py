@@ -412,22 +412,21 @@ def time_varying(along: Any) -> TimeVarying:
     order = np.concatenate(
         [np.arange(n), n + moved + np.arange(n), n + np.arange(moved), 2 * n + moved + np.arange(speeds)]
     )
-    a, b, c = a[:, order][:, :, order], b[:, order], c[:, :, order]
     own = [name.removesuffix(" shifted") for name in states[:n]] or model.q_labels
     states = [states[i] for i in order] if states else [*own, *(f"d {name}" for name in own)]
     names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
-    place = [model.q_labels.index(name) for name in own]
-    q, qd = freedoms_of(motion)
+    place = np.array([model.q_labels.index(name) for name in own])
+    a, b, c, mass, start = _ordered(a, b, c, lin.M0, freedoms_of(motion), order, place)
     return TimeVarying(
         motion.t,
         a,
         b,
         c,
         d,
-        lin.M0[:, place][:, :, place],
+        mass,
         u0,
         y0,
-        jnp.concatenate([q[0, jnp.array(place)], qd[0, jnp.array(place)], jnp.zeros(moved + speeds)]),
+        start,
         lin.sigma,
         None,
         None,
@@ -435,3 +434,11 @@ def time_varying(along: Any) -> TimeVarying:
         tuple(states),
         *names,
     )
+
+
+@jit
+def _ordered(a: Any, b: Any, c: Any, mass: Any, freedoms: Any, order: Array, place: Array):
+    """Matrices of all times in the order of the states of :class:`TimeVarying`, and its first state."""
+    first = [of[0, place] for of in freedoms]
+    start = jnp.concatenate([*first, jnp.zeros(len(order) - 2 * len(place))])
+    return a[:, order][:, :, order], b[:, order], c[:, :, order], mass[:, place][:, :, place], start
