@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
@@ -58,9 +59,10 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
                 builder.dof(entries[i].of, entries[i].component, kind=kind)
+        names = (*(str(model.labels.x[i]) for i in x), *(str(model.labels.e[i]) for i in e))
         model = with_roles(model, builder)
         _check_named(model, motions, found)
-        return model
+        return dataclasses.replace(model, labels=dataclasses.replace(model.labels, found=names))
     model = _with_coefficients(builder, model, motions)
     _check_named(model, motions, found)
     return model

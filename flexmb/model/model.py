@@ -100,6 +100,7 @@ class Labels:
         stressed: For each block of the topology, the name of each of its elements in the block's order; None for an
             element, or in a block, that section stresses are not asked of.
         warm: Names of the elements that have a temperature.
+        found: Degrees of freedom that were not named but found when the model was built.
     """
 
     x: tuple[Entry, ...]
@@ -110,6 +111,7 @@ class Labels:
     dimension: int
     stressed: tuple[tuple[str | None, ...], ...]
     warm: tuple[str, ...] = ()
+    found: tuple[str, ...] = ()
 
     def coordinates(self, node: str) -> list[int]:
         """Indices in x of a node, or of the rotation of a node as "name.rotation"."""

@@ -41,7 +41,7 @@ from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
-from .start import Start, begins_still
+from .start import Start, begins_still, warn_of_found
 from .sudden import sudden_changes
 
 if TYPE_CHECKING:
@@ -133,7 +133,8 @@ def simulate(
             the mechanism cannot be assembled at what is driven in the beginning.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; what is driven begins elsewhere or
+            with speed, and degrees of freedom, which keep their values then, were found, not named.
 
     Source:
         THEORY.md 5 and 9.
@@ -149,6 +150,7 @@ def simulate(
     if drives.increment is None:
         warn_of_increment(model, "simulate")
     driven = driven_by(model, drives)
+    warn_of_found(model, driven, times[0])
     jumps = jump_times(drives, driven)
     given_solver = integrator.solver
     integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)

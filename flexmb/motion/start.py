@@ -9,10 +9,13 @@ from jaxtyping import Array, Bool, Float
 
 from ..arguments import as_floats, is_concrete
 from ..compilation.compile import jit_beside_options
+from ..display import listed
+from ..errors import warn
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.transfer import correction, transfer
+from ..model.model import Model
 from ..model.parameters import Parameters
 from ..statics.configuration import STEP
 from .coordinates_form import CoordinatesForm
@@ -67,6 +70,23 @@ def begins_still(parameters: Parameters, driven: tuple[Driven, ...], t: Any) -> 
     if not held:
         return True
     return is_concrete((held, t)) and not any(np.any(np.asarray(own)) for own in _begins(held, as_floats(t)))
+
+
+def warn_of_found(model: Model, driven: tuple[Driven, ...], t: Any) -> None:
+    """Warn where a motion hangs on which degrees of freedom were found: those keep their values, all else follows.
+
+    Args:
+        model: Mechanism.
+        driven: What depends on time.
+        t: Time at which it starts [s].
+    """
+    found = model.labels.found
+    if found and is_concrete((model, driven, t)) and not begins_still(model.parameters, driven, t):
+        warn(
+            "What is driven begins elsewhere or with speed. Degrees of freedom stay where they are then and have no"
+            f" rates, and these were found, not named: {listed(found)}. Others would begin another motion: name those"
+            " that are meant, by dof(), or say by start() how they begin."
+        )
 
 
 @jit_beside_options
