@@ -795,6 +795,15 @@ FAULTS = [
     Fault(
         "paths/imperfection.py", '("incremental", True)', '("incremental", False)', "paths/test_stops.py -k modes_of_an"
     ),
+    Fault(
+        "motion/start.py", "and not begins_still(model", "and begins_still(model", "motion/test_start.py -k hangs_on"
+    ),
+    Fault(
+        "build/dofs.py",
+        "replace(model.labels, found=names)",
+        "replace(model.labels)",
+        "motion/test_start.py -k hangs_on",
+    ),
     Fault("motion/start.py", "longest, 1.0) / STEP)", "longest, 1.0) / 1e9)", "motion/test_start.py -k turned_far"),
     Fault("motion/start.py", 'else ("x", "e", "temperature")', 'else ("x", "e")', "motion/test_start.py -k heat"),
     Fault(

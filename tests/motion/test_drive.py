@@ -62,6 +62,7 @@ def hanging_rod() -> fm.Builder:
     b.fix("ground", "position")
     b.mass("mass", 2.0)
     b.prescribe("crank", "phi", 0.0)
+    b.dof("mass", "x")
     return b
 
 

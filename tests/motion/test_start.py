@@ -28,6 +28,8 @@ def hub(element) -> fm.Model:
     b.fix("o", "position")
     b.mass("k", 0.05)
     b.prescribe("o", "rotation")
+    for number in range(1, 4):
+        b.dof("blade", number)
     return b.build()
 
 
@@ -52,6 +54,42 @@ def gyroscope(turned: np.ndarray, tilt: str) -> fm.Model:
     return b.build()
 
 
+TIMES = np.linspace(0.0, 0.3, 4)
+
+
+def shaken(*dof: str | int) -> fm.Model:
+    """A mass on a spring whose foot is driven, with a degree of freedom that is named or found."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (0.1, 0))
+    b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=90.0))
+    b.prescribe("foot", "x", 0.0)
+    b.fix("foot", "y")
+    b.fix("mass", "y")
+    b.mass("mass", 0.4)
+    if dof:
+        b.dof(*dof)
+    return b.build()
+
+
+def test_what_hangs_on_degrees_of_freedom_that_were_found_is_told():
+    """x'' = -(k/m) (x - foot): the spring begins without strain, and the mass at the speed of the foot or at rest."""
+    w, p, size = np.sqrt(90.0 / 0.1 / 0.4), 25.0, 1e-3
+    driven = {"motion": {"foot.x": lambda t: size * jnp.sin(p * t)}, "rtol": 1e-9}
+    with pytest.warns(fm.FlexmbWarning, match=r"found, not named: spring\.e1\..*dof\(\)"):
+        found = fm.simulate(shaken(), TIMES, **driven)
+    named, at_rest = (fm.simulate(shaken(*dof), TIMES, **driven) for dof in (("spring", 1), ("mass", "x")))
+    np.testing.assert_array_equal(found.x, named.x)
+    for motion, begins in ((named, size * p), (at_rest, 0.0)):
+        steady = size * w**2 / (w**2 - p**2)
+        exact = steady * np.sin(p * TIMES) + (begins - steady * p) / w * np.sin(w * TIMES)
+        # Ten times the tolerance of a step.
+        np.testing.assert_allclose(motion.at("mass")[:, 0] - 0.1, exact, atol=1e-8)
+    # What begins where it is and at rest begins alike, whatever is found.
+    fm.simulate(shaken(), TIMES, motion={"foot.x": lambda t: size * (1 - jnp.cos(p * t))})
+
+
+@pytest.mark.filterwarnings("ignore:What is driven begins")
 def test_how_it_begins_is_the_same_in_every_frame():
     found = []
     for turned in (np.eye(3), Rotation.from_rotvec([1, 2, -0.5]).as_matrix()):

@@ -45,6 +45,7 @@ def shaken():
     b.add(planar.truss, "mass", "right", name="t", section=fm.Rigidity(EA=100.0))
     b.prescribe("left", "x", 0.0)
     b.prescribe("right", "x", 0.0)
+    b.dof("s", 1)
     b.mass("mass", 2.0)
     for quantity in RATES:
         b.input("left", "x", quantity, name=quantity)
