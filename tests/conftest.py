@@ -71,7 +71,8 @@ hypothesis.settings.load_profile("flexmb")
 HERE = Path(__file__).parent
 # Files of tests that take longest: they begin first, so that no worker is left with one of them at the end.
 LONGEST = [HERE / name for name in (HERE / "longest.txt").read_text().split()]
-# Tests that take long and see no fault of faults.py that no other sees: the suite as a whole leaves them out.
+# Tests that take long and see no fault of faults.py that no other sees, or one of the few that are left to them: the
+# suite as a whole leaves them out.
 SLOW = frozenset((HERE / "slow.txt").read_text().split("\n"))
 
 
@@ -114,7 +115,7 @@ def pytest_collection_finish():
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
-    """Where it takes much room: what files have in common is compiled once, in some four gigabytes a worker."""
+    """Where it takes much room; otherwise what files have in common is compiled once. A worker takes four gigabytes."""
     # A command that an earlier module ran has switched to its own.
     use_cache()
     yield

@@ -909,7 +909,7 @@ class Builder(Description):
             return
         ref = element.reference([np.asarray(r, float) for r in references])
         # Known numbers stay so where something else of the mechanism is traced.
-        with jax.core.eval_context():
+        with jax.ensure_compile_time_eval():
             faults = element.check(ref=ref, **(element.arguments(element.check, properties) or {}))
         for fault in faults:
             raise ModelError(f"Element '{name}' {fault}.")

@@ -16,6 +16,14 @@ from ..lazy import no_garbage_looked_for
 from .kept import kept, kept_number
 from .threads import one_thread
 
+try:
+    from jax._src.config import eager_constant_folding as _folding
+except ImportError:  # Where JAX has it elsewhere, a trace takes longer.
+
+    def _folding(_: bool) -> Any:
+        return contextlib.nullcontext()
+
+
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
 QUICK = {
@@ -144,7 +152,8 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         if traced:
             return variant(structure, fixed, "nested", exact(fixed))(*leaves)
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
-        with one_thread(), jax.core.eval_context():
+        # Within jax.ensure_compile_time_eval, each operation of a trace that known numbers go into would be a program.
+        with one_thread(), jax.core.eval_context(), _folding(False):
             known = variant.cache_info().misses
             own: Any = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
             programs = own._cache_size()

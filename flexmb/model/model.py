@@ -100,7 +100,8 @@ class Labels:
         stressed: For each block of the topology, the name of each of its elements in the block's order; None for an
             element, or in a block, that section stresses are not asked of.
         warm: Names of the elements that have a temperature.
-        found: Degrees of freedom that were not named but found when the model was built.
+        found: Degrees of freedom that were found when the model was built, where none was named. Labels are equal
+            whether they were found or named.
     """
 
     x: tuple[Entry, ...]
@@ -111,7 +112,7 @@ class Labels:
     dimension: int
     stressed: tuple[tuple[str | None, ...], ...]
     warm: tuple[str, ...] = ()
-    found: tuple[str, ...] = ()
+    found: tuple[str, ...] = dataclasses.field(default=(), compare=False)
 
     def coordinates(self, node: str) -> list[int]:
         """Indices in x of a node, or of the rotation of a node as "name.rotation"."""

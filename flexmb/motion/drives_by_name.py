@@ -164,7 +164,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
             )
     if not inputs or not is_concrete(model):
         return
-    with jax.core.eval_context():
+    with jax.ensure_compile_time_eval():
         locked = locked_inputs(model)
     for signal in locked:
         if signal.name in inputs:

@@ -72,7 +72,7 @@ def check_signals(model: Model, needs: str) -> None:
             )
     if is_concrete(model):
         # Also within a trace of something else, such as a gain.
-        with jax.core.eval_context():
+        with jax.ensure_compile_time_eval():
             locked = locked_inputs(model)
         for signal in locked:
             raise ModelError(

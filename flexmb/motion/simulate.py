@@ -41,7 +41,7 @@ from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
-from .start import Start, begins_still, warn_of_found
+from .start import Start, begins_still, driving, warn_of_found
 from .sudden import sudden_changes
 
 if TYPE_CHECKING:
@@ -150,7 +150,6 @@ def simulate(
     if drives.increment is None:
         warn_of_increment(model, "simulate")
     driven = driven_by(model, drives)
-    warn_of_found(model, driven, times[0])
     jumps = jump_times(drives, driven)
     given_solver = integrator.solver
     integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)
@@ -180,6 +179,8 @@ def simulate(
         result = jnp.full_like(result, RESULTS.out_of_memory)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
     found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
+    if model.labels.found and driving(model.parameters, driven) and is_concrete((found, start)):
+        warn_of_found(found, start)
     _tell(found, drives, run.jumped, throw and not stopped)
     rows, numbers = {"x": found.x, "xd": found.xd, "u": found.u}, (model.parameters, driven, times)
     return dataclasses.replace(found, **or_nan(rows, found.result, throw, numbers))

@@ -15,11 +15,11 @@ from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.transfer import correction, transfer
-from ..model.model import Model
 from ..model.parameters import Parameters
 from ..statics.configuration import STEP
 from .coordinates_form import CoordinatesForm
 from .drive import Driven
+from .motion import Motion
 from .moving_matrices import rates_at
 from .reduced_form import ReducedForm, reduced_form
 
@@ -72,20 +72,21 @@ def begins_still(parameters: Parameters, driven: tuple[Driven, ...], t: Any) -> 
     return is_concrete((held, t)) and not any(np.any(np.asarray(own)) for own in _begins(held, as_floats(t)))
 
 
-def warn_of_found(model: Model, driven: tuple[Driven, ...], t: Any) -> None:
-    """Warn where a motion hangs on which degrees of freedom were found: those keep their values, all else follows.
+def warn_of_found(motion: Motion, given: Start) -> None:
+    """Warn where a motion hangs on which degrees of freedom were found: those are kept where something is driven.
 
     Args:
-        model: Mechanism.
-        driven: What depends on time.
-        t: Time at which it starts [s].
+        motion: Of concrete numbers.
+        given: Where it would start if nothing were driven.
     """
-    found = model.labels.found
-    if found and is_concrete((model, driven, t)) and not begins_still(model.parameters, driven, t):
+    x, rates, model = np.asarray(motion.x), np.asarray(motion.xd), motion.model
+    size = np.asarray(sizes_of(model.topology, model.parameters))
+    elsewhere = np.any(np.abs(x[0] - given.x) > SETTLED * size)
+    if elsewhere or np.any(np.abs(rates[0] - given.xd) > SETTLED * np.max(np.abs(rates), axis=0, initial=0.0)):
         warn(
-            "What is driven begins elsewhere or with speed. Degrees of freedom stay where they are then and have no"
-            f" rates, and these were found, not named: {listed(found)}. Others would begin another motion: name those"
-            " that are meant, by dof(), or say by start() how they begin."
+            "What is driven takes the mechanism elsewhere, or gives it a speed, at the first time. Degrees of freedom"
+            f" and their rates are kept then, and these were found, not named: {listed(model.labels.found)}. Others"
+            " would begin another motion: name those that are meant, by dof()."
         )
 
 

@@ -45,7 +45,7 @@ def build(script: Script) -> tuple[Builder, Model, Releases]:
     releases: Releases = script.opt.get("rls", {})
     if is_concrete((script.nodes, [own.get("orien") for own in script.eprops.values()])):
         # Nothing here is traced, so that it is computed at once even where the rest is.
-        with jax.core.eval_context():
+        with jax.ensure_compile_time_eval():
             releases = _complete(script, releases)
     elif "rls" not in script.opt:
         raise ModelError(

@@ -415,7 +415,7 @@ def time_varying(along: Any) -> TimeVarying:
     own = [name.removesuffix(" shifted") for name in states[:n]] or model.q_labels
     states = [states[i] for i in order] if states else [*own, *(f"d {name}" for name in own)]
     names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
-    place = np.array([model.q_labels.index(name) for name in own])
+    place = np.array([model.q_labels.index(name) for name in own], int)
     a, b, c, mass, start = _ordered(a, b, c, lin.M0, freedoms_of(motion), order, place)
     return TimeVarying(
         motion.t,

@@ -93,7 +93,7 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
         return _Building(document, {**found, **numbers}, faults, found).done()
     if "built" not in document.kept:
         # Concrete also where this is asked within a function that is traced: it is kept.
-        with jax.core.eval_context():
+        with jax.ensure_compile_time_eval():
             document.kept["built"] = _Building(document, dict(found), faults, found).done()
     built = document.kept["built"]
     # What is done to the builder by one who asked is not seen by another.

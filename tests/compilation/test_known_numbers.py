@@ -7,6 +7,7 @@ import numpy as np
 import flexmb as fm
 from flexmb import planar
 from flexmb.arguments import computed
+from flexmb.compilation.compile import jit
 
 
 def test_lookups_by_name_compile_nothing(compilations):
@@ -42,3 +43,12 @@ def test_what_is_traced_stays_traced_and_what_numpy_has_stays_there():
     assert isinstance(computed(last, np.ones((2, 3))), np.float64)
     assert isinstance(computed(last, jnp.ones((2, 3))), jax.Array)
     np.testing.assert_array_equal(jax.grad(lambda v: computed(last, v))(jnp.ones((2, 3))), [[0, 0, 1], [0, 0, 1]])
+
+
+def test_a_kernel_that_known_numbers_go_into_is_one_program(compilations):
+    """Also where what is computed beside it is to be known, as the section of an element is when it is added."""
+    function = jit(lambda x: jax.vmap(lambda one: one + jnp.sum(jnp.stack([jnp.ones(3), jnp.zeros(3)])))(x))
+    compilations.clear()
+    with jax.ensure_compile_time_eval():
+        np.testing.assert_array_equal(function(np.arange(2.0)), [3.0, 4.0])
+    assert len(compilations) == 1

@@ -213,7 +213,6 @@ def test_a_warm_spring_and_a_warm_rigid_arm_move_their_masses():
     b.fix("foot")
     b.fix("slide", "y")
     b.fix("slide", "rotation")
-    b.dof("slide", "x")
     b.mass("slide", m1)
     b.mass("end", m2)
     b.temperature("spring", 2.0)

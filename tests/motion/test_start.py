@@ -62,7 +62,8 @@ def shaken(*dof: str | int) -> fm.Model:
     b = fm.Builder()
     b.node("foot", (0, 0))
     b.node("mass", (0.1, 0))
-    b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=90.0))
+    b.add(planar.truss, "foot", "mass", name="spring", section=fm.Rigidity(EA=90.0, alpha=1e-3))
+    b.temperature("spring", 0.0)
     b.prescribe("foot", "x", 0.0)
     b.fix("foot", "y")
     b.fix("mass", "y")
@@ -85,8 +86,11 @@ def test_what_hangs_on_degrees_of_freedom_that_were_found_is_told():
         exact = steady * np.sin(p * TIMES) + (begins - steady * p) / w * np.sin(w * TIMES)
         # Ten times the tolerance of a step.
         np.testing.assert_allclose(motion.at("mass")[:, 0] - 0.1, exact, atol=1e-8)
-    # What begins where it is and at rest begins alike, whatever is found.
+    # Whatever is found, what begins where it is begins alike: at rest, where a motion under the same law has ended, and
+    # where a spring is warm that nothing holds.
     fm.simulate(shaken(), TIMES, motion={"foot.x": lambda t: size * (1 - jnp.cos(p * t))})
+    fm.simulate(shaken(), TIMES + TIMES[-1], initial=found, **driven)
+    fm.simulate(shaken(), TIMES, loads={"spring.temperature": lambda t: 30.0 + t})
 
 
 @pytest.mark.filterwarnings("ignore:What is driven begins")
