@@ -16,12 +16,12 @@ from ..lazy import no_garbage_looked_for
 from .kept import kept, kept_number
 from .threads import one_thread
 
-try:
-    from jax._src.config import eager_constant_folding as _folding
-except ImportError:  # Where JAX has it elsewhere, a trace takes longer.
+_folding: Any = contextlib.nullcontext
+# Where JAX has it elsewhere, a trace takes longer.
+with contextlib.suppress(ImportError):
+    from jax._src.config import eager_constant_folding
 
-    def _folding(_: bool) -> Any:
-        return contextlib.nullcontext()
+    _folding = eager_constant_folding
 
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
