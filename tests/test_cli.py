@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import scipy.io
 from cases.commands import command as call
+from cases.files import arrays_of
 
 import flexmb as fm
 from flexmb.answers import answers
@@ -270,7 +271,7 @@ def test_files_appear_whole_or_not_at_all(tmp_path):
     result = call("run", mechanism_path("pf2d"), "--mode", "7", "--json", out, "--save", saved, "--log", log)
     assert result.exit_code == 0
     data = json.loads(out.read_text())
-    arrays = np.load(saved)
+    arrays = arrays_of(saved)
     np.testing.assert_allclose(arrays["frequencies_hz"], data["frequencies_hz"])
     np.testing.assert_allclose(arrays["x_3"], data["x"]["3"])
     text = log.read_text()

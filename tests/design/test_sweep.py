@@ -8,6 +8,7 @@ import jax
 import numpy as np
 import pytest
 from cases import design_cases, mechanisms
+from cases.files import arrays_of
 
 import flexmb as fm
 from flexmb import planar
@@ -60,7 +61,7 @@ def test_files(grid, tmp_path):
     import scipy.io
 
     grid.save(tmp_path / "a.npz")
-    np.testing.assert_array_equal(np.load(tmp_path / "a.npz")["first_frequency"], grid["first_frequency"])
+    np.testing.assert_array_equal(arrays_of(tmp_path / "a.npz")["first_frequency"], grid["first_frequency"])
     grid.save(tmp_path / "a.mat")
     np.testing.assert_array_equal(scipy.io.loadmat(tmp_path / "a.mat")["first_frequency"], grid["first_frequency"])
     with pytest.raises(ValueError, match=r"\.npz or \.mat"):

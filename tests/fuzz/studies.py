@@ -583,6 +583,7 @@ def _called(path: Path) -> str:
             _check_line(line)
         if result.exit_code == 0:
             assert not result.stderr
-            assert np.load(saved)["codes"].size == len(json.loads(answer.read_text())["results"])
+            with np.load(saved) as file:
+                assert file["codes"].size == len(json.loads(answer.read_text())["results"])
         assert set(os.listdir(place)) <= {"a.npz", "a.json"}
     return "called"

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from cases.files import arrays_of
 from cases.motions import oscillation, sprung_mass
 from references.balances import energy_rate
 
@@ -73,7 +74,7 @@ def test_what_is_observed_of_an_oscillator(motion):
 
 def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
     fm.save_motion(motion, tmp_path / "run.npz")
-    kept = np.load(tmp_path / "run.npz")
+    kept = arrays_of(tmp_path / "run.npz")
     np.testing.assert_array_equal(kept["t"], TIMES)
     x, e = kept["x_names"].tolist(), kept["e_names"].tolist()
     assert x == ["foot.x", "foot.y", "mass.x", "mass.y"]
@@ -93,14 +94,14 @@ def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
 
 def test_the_file_names_the_inputs_of_a_controller(motion, tmp_path):
     fm.save_motion(dataclasses.replace(motion, u=np.ones((len(TIMES), 1))), tmp_path / "run.npz")
-    kept = np.load(tmp_path / "run.npz")
+    kept = arrays_of(tmp_path / "run.npz")
     assert (kept["u"].shape, kept["u_names"].tolist()) == ((len(TIMES), 1), ["push"])
 
 
 def test_times_that_were_not_reached_are_not_in_the_file(motion, tmp_path):
     found = fm.simulate(motion.model, TIMES, rtol=1e-9, max_steps=20, throw=False)
     fm.save_motion(found, tmp_path / "run.npz")
-    kept = np.load(tmp_path / "run.npz")
+    kept = arrays_of(tmp_path / "run.npz")
     assert 1 <= len(kept["t"]) < len(TIMES)
     assert all(len(kept[name]) == len(kept["t"]) for name in ("x", "xd", "kinetic", "sigma"))
     assert all(np.all(np.isfinite(kept[name])) for name in ("x", "xd", "kinetic", "sigma"))

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import motions
+from cases.files import arrays_of
 from cases.mechanisms import planar_guide
 from jax.tree_util import Partial
 from references import motion_references as reference
@@ -167,7 +168,7 @@ def test_plant_for_python_control():
 def test_a_motion_is_saved_whole(swing, tmp_path):
     for ending in ("npz", "mat"):
         fm.save_motion(swing, tmp_path / f"run.{ending}")
-        kept: Any = np.load(tmp_path / "run.npz") if ending == "npz" else loadmat(tmp_path / "run.mat")
+        kept: Any = arrays_of(tmp_path / "run.npz") if ending == "npz" else loadmat(tmp_path / "run.mat")
         np.testing.assert_array_equal(kept["x"], swing.x)
         np.testing.assert_allclose(np.ravel(kept["kinetic"]), swing.observe().kinetic, rtol=1e-12)
         assert [str(name).strip() for name in kept["x_names"]] == [str(entry) for entry in swing.labels.x]
