@@ -93,7 +93,7 @@ def test_what_hangs_on_degrees_of_freedom_that_were_found_is_told():
     fm.simulate(shaken(), TIMES, loads={"spring.temperature": lambda t: 30.0 + t})
 
 
-@pytest.mark.filterwarnings("ignore:What is driven begins")
+@pytest.mark.filterwarnings("ignore:What is driven takes")
 def test_how_it_begins_is_the_same_in_every_frame():
     found = []
     for turned in (np.eye(3), Rotation.from_rotvec([1, 2, -0.5]).as_matrix()):
