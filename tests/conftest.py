@@ -43,8 +43,8 @@ OPTIONS["quick"] = OPTIONS["thorough"] = {**OPTIONS["quick"], "xla_cpu_parallel_
 # reads it here.
 jax.config.update("jax_traceback_in_locations_limit", 0)
 # Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
-# a tenth of the time of modules that compile much.
-gc.set_threshold(100_000, 50, 100)
+# a tenth of the time of modules that compile much, and all of them at once takes two seconds.
+gc.set_threshold(100_000, 50, 1_000_000)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 

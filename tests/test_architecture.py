@@ -3,6 +3,7 @@
 import ast
 import collections
 import fnmatch
+import functools
 import importlib
 import re
 import shutil
@@ -54,6 +55,7 @@ def room_of(module: Path) -> str:
     return module.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
+@functools.cache
 def imported(module: Path) -> set[Path]:
     """Files of the package that a file imports, at its head or inside a function, for type checkers alone or not."""
     found = set()
@@ -66,16 +68,13 @@ def imported(module: Path) -> set[Path]:
     return found
 
 
-IMPORTS = {module: imported(module) for module in MODULES}
-
-
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: str(m.relative_to(PACKAGE)))
 def test_imports_point_downwards(module):
     own = room_of(module)
     if own in OPEN | {"__init__"}:
         return
     assert own in RANK, f"room '{own}' has no place in the order of rooms"
-    for other in map(room_of, IMPORTS[module]):
+    for other in map(room_of, imported(module)):
         if other in OPEN | {own, "__init__"}:
             continue
         assert RANK[other] < RANK[own], f"{module.name} in '{own}' imports from '{other}', which stands above it"
@@ -83,7 +82,7 @@ def test_imports_point_downwards(module):
 
 def test_no_files_import_each_other_in_a_circle():
     # Packages are left out: what stands in an __init__ is loaded when it is asked for.
-    remaining = {m: {o for o in others if o.name != "__init__.py"} for m, others in IMPORTS.items()}
+    remaining = {m: {o for o in imported(m) if o.name != "__init__.py"} for m in MODULES}
     while out := {m for m, others in remaining.items() if not others or all(m not in o for o in remaining.values())}:
         remaining = {m: others - out for m, others in remaining.items() if m not in out}
     assert not remaining, sorted(str(m.relative_to(PACKAGE)) for m in remaining)

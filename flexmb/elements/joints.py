@@ -8,27 +8,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.rotation import counted, initial_frame, relative_parameters, rotation_matrix, turned
+from ..math.rotation import counted, initial_frame, polar_angle, relative_turn, turned
 from . import beams
 from .element import Element
 from .laws import mesh_damping, mesh_stiffness, uncoupled
 from .nodes import Point3, Reference, Rotation3
 
 
-def _to_global(ref_rot: Rotation3, rel: Float[Array, "4"]) -> Float[Array, "4"]:
-    """Rotation since the undeformed state, its vector part turned from triad axes to global axes."""
-    return jnp.concatenate([rel[:1], rotation_matrix(ref_rot) @ rel[1:]])
-
-
 def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
     return initial_frame(jnp.zeros(3), axis, None)
 
 
-def relative(rot_p: Rotation3, rot_q: Rotation3, ref_p: Rotation3, ref_q: Rotation3) -> Float[Array, "4"]:
-    """Euler parameters of the rotation of body q relative to body p since the undeformed state, in axes of body p."""
-    at_p = _to_global(ref_p, relative_parameters(ref_p, rot_p))
-    at_q = _to_global(ref_q, relative_parameters(ref_q, rot_q))
-    return relative_parameters(at_p, at_q)
+# What (cosine, sine) times (y, z), products in this order, make of y and z turned by an angle, times two.
+TURNED_TWICE = 2.0 * np.array([[1.0, 0], [0, 1], [0, 1], [-1, 0]])
 
 
 def turn_and_tilt(
@@ -58,12 +50,12 @@ def turn_and_tilt(
     Source:
         A rotation is a turn about the axis, then one about a line across it: THEORY.md 2, eq. (2.17).
     """
-    rel = relative(rot_p, rot_q, ref_p, ref_q)
-    about, across_y, across_z = _frame(axis).T @ rel[1:]
+    rel = relative_turn(rot_p, rot_q, ref_p, ref_q, _frame(axis))
+    half, across = rel[:2], rel[2:]
     # Euler parameters across the axis turn with half the turn.
-    cosine, sine = jnp.stack([rel[0], about]) / jnp.sqrt(rel[0] ** 2 + about**2)
-    tilts = 2 * (cosine * across_y - sine * across_z), 2 * (cosine * across_z + sine * across_y)
-    return jnp.stack([counted(2 * jnp.arctan2(about, rel[0]), near, 4 * jnp.pi), *tilts])
+    direction = half / jnp.sqrt(half @ half)
+    tilts = (direction[:, None] * across).reshape(4) @ TURNED_TWICE
+    return jnp.append(counted(2 * polar_angle(half), near, 4 * jnp.pi), tilts)
 
 
 def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:
@@ -87,8 +79,8 @@ Properties: axis (global, undeformed state), stiffness and damping (of all that 
 
 def _offset(p: Point3, rot_p: Rotation3, q: Point3, ref: Reference, axis: Float[Array, "3"]) -> Float[Array, "3"]:
     """Displacement of q relative to body p, along the axis and across it."""
-    moved = turned(rot_p, ref.rot_p, jnp.eye(3)).T @ (q - p) - (ref.q - ref.p)
-    return _frame(axis).T @ moved
+    frame = _frame(axis)
+    return turned(rot_p, ref.rot_p, frame).T @ (q - p) - frame.T @ (ref.q - ref.p)
 
 
 def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference, axis: Float[Array, "3"]) -> Float[Array, "3"]:
@@ -109,8 +101,8 @@ def _prismatic(
     p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference, axis: Float[Array, "3"]
 ) -> Float[Array, "6"]:
     """Displacement along a line of body p, off it [m], and rotation of body q relative to it [rad]."""
-    rotation = 2 * relative(rot_p, rot_q, ref.rot_p, ref.rot_q)[1:]
-    return jnp.concatenate([_offset(p, rot_p, q, ref, axis), _frame(axis).T @ rotation])
+    rotation = 2 * relative_turn(rot_p, rot_q, ref.rot_p, ref.rot_q, _frame(axis))[1:]
+    return jnp.concatenate([_offset(p, rot_p, q, ref, axis), rotation])
 
 
 prismatic = Element(_prismatic, **uncoupled(6), shape=beams.straight_shape, check=check_axis, released=(1,))

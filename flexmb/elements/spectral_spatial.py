@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
 from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
-from ..math.rotation import CROSS, initial_frame, rotation_matrix
+from ..math.rotation import CROSS, initial_frame, rotation_matrix, turned
 from . import beams
 from .element import Element
 from .leaf import Leaf
@@ -111,8 +111,7 @@ def _frames(
 ):
     """Section axes at both ends as columns."""
     frame = initial_frame(ref.p, ref.q, y)
-    at_p = multiplied(rotation_matrix(rot_p), rotation_matrix(ref.rot_p).T @ frame)
-    at_q = multiplied(rotation_matrix(rot_q), rotation_matrix(ref.rot_q).T @ frame)
+    at_p, at_q = turned(rot_p, ref.rot_p, frame), turned(rot_q, ref.rot_q, frame)
     if curvature is None:
         return at_p, at_q
     half = exponential(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None])[0, :3, :3]
@@ -203,8 +202,8 @@ def _inertia(
     rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
     poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
-    turned = multiplied(at_p, poses[rule.poses, :3])
-    vectors = jnp.concatenate([p + turned[:, :, 3], jnp.swapaxes(turned[:, :, :3], 1, 2).reshape(-1, 3)])
+    placed = multiplied(at_p, poses[rule.poses, :3])
+    vectors = jnp.concatenate([p + placed[:, :, 3], jnp.swapaxes(placed[:, :, :3], 1, 2).reshape(-1, 3)])
     mass, moments = _masses(section, rule, length)
     n = rule.weights.size
     h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(jnp.diag(mass * rule.weights))

@@ -10,7 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .linear import multiplied
+# vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle.
+QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 @jax.custom_jvp
@@ -68,7 +69,29 @@ def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Arr
     Source:
         Definition.
     """
-    return jnp.arctan2(start[0] * end[1] - start[1] * end[0], start @ end)
+    return polar_angle(jnp.stack([start @ end, start[0] * end[1] - start[1] * end[0]]))
+
+
+@jax.custom_jvp
+def polar_angle(vector: Float[Array, "2"]) -> Float[Array, ""]:
+    """Angle from the first axis of the plane to a vector.
+
+    Args:
+        vector: (2,), not zero.
+
+    Returns:
+        Counter-clockwise angle between -pi and pi, () [rad].
+
+    Source:
+        Definition; its derivative in fewer operations than JAX has for it.
+    """
+    return jnp.arctan2(vector[1], vector[0])
+
+
+@polar_angle.defjvp
+def _polar_angle_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
+    (vector,), (change,) = primals, tangents
+    return polar_angle(vector), vector @ QUARTER @ change / (vector @ vector)
 
 
 def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
@@ -101,6 +124,8 @@ for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
 ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
 # (a x b)_i = CROSS[i, j, k] a_j b_k
 CROSS = np.moveaxis(np.cross(np.eye(3)[:, None], np.eye(3)), 2, 0)
+# relative_parameters(p, q)[i] = RELATIVE[j, i, k] p_j q_k
+RELATIVE = np.concatenate([np.eye(4)[:, None], np.transpose(LBODY, (2, 0, 1))], axis=1)
 # R from the products of two parameters, the same for both orders.
 SQUARES = np.transpose(ROTATION + np.swapaxes(ROTATION, 2, 3), (2, 3, 0, 1)).reshape(16, 9) / 2
 
@@ -163,9 +188,10 @@ def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Ar
         (3, n).
 
     Source:
-        R(rot) R(ref_rot)^T.
+        R(rot) R(ref_rot)^T; quadratic in ``rot``, with coefficients that do not change as it turns.
     """
-    return multiplied(rotation_matrix(rot), rotation_matrix(ref_rot).T @ vectors)
+    coefficients = SQUARES.reshape(48, 3) @ (rotation_matrix(ref_rot).T @ vectors)
+    return ((rot[:, None] * rot).reshape(16) @ coefficients.reshape(16, -1)).reshape(3, -1)
 
 
 def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:
@@ -182,6 +208,36 @@ def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Arr
         Quaternion product.
     """
     return jnp.concatenate([(p @ q)[None], lbody(p) @ q])
+
+
+def relative_turn(
+    p: Float[Array, "4"],
+    q: Float[Array, "4"],
+    ref_p: Float[Array, "4"],
+    ref_q: Float[Array, "4"],
+    axes: Float[Array, "3 n"],
+) -> Float[Array, "n+1"]:
+    """Euler parameters of what triad q has turned relative to triad p since the undeformed state.
+
+    Args:
+        p: Euler parameters of the first triad now, (4,) [-].
+        q: Euler parameters of the second triad now, (4,) [-].
+        ref_p: The first in the undeformed state, (4,) [-].
+        ref_q: The second in the undeformed state, (4,) [-].
+        axes: Columns, as they lay in the undeformed state and turn with p, along which the vector part is given.
+
+    Returns:
+        (1 + n,) [-], scalar first.
+
+    Source:
+        Quaternion product of p conjugate(ref_p), conjugated, and q conjugate(ref_q); bilinear in p and q, with
+        coefficients that do not change as they turn.
+    """
+    since_p, since_q = (jnp.concatenate([ref[None], lbar(ref)]) for ref in (ref_p, ref_q))
+    products = since_p.T @ (RELATIVE.reshape(16, 4) @ since_q).reshape(4, 16)
+    coefficients = jnp.swapaxes(products.reshape(4, 4, 4), 1, 2).reshape(16, 4)
+    coefficients = jnp.concatenate([coefficients[:, :1], coefficients[:, 1:] @ axes], axis=1)
+    return (p[:, None] * q).reshape(16) @ coefficients
 
 
 def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:

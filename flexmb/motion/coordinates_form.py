@@ -184,7 +184,12 @@ class CoordinatesForm(Record):
         return WholeMotion(at.x, at.v, near, jnp.zeros(0))
 
     def placed(
-        self, given: AllCoordinates, q: Float[Array, "n_q"], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+        self,
+        given: AllCoordinates,
+        q: Float[Array, "n_q"],
+        x: Float[Array, "n_x"],
+        near: Float[Array, "n_e"],
+        corrections: int = CORRECTIONS,
     ) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
         """All coordinates and deformations at given degrees of freedom, by Newton's method from a guess.
 
@@ -193,13 +198,14 @@ class CoordinatesForm(Record):
             q: Degrees of freedom, from the undeformed mechanism, (n_q,) [m, rad].
             x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
             near: Deformations there, (n_e,) [m, rad].
+            corrections: Number of steps.
         """
         values = given.x, put(jnp.zeros(self.topology.n_e), self.held, given.e)
 
         def closer(_: Array, at: tuple[Array, Array]):
             return configured(self.topology, self.parameters, values, q, *at)
 
-        return jax.lax.fori_loop(0, CORRECTIONS, closer, (x, near))
+        return jax.lax.fori_loop(0, corrections, closer, (x, near))
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
         """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""

@@ -25,8 +25,8 @@ from .reduced_form import ReducedForm, reduced_form
 
 # What is driven is brought to where it begins in so many steps at most.
 MOST_STEPS = 1000
-# In each the corrections of a form are made so often: near as a step is, they then end in round-off.
-ROUNDS = 2
+# In each there are so many corrections: near as a step is, they then end in round-off.
+CORRECTIONS = 6
 # Held deformations are where they should be within this share of the mechanism's extent, or radians.
 SETTLED = 1e-9
 # What begins nearer to where it was, as a share of that extent or of the largest rate, is not told of.
@@ -157,9 +157,7 @@ def _walked(form: CoordinatesForm, t: Float[Array, ""], own: Any) -> tuple[Array
         step, x, near = at
         left = 1 - (step + 1).astype(float) / steps.astype(float)
         partly = aim._replace(x=aim.x - left * shift, e=aim.e - left * (aim.e - e[form.held]))
-        for _ in range(ROUNDS):
-            x, near = form.placed(partly, q, x, near)
-        return step + 1, x, near
+        return step + 1, *form.placed(partly, q, x, near, CORRECTIONS)
 
     _, x, near = jax.lax.while_loop(lambda at: at[0] < steps, further, (jnp.zeros((), jnp.int32), x, e))
     return x, near
