@@ -303,17 +303,19 @@ def _passage(
     """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
     length = _length(ref, curvature)
     own = _screws(c, length, _rule(order, shear, section, length), curvature)
-    axes = rotation_matrix(ref.rot_p).T @ initial_frame(ref.p, ref.q, y)
-    turn = turn_product(turn_parameters(own))
+    frame = initial_frame(ref.p, ref.q, y)
+    axes = rotation_matrix(ref.rot_p).T @ frame
+    # What becomes of each parameter of the turn, which does not change as the beam deforms.
+    units = jnp.eye(4)
     if curvature is not None:
         half = jnp.concatenate([curvature * length / 2, jnp.zeros(3)])
         back = turn_parameters(-half[None])[0]
         axes = axes @ exponential(half[None])[0, :3, :3].T
-        turn = compose_turns(compose_turns(back, turn), back)
+        units = compose_turns(compose_turns(back, units), back)
     # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
-    turn = jnp.concatenate([turn[:1], initial_frame(ref.p, ref.q, y) @ turn[1:]])
-    conjugate = ref.rot_p * np.array([1.0, -1, -1, -1])
-    return axes @ product(exponential(own))[:3, 3], compose_turns(compose_turns(conjugate, turn), ref.rot_q)
+    units = jnp.concatenate([units[:, :1], units[:, 1:] @ frame.T], axis=1)
+    units = compose_turns(compose_turns(ref.rot_p * np.array([1.0, -1, -1, -1]), units), ref.rot_q)
+    return axes @ product(exponential(own))[:3, 3], turn_product(turn_parameters(own)) @ units
 
 
 def _check(

@@ -22,11 +22,12 @@ HAT[:3, 3, 3:] = np.eye(3)
 # Lie bracket of two six-vectors: matrix(a) matrix(b) - matrix(b) matrix(a) = matrix(A b) with A = a . ADJOINT.
 ADJOINT = np.zeros((6, 6, 6))
 ADJOINT[:3, :3, :3] = ADJOINT[:3, 3:, 3:] = ADJOINT[3:, 3:, :3] = np.moveaxis(CROSS, 1, 0)
-# Quaternion product: (a b)_i = TURNS[i, j, k] a_j b_k.
-TURNS = np.zeros((4, 4, 4))
-TURNS[0] = np.diag([1.0, -1, -1, -1])
-TURNS[1:, 0, 1:] = TURNS[1:, 1:, 0] = np.eye(3)
-TURNS[1:, 1:, 1:] = CROSS
+# Quaternion product: (a b)_i = a_j b_k TURNS[4 j + k, i].
+_TURNS = np.zeros((4, 4, 4))
+_TURNS[0] = np.diag([1.0, -1, -1, -1])
+_TURNS[1:, 0, 1:] = _TURNS[1:, 1:, 0] = np.eye(3)
+_TURNS[1:, 1:, 1:] = CROSS
+TURNS = np.moveaxis(_TURNS, 0, 2).reshape(16, 4)
 # (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
 TERMS = 10
 
@@ -103,7 +104,8 @@ def compose_turns(a: Float[Array, "*n 4"], b: Float[Array, "*n 4"]) -> Float[Arr
     Source:
         Quaternion product.
     """
-    return jnp.einsum("ijk,...j,...k->...i", TURNS, a, b)
+    both = a[..., :, None] * b[..., None, :]
+    return both.reshape(*both.shape[:-2], 16) @ TURNS
 
 
 def turn_product(turns: Float[Array, "n 4"]) -> Float[Array, "4"]:

@@ -42,7 +42,7 @@ class Poses(Record):
         along: 1 for the beams on the way to each position, (beams, beams).
         before: Beam whose turn comes before that of each, one before, two before, four before, ..; their number where
             there is none, (levels, beams).
-        back: Whether a beam starts from its last end, (beams,).
+        back: Whether a beam starts from its last end, (beams,); None where none does.
     """
 
     rows: tuple[Int[Array, "_s"], ...]
@@ -53,7 +53,7 @@ class Poses(Record):
     base: Int[Array, "beams r"]
     along: Float[Array, "beams beams"]
     before: Int[Array, "levels beams"]
-    back: Bool[Array, "beams"]
+    back: Bool[Array, "beams"] | None
 
 
 class Tree(Record):
@@ -147,7 +147,7 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
         nodes["base"],
         np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
         _jumps(turned_after),
-        np.array([one.back for one in walked]),
+        np.array([one.back for one in walked]) if any(one.back for one in walked) else None,
     )
 
 
@@ -338,10 +338,11 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
     ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
     spatial = turns.shape[1] == 4
     compose, turned = (compose_turns, _turned) if spatial else (jnp.add, _turned_in_plane)
-    inverse = turns * CONJUGATE if spatial else -turns
-    back = poses.back[:, None]
-    # A way back starts at the last end.
-    ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
+    if poses.back is not None:
+        inverse = turns * CONJUGATE if spatial else -turns
+        back = poses.back[:, None]
+        # A way back starts at the last end.
+        ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
     none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
     for before in poses.before:
         turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
@@ -350,7 +351,7 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
 
 
 def _turned(turns: Float[Array, "n 4"], vectors: Float[Array, "n 3"]):
-    return jnp.einsum("nij,nj->ni", jax.vmap(rotation_matrix)(turns), vectors)
+    return jnp.sum(jax.vmap(rotation_matrix)(turns) * vectors[:, None, :], axis=2)
 
 
 def _turned_in_plane(turns: Float[Array, "n 1"], vectors: Float[Array, "n 2"]):
