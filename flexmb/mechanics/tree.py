@@ -19,7 +19,6 @@ from ..arguments import is_concrete
 from ..compilation.program import split
 from ..compilation.record import Record, static
 from ..elements.nodes import unit_norm
-from ..math.indices import put
 from ..math.rigid import compose_turns
 from ..math.rotation import cosine_and_sine, rotation_matrix
 from ..model.parameters import Parameters
@@ -38,7 +37,10 @@ class Poses(Record):
         turns: Those of the rotation, (beams, r).
         whence: Coordinates of the position that the chain of each beam starts from, (beams, d).
         turned_from: Those of the rotation, (beams, r).
-        base: Coordinates of the rotation at the end that each beam starts from, (beams, r).
+        base: Places of the rotation at the end that each beam starts from, among all coordinates and, behind them, the
+            rotations that beams give, (beams, r).
+        place: Places of all coordinates, among themselves and, behind them, the rotations and positions that beams
+            give, (n_x,).
         along: 1 for the beams on the way to each position, (beams, beams).
         before: Beam whose turn comes before that of each, one before, two before, four before, ..; their number where
             there is none, (levels, beams).
@@ -51,6 +53,7 @@ class Poses(Record):
     whence: Int[Array, "beams d"]
     turned_from: Int[Array, "beams r"]
     base: Int[Array, "beams r"]
+    place: Int[Array, "n_x"]
     along: Float[Array, "beams beams"]
     before: Int[Array, "levels beams"]
     back: Bool[Array, "beams"] | None
@@ -137,6 +140,9 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
         np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
         for own, before in (("near", after), ("base", turned_after))
     )
+    place = np.arange(topology.n_x)
+    for name in ("turns", "ends"):
+        place[nodes[name]] = place.max() + 1 + np.arange(nodes[name].size).reshape(nodes[name].shape)
     blocks = range(len(topology.blocks))
     return made(
         tuple(np.array([one.beam.row for one in walked if one.beam.block == k], int) for k in blocks),
@@ -144,7 +150,8 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
         nodes["turns"],
         whence,
         turned_from,
-        nodes["base"],
+        place[nodes["base"]],
+        place,
         np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
         _jumps(turned_after),
         np.array([one.back for one in walked]) if any(one.back for one in walked) else None,
@@ -346,8 +353,10 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
     none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
     for before in poses.before:
         turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-    x = put(x, poses.turns, compose(x[poses.turned_from], turns))
-    return put(x, poses.ends, x[poses.whence] + poses.along @ turned(x[poses.base], ways))
+    # Found by where it comes from rather than put where it goes, of which the compiler makes a loop.
+    known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
+    ends = x[poses.whence] + poses.along @ turned(known[poses.base], ways)
+    return jnp.concatenate([known, ends.reshape(-1)])[poses.place]
 
 
 def _turned(turns: Float[Array, "n 4"], vectors: Float[Array, "n 3"]):
