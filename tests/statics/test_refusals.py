@@ -1,6 +1,7 @@
 """Where statics has no answer, or a tempting wrong one: a right answer or a named result."""
 
 import contextlib
+import functools
 from typing import Any
 
 import jax
@@ -401,7 +402,11 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     assert np.all(np.isfinite(found[:2]))
 
 
-def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found():
+@pytest.mark.parametrize(
+    "ask",
+    [fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads, functools.partial(fm.linearize, sparse=True)],
+)
+def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found(ask):
     """A pinned body between two nodes in one place is a hinge, about which the loaded beam turns."""
     b = fm.Builder()
     section = fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0)
@@ -412,12 +417,8 @@ def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found():
     b.add(planar.beam, "C", "D", section=section)
     b.fix("A")
     b.force("D", (0, -0.1))
-    model = b.build()
-    for ask in (fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads):
-        with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
-            ask(model)
-    with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi"):
-        fm.linearize(b.build(check=False), sparse=True)
+    with pytest.raises(fm.AnalysisError, match=r"nothing elastic resists C\.rotation\.phi .* pinned"):
+        ask(b.build(check=not isinstance(ask, functools.partial)))
 
 
 @pytest.mark.parametrize("turn", [120.0, 240.0, -90.0])
