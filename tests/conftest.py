@@ -109,7 +109,6 @@ def pytest_terminal_summary(terminalreporter, config):
 
 def pytest_collection_finish():
     """What is there before the first test stays to the end."""
-    gc.collect()
     gc.freeze()
 
 
@@ -120,3 +119,5 @@ def _compiled_code_is_given_back():
     use_cache()
     yield
     make_room(0.3)
+    # What a file leaves behind stays, and whoever collects garbage, as hypothesis and pytest do, need not look at it.
+    gc.freeze()

@@ -6,6 +6,7 @@ import functools
 import hashlib
 import importlib.metadata
 import importlib.util
+import itertools
 import json
 import logging
 import operator
@@ -15,7 +16,7 @@ import sys
 import types
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -29,8 +30,19 @@ ALIASES = {"ds", "swish", "hard_swish", "permute_dims", "random_gamma_grad", "ch
 # What these hold chooses how code is compiled or written, not what is traced.
 UNTRACED = ("flexmb.compilation.compile", "flexmb.cli", "flexmb.fmu.primitives")
 _RIGHT: set[str] = set()
-# What stood in each module when it was looked at.
-_SEEN: dict[str, list[Any]] = {}
+
+
+class _Seen(NamedTuple):
+    """What stood in a module when it was looked at: all of it, its classes, what these hold, and whether arrays did."""
+
+    values: list[Any]
+    kinds: list[type]
+    methods: list[Any]
+    has_arrays: bool
+
+
+_SEEN: dict[str, _Seen] = {}
+_NOTHING = _Seen([], [], [], False)
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
@@ -139,25 +151,33 @@ def _surroundings() -> Any:
     """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
     own = [name for name in sys.modules if name.startswith("flexmb.") and name not in UNTRACED]
     for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
-        named = list(vars(module).items())
-        kinds = [value for _, value in named if isinstance(value, type) and value.__module__ == module.__name__]
-        methods = [one for kind in kinds for one in vars(kind).values()]
-        now = [*(value for _, value in named), *methods]
-        before = _SEEN.get(module.__name__, [])
-        seen = len(now) == len(before) and all(map(operator.is_, now, before))
-        if not seen:
-            for name, value in named:
-                _refuse_replaced(module, name, value)
-            for one in methods:
-                one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
-                if isinstance(one, types.FunctionType) and not one.__name__.startswith("__"):
-                    _place(one)
-        # An array may be written into.
-        if module.__name__ not in WATCHED and not (seen and not any(isinstance(one, np.ndarray) for one in now)):
+        values, before = list(vars(module).values()), _SEEN.get(module.__name__, _NOTHING)
+        kinds = before.kinds
+        if not _are_same(values, before.values):
+            kinds = [one for one in values if isinstance(one, type) and one.__module__ == module.__name__]
+        methods = list(itertools.chain.from_iterable(vars(kind).values() for kind in kinds))
+        if _are_same(values, before.values) and _are_same(methods, before.methods):
+            # An array may be written into.
+            if before.has_arrays:
+                _refuse_replaced_numbers(module)
+            continue
+        for name, value in list(vars(module).items()):
+            _refuse_replaced(module, name, value)
+        for one in methods:
+            one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
+            if isinstance(one, types.FunctionType) and not one.__name__.startswith("__"):
+                _place(one)
+        watched = module.__name__ in WATCHED
+        if not watched:
             _refuse_replaced_numbers(module)
-        _SEEN[module.__name__] = now
+        has_arrays = not watched and any(isinstance(one, np.ndarray) for one in (*values, *methods))
+        _SEEN[module.__name__] = _Seen(values, kinds, methods, has_arrays)
     settings = [(k, getattr(jax.config, k, None)) for k in sorted(jax.config.values) if "cache" not in k]
     return _text(), settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+
+
+def _are_same(things: list[Any], others: list[Any]) -> bool:
+    return len(things) == len(others) and all(map(operator.is_, things, others))
 
 
 def _refuse_replaced(module: Any, name: str, value: Any) -> None:

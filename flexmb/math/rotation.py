@@ -124,7 +124,7 @@ for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
 ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
 # (a x b)_i = CROSS[i, j, k] a_j b_k
 CROSS = np.moveaxis(np.cross(np.eye(3)[:, None], np.eye(3)), 2, 0)
-# relative_parameters(p, q)[i] = RELATIVE[j, i, k] p_j q_k
+# (conjugate(p) q)_i = RELATIVE[j, i, k] p_j q_k, the product of Euler parameters
 RELATIVE = np.concatenate([np.eye(4)[:, None], np.transpose(LBODY, (2, 0, 1))], axis=1)
 # R from the products of two parameters, the same for both orders.
 SQUARES = np.transpose(ROTATION + np.swapaxes(ROTATION, 2, 3), (2, 3, 0, 1)).reshape(16, 9) / 2
@@ -192,22 +192,6 @@ def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Ar
     """
     coefficients = SQUARES.reshape(48, 3) @ (rotation_matrix(ref_rot).T @ vectors)
     return ((rot[:, None] * rot).reshape(16) @ coefficients.reshape(16, -1)).reshape(3, -1)
-
-
-def relative_parameters(p: Float[Array, "4"], q: Float[Array, "4"]) -> Float[Array, "4"]:
-    """Euler parameters of the rotation from triad p to triad q, in axes of p: conjugate(p) * q.
-
-    Args:
-        p: Euler parameters of the first triad, (4,) [-].
-        q: Euler parameters of the second triad, (4,) [-].
-
-    Returns:
-        (4,) [-], scalar first.
-
-    Source:
-        Quaternion product.
-    """
-    return jnp.concatenate([(p @ q)[None], lbody(p) @ q])
 
 
 def relative_turn(
