@@ -397,7 +397,7 @@ FAULTS = [
         "linear/test_damping.py -k two_masses",
     ),
     Fault("math/spectral.py", "n * 2 * p[None, :]", "n * 2 * p[:, None]", "linear/test_damping.py -k derivatives"),
-    Fault("math/spectral.py", "slopes[None, :]) / 2", "slopes[None, :])", "linear/test_damping.py -k one_frequency"),
+    Fault("math/spectral.py", "slopes[None, :]) / 2", "slopes[None, :])", "linear/test_damping.py::test_derivatives"),
     Fault("elements/sections.py", "ratio / (np.pi * frequency)", "ratio / frequency", "linear/test_damping.py -k leaf"),
     # State space.
     Fault(
@@ -2755,7 +2755,7 @@ FAULTS = [
         "linear/sparse_poles.py",
         "if i > 0 and np.max(np.abs(values), initial=0.0) <= least * (1 + TRUE):",
         "if i > 0:",
-        "linear/test_sparse_poles.py -k every_copy",
+        "linear/test_sparse_poles.py::test_free_motions_have_poles_at_zero",
     ),
     Fault("linear/spectrum.py", "near[: count + int(pair)]", "near[:count]", "linear/test_sparse_poles.py -k slowest"),
     Fault(
@@ -2828,13 +2828,18 @@ FAULTS = [
         "paths/over_load.py",
         "load_factors(load, 0.0) if",
         "load_factors(1.0, 0.0) if",
-        "linear/test_states.py -k buckling",
+        "linear/test_along.py::test_critical_points_are_states_too",
     ),
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call", slow=True),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k no_time_of"),
     Fault("spacar/light.py", "return damped(lin", "return lin or damped(lin", "spacar/test_light.py -k damping_ratio"),
     # What is drawn along a path.
-    Fault("linear/along.py", "values = 1 / found", "values = found", "linear/test_along.py -k closed_form"),
+    Fault(
+        "linear/along.py",
+        "values = 1 / found",
+        "values = found",
+        "linear/test_along.py::test_critical_points_are_states_too",
+    ),
     Fault(
         "paths/path.py",
         "factors_of(self.model, point.load_factor)",
@@ -3154,7 +3159,7 @@ FAULTS = [
         "control/noise_frequencies.py",
         "sharp = steps > LITTLE",
         "sharp = steps > 100",
-        "control/test_noise.py -k function_of_them",
+        "control/test_noise.py::test_a_loop_without_damping_that_a_function_of_frequencies_closes_is_told",
     ),
     Fault(
         "control/noise_frequencies.py",
@@ -3336,9 +3341,14 @@ FAULTS = [
         "motion/kinks.py",
         "refused = jnp.any(changes > 0) & (h > short)",
         "refused = jnp.any(changes > 0) & False",
-        "motion/test_kinks.py -k stop",
+        "motion/test_kinks.py::test_derivatives_across_the_limit_of_a_controller",
     ),
-    Fault("motion/kinks.py", "SHARE, JUMP = 1e-6", "SHARE, JUMP = 1e-1", "motion/test_kinks.py -k stop"),
+    Fault(
+        "motion/kinks.py",
+        "SHARE, JUMP = 1e-6",
+        "SHARE, JUMP = 1e-1",
+        "motion/test_kinks.py::test_derivatives_across_the_limit_of_a_controller",
+    ),
     Fault("motion/kinks.py", "or _controller_may_bend(equations)", "or False", "motion/test_kinks.py -k limit"),
     Fault("motion/kinks.py", "bend > CURVED * steep", "bend > 0 * steep", "motion/test_kinks.py -k smoothly"),
     Fault("motion/kinks.py", "bend > UNUSUAL * usual", "bend > 0 * usual", "motion/test_kinks.py -k smoothly"),
@@ -3399,7 +3409,7 @@ FAULTS = [
         "math/linear.py",
         "custom_linear_solve(lambda x: own @ x,",
         "custom_linear_solve(lambda x: jax.lax.stop_gradient(own) @ x,",
-        "math/test_linear.py -k second_derivatives",
+        "math/test_linear.py::test_derivative_of_a_solution",
     ),
     Fault("elements/joints.py", "[0, 1], [-1, 0]])", "[0, 1], [0, 0]])", "elements/test_joints.py -k however_far"),
     Fault("elements/joints.py", "[[1.0, 0], [0, 1], [0, 1],", "[[1.0, 0], [0, 1], [0, 0],", "elements/test_joints.py"),
