@@ -43,7 +43,7 @@ OPTIONS["quick"] = OPTIONS["thorough"] = {**OPTIONS["quick"], "xla_cpu_parallel_
 # reads it here.
 jax.config.update("jax_traceback_in_locations_limit", 0)
 # Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
-# a tenth of the time of modules that compile much, and all of them at once takes two seconds.
+# a tenth of the time of modules that compile much. Among all of them it is looked for where compiled code goes.
 gc.set_threshold(100_000, 50, 1_000_000)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
@@ -109,6 +109,7 @@ def pytest_terminal_summary(terminalreporter, config):
 
 def pytest_collection_finish():
     """What is there before the first test stays to the end."""
+    gc.collect()
     gc.freeze()
 
 
@@ -118,6 +119,5 @@ def _compiled_code_is_given_back():
     # A command that an earlier module ran has switched to its own.
     use_cache()
     yield
-    make_room(0.3)
-    # What a file leaves behind stays, and whoever collects garbage, as hypothesis and pytest do, need not look at it.
-    gc.freeze()
+    if make_room(0.3):
+        gc.collect()

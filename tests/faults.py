@@ -1164,7 +1164,14 @@ FAULTS = [
     Fault("elements/sections.py", "neck + 2 * across * _rise", "neck + across * _rise", PROFILES),
     Fault("linear/stress.py", "s.at(place, length)", "s.at(0.0, length)", "elements/test_profile.py -k stress_and"),
     Fault("elements/beams.py", "phi = 12 * shear", "phi = 6 * shear", "elements/test_laws.py -k sway"),
-    Fault("elements/beams.py", "(60 * l0)", "(30 * l0)", "elements/test_laws.py -k shortening"),
+    Fault("elements/beams.py", "[1.0, 4.0]]) / 60", "[1.0, 4.0]]) / 30", "elements/test_laws.py -k shortening"),
+    Fault("compilation/kept.py", "if before.has_arrays:", "if False:", "compilation/test_kept.py -k written_into"),
+    Fault(
+        "compilation/kept.py",
+        "and _are_same(methods, before.methods)",
+        "and True",
+        "compilation/test_kept.py -k was_replaced",
+    ),
     Fault(
         "elements/spatial.py",
         "ref.rot_q, near[0], axis)[:1]",

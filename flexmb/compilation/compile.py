@@ -167,11 +167,14 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     return run
 
 
-def make_room(share: float = FULL) -> None:
+def make_room(share: float = FULL) -> bool:
     """Give compiled code back where a next program may not find a memory map: what is asked again compiles again.
 
     Args:
         share: Of the memory maps that a process may have, from which on compiled code goes.
+
+    Returns:
+        Whether it went.
     """
     try:
         most = int(Path("/proc/sys/vm/max_map_count").read_text())
@@ -179,10 +182,12 @@ def make_room(share: float = FULL) -> None:
             used = sum(1 for _ in maps)
     except OSError:
         # Other systems than Linux have no such limit.
-        return
+        return False
     if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()
+        return True
+    return False
 
 
 def exact(thing: Any) -> Any:

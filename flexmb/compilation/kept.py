@@ -33,7 +33,7 @@ _RIGHT: set[str] = set()
 
 
 class _Seen(NamedTuple):
-    """What stood in a module when it was looked at: all of it, its classes, what these hold, and whether arrays did."""
+    """What a module held when it was looked at: values, its classes, what these hold, and whether any is an array."""
 
     values: list[Any]
     kinds: list[type]
@@ -151,7 +151,8 @@ def _surroundings() -> Any:
     """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
     own = [name for name in sys.modules if name.startswith("flexmb.") and name not in UNTRACED]
     for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
-        values, before = list(vars(module).values()), _SEEN.get(module.__name__, _NOTHING)
+        named, before = list(vars(module).items()), _SEEN.get(module.__name__, _NOTHING)
+        values = [value for _, value in named]
         kinds = before.kinds
         if not _are_same(values, before.values):
             kinds = [one for one in values if isinstance(one, type) and one.__module__ == module.__name__]
@@ -161,7 +162,7 @@ def _surroundings() -> Any:
             if before.has_arrays:
                 _refuse_replaced_numbers(module)
             continue
-        for name, value in list(vars(module).items()):
+        for name, value in named:
             _refuse_replaced(module, name, value)
         for one in methods:
             one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..lazy import only
-from ..math.rotation import cosine_and_sine, rotation_plane
+from ..math.rotation import QUARTER, cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
 from .laws import characteristic, uncoupled
@@ -42,17 +42,13 @@ truss = Element(
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
 
-# Turns the rows of a frame by a right angle.
-QUARTER_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
-
-
 def _axes(rot_p: Angle, rot_q: Angle, ref: Reference) -> Float[Array, "2 2 2"]:
     """Local x and y axes at both ends, as rows, of triads that lay along the undeformed element."""
     x0 = (ref.q - ref.p) / beams.beam_length(ref)
     frame = jnp.stack([x0, jnp.stack([-x0[1], x0[0]])])
     angles = jnp.concatenate([rot_p - ref.rot_p, rot_q - ref.rot_q])
     c, s = cosine_and_sine(angles)
-    return c[:, None, None] * frame + s[:, None, None] * (QUARTER_TURN @ frame)
+    return c[:, None, None] * frame + s[:, None, None] * (QUARTER @ frame)
 
 
 def _beam(
@@ -66,7 +62,7 @@ def _beam(
     across = np.array([-1.0, 1.0]) * jnp.sum(_axes(rot_p, rot_q, ref)[:, 1] * chord, axis=1)
     elongation = beams.length(chord) - l0
     if second_order:
-        elongation = elongation + beams.bending_shortening(across, l0)
+        elongation = elongation + jnp.sum(beams.SHORTENING * across * across[:, None]) / l0
     return jnp.concatenate([elongation[None], across])
 
 

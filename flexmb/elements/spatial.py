@@ -70,7 +70,7 @@ def _beam(
     chord, across = q - p, _triads(rot_p, rot_q, ref, y) @ PLANES
     twist = 0.5 * l0 * jnp.sum(across[0] * (across[1] @ QUARTER))
     first = jnp.stack([beams.length(chord) - l0, twist])
-    bending = jnp.sum(chord[:, None] * across, axis=1).reshape(4) @ BENDING
+    bending = jnp.sum(chord[:, None] * across, axis=1).reshape(4) @ FROM_ACROSS
     if second_order:
         first = first + (bending[:, None] * bending).reshape(16) @ SHORTENED_AND_TWISTED / l0
         bending = bending + twist / (6 * l0) * (bending @ BENT)
@@ -80,10 +80,10 @@ def _beam(
 # Local z and minus local y, across which beams bend, from the local axes.
 PLANES = np.array([[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 # Bendings in both planes at p and q, in this order, from what the chord has across it at p and at q.
-BENDING = np.kron(np.diag([-1.0, 1.0]), np.eye(2))[:, [0, 2, 1, 3]]
+FROM_ACROSS = np.kron(np.diag([-1.0, 1.0]), np.eye(2))[:, [0, 2, 1, 3]]
 # Shortening and twist times the length, from the products of two bendings.
 SHORTENED_AND_TWISTED = np.zeros((4, 4, 2))
-SHORTENED_AND_TWISTED[:, :, 0] = np.kron(np.eye(2), [[4.0, 1.0], [1.0, 4.0]]) / 60
+SHORTENED_AND_TWISTED[:, :, 0] = np.kron(np.eye(2), beams.SHORTENING)
 SHORTENED_AND_TWISTED[0, 3, 1], SHORTENED_AND_TWISTED[1, 2, 1] = -1.0, 1.0
 SHORTENED_AND_TWISTED = SHORTENED_AND_TWISTED.reshape(16, 2)
 # What twist adds to the bendings of one plane from those of the other.

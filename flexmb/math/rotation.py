@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-# vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle.
+# vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle, QUARTER @ vector clockwise.
 QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
@@ -201,7 +201,7 @@ def relative_turn(
     ref_q: Float[Array, "4"],
     axes: Float[Array, "3 n"],
 ) -> Float[Array, "n+1"]:
-    """Euler parameters of what triad q has turned relative to triad p since the undeformed state.
+    """Euler parameters of the rotation of triad q relative to triad p since the undeformed state.
 
     Args:
         p: Euler parameters of the first triad now, (4,) [-].
@@ -211,7 +211,7 @@ def relative_turn(
         axes: Columns, as they lay in the undeformed state and turn with p, along which the vector part is given.
 
     Returns:
-        (1 + n,) [-], scalar first.
+        (1 + n,) [-], scalar first; of unit norm with three orthonormal axes.
 
     Source:
         Quaternion product of p conjugate(ref_p), conjugated, and q conjugate(ref_q); bilinear in p and q, with

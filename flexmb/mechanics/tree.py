@@ -130,9 +130,9 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
 def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
     """Poses of beams, the beams before them among these."""
     order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
-    place = {i: k for k, i in enumerate(order)} | {None: None}
+    number = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
-    after, turned_after = ([place[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
+    after, turned_after = ([number[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
     # Arrays of NumPy, as those of a topology outside a trace.
     made: Any = Poses
     nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
@@ -353,7 +353,7 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
     none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
     for before in poses.before:
         turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-    # Found by where it comes from rather than put where it goes, of which the compiler makes a loop.
+    # Gathered, not scattered: of a scatter the compiler makes a loop.
     known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
     ends = x[poses.whence] + poses.along @ turned(known[poses.base], ways)
     return jnp.concatenate([known, ends.reshape(-1)])[poses.place]

@@ -410,6 +410,17 @@ def test_what_was_replaced_is_noticed(monkeypatch, place, name, value):
         kept._surroundings()
 
 
+def test_an_array_that_was_written_into_is_noticed():
+    kept._surroundings()
+    beams.CUBIC_MASS[0, 0] += 1.0
+    try:
+        with pytest.raises(TypeError, match=r"a number of flexmb\.elements\.beams was replaced"):
+            kept._surroundings()
+    finally:
+        beams.CUBIC_MASS[0, 0] -= 1.0
+    kept._surroundings()
+
+
 def test_a_patched_function_is_traced(folder, monkeypatch):
     np.testing.assert_array_equal(product(A, B), A @ B)
     monkeypatch.setattr(jnp, "sum", lambda *_, **__: jnp.zeros((2, 2)))
