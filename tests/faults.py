@@ -1164,7 +1164,8 @@ FAULTS = [
     Fault("elements/sections.py", "neck + 2 * across * _rise", "neck + across * _rise", PROFILES),
     Fault("linear/stress.py", "s.at(place, length)", "s.at(0.0, length)", "elements/test_profile.py -k stress_and"),
     Fault("elements/beams.py", "phi = 12 * shear", "phi = 6 * shear", "elements/test_laws.py -k sway"),
-    Fault("elements/beams.py", "[1.0, 4.0]]) / 60", "[1.0, 4.0]]) / 30", "elements/test_laws.py -k shortening"),
+    Fault("elements/beams.py", "(60 * l0)", "(30 * l0)", "elements/test_laws.py -k shortening"),
+    Fault("elements/spatial.py", "twist = twist + coupled", "", "elements/test_laws.py -k integrated_rods"),
     Fault("compilation/kept.py", "if before.has_arrays:", "if False:", "compilation/test_kept.py -k written_into"),
     Fault(
         "compilation/kept.py",
@@ -1243,18 +1244,6 @@ FAULTS = [
         "math/rotation.py", "rotation_matrix(ref_rot).T @ v", "rotation_matrix(ref_rot) @ v", "math/test_rotation.py"
     ),
     Fault("mechanics/tree.py", 'place[nodes["base"]]', 'nodes["base"]', "motion/test_tree_form.py -k in_space"),
-    Fault(
-        "elements/spatial.py",
-        "SHORTENED_AND_TWISTED[1, 2, 1] = -1.0, 1.0",
-        "SHORTENED_AND_TWISTED[1, 2, 1] = 1.0, -1.0",
-        "elements/test_laws.py -k integrated_rods",
-    ),
-    Fault(
-        "elements/spatial.py",
-        "[[1.0, -1.0], [1.0, -1.0]]",
-        "[[1.0, 1.0], [1.0, 1.0]]",
-        "elements/test_laws.py -k integrated_rods",
-    ),
     Fault("math/rotation.py", "(CROSS @ ey) @ ex", "-(CROSS @ ey) @ ex", "math/test_rotation.py -k initial_frame"),
     Fault("math/rigid.py", "c1 = -_bracket(a1, a2)", "c1 = _bracket(a1, a2)", "elements/test_spectral.py -k princeton"),
     Fault(

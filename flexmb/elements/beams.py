@@ -99,10 +99,20 @@ def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
     return twist, -coupling, (even + odd) / 2, (even - odd) / 2
 
 
-# Of the products of the bendings ep and eq at both ends: the shortening of the chord, second order, times the length,
-# (2 ep^2 + ep eq + 2 eq^2)/30, the integral of half the squared slope of the cubic deflection with end slopes ep/l0 and
-# -eq/l0.
-SHORTENING = np.array([[4.0, 1.0], [1.0, 4.0]]) / 60
+def bending_shortening(ends: Float[Array | np.ndarray, "*planes 2"], l0: Float[Array, ""]) -> Float[Array, "*planes"]:
+    """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
+
+    Args:
+        ends: Bending deformations at the ends, (*planes, 2) [m].
+        l0: Undeformed length, () [m].
+
+    Returns:
+        (*planes,) [m].
+
+    Source:
+        Integral of half the squared slope of the cubic deflection with end slopes ep/l0 and -eq/l0.
+    """
+    return (3 * jnp.sum(ends**2, axis=-1) + jnp.sum(ends, axis=-1) ** 2) / (60 * l0)
 
 
 def beam_length(ref: Reference) -> Float[Array, ""]:

@@ -62,7 +62,7 @@ def _beam(
     across = np.array([-1.0, 1.0]) * jnp.sum(_axes(rot_p, rot_q, ref)[:, 1] * chord, axis=1)
     elongation = beams.length(chord) - l0
     if second_order:
-        elongation = elongation + jnp.sum(beams.SHORTENING * across * across[:, None]) / l0
+        elongation = elongation + beams.bending_shortening(across, l0)
     return jnp.concatenate([elongation[None], across])
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..lazy import only
-from ..math.rotation import CROSS, QUARTER, initial_frame, lbar, relative_turn, turned
+from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .laws import characteristic
@@ -67,27 +67,24 @@ def _beam(
     coupling of torsion with bending in two planes.
     """
     l0 = beams.beam_length(ref)
-    chord, across = q - p, _triads(rot_p, rot_q, ref, y) @ PLANES
-    twist = 0.5 * l0 * jnp.sum(across[0] * (across[1] @ QUARTER))
-    first = jnp.stack([beams.length(chord) - l0, twist])
-    bending = jnp.sum(chord[:, None] * across, axis=1).reshape(4) @ FROM_ACROSS
+    triads = _triads(rot_p, rot_q, ref, y)
+    chord = q - p
+    # Local z and y at the ends, and what the chord has along them: (planes, ends).
+    across = triads[:, :, :0:-1]
+    twist = 0.5 * l0 * jnp.sum(across[0] * across[1, :, ::-1] * -SIGN)
+    bending = -SIGN[:, None] * SIGN * jnp.sum(chord[:, None] * across, axis=1).T
+    elongation = beams.length(chord) - l0
     if second_order:
-        first = first + (bending[:, None] * bending).reshape(16) @ SHORTENED_AND_TWISTED / l0
-        bending = bending + twist / (6 * l0) * (bending @ BENT)
-    return jnp.concatenate([first, bending])
+        elongation = elongation + jnp.sum(beams.bending_shortening(bending, l0))
+        coupled = jnp.sum(bending[0] * bending[1, ::-1] * SIGN) / l0
+        ends = jnp.sum(bending, axis=1)[::-1] * SIGN
+        bending = bending + twist / (6 * l0) * ends[:, None] * SIGN
+        twist = twist + coupled
+    return jnp.concatenate([jnp.stack([elongation, twist]), bending.reshape(-1)])
 
 
-# Local z and minus local y, across which beams bend, from the local axes.
-PLANES = np.array([[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
-# Bendings in both planes at p and q, in this order, from what the chord has across it at p and at q.
-FROM_ACROSS = np.kron(np.diag([-1.0, 1.0]), np.eye(2))[:, [0, 2, 1, 3]]
-# Shortening and twist times the length, from the products of two bendings.
-SHORTENED_AND_TWISTED = np.zeros((4, 4, 2))
-SHORTENED_AND_TWISTED[:, :, 0] = np.kron(np.eye(2), beams.SHORTENING)
-SHORTENED_AND_TWISTED[0, 3, 1], SHORTENED_AND_TWISTED[1, 2, 1] = -1.0, 1.0
-SHORTENED_AND_TWISTED = SHORTENED_AND_TWISTED.reshape(16, 2)
-# What twist adds to the bendings of one plane from those of the other.
-BENT = np.kron([[0.0, 1.0], [1.0, 0.0]], [[1.0, -1.0], [1.0, -1.0]]) * [1.0, 1.0, -1.0, -1.0]
+# Of the ends p and q in the bendings along the local z; those along the local y have the other sign.
+SIGN = np.array([-1.0, 1.0])
 
 
 # Places of EA/l0, GIt/l0^3 and, for each bending plane, of the two coefficients of beams.bending_coefficients.
