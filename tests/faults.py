@@ -1011,7 +1011,7 @@ FAULTS = [
         slow=True,
     ),
     Fault("motion/collocation.py", "LEFT, ROUND_OFF = 0.01", "LEFT, ROUND_OFF = 1e5", "motion/test_chain.py"),
-    Fault("mechanics/turning.py", "back * before[places]", "before[places]", "mechanics/test_turning.py"),
+    Fault("mechanics/turning.py", "before[places] * CONJUGATE", "before[places]", "mechanics/test_turning.py"),
     Fault(
         "mechanics/turning.py",
         "jnp.moveaxis(products, 0, 2)",
@@ -1072,8 +1072,8 @@ FAULTS = [
     ),
     Fault(
         "mechanics/tree.py",
-        "CONJUGATE = np.array([1.0, -1,",
-        "CONJUGATE = np.array([1.0, 1,",
+        "turns * CONJUGATE if spatial",
+        "turns if spatial",
         "motion/test_tree_form.py -k in_space",
     ),
     # Ends of spectral beams that are computed.
@@ -1169,8 +1169,8 @@ FAULTS = [
     Fault("compilation/kept.py", "if before.has_arrays:", "if False:", "compilation/test_kept.py -k written_into"),
     Fault(
         "compilation/kept.py",
-        "and _are_same(methods, before.methods)",
-        "and True",
+        "seen and _are_same(methods, before.methods)",
+        "seen",
         "compilation/test_kept.py -k was_replaced",
     ),
     Fault(

@@ -153,11 +153,11 @@ def _surroundings() -> Any:
     for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
         named, before = list(vars(module).items()), _SEEN.get(module.__name__, _NOTHING)
         values = [value for _, value in named]
-        kinds = before.kinds
-        if not _are_same(values, before.values):
+        kinds, seen = before.kinds, _are_same(values, before.values)
+        if not seen:
             kinds = [one for one in values if isinstance(one, type) and one.__module__ == module.__name__]
         methods = list(itertools.chain.from_iterable(vars(kind).values() for kind in kinds))
-        if _are_same(values, before.values) and _are_same(methods, before.methods):
+        if seen and _are_same(methods, before.methods):
             # An array may be written into.
             if before.has_arrays:
                 _refuse_replaced_numbers(module)

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
 from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
-from ..math.rotation import CROSS, initial_frame, rotation_matrix, turned
+from ..math.rotation import CONJUGATE, CROSS, initial_frame, rotation_matrix, turned
 from . import beams
 from .element import Element
 from .leaf import Leaf
@@ -314,7 +314,7 @@ def _passage(
         units = compose_turns(compose_turns(back, units), back)
     # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
     units = jnp.concatenate([units[:, :1], units[:, 1:] @ frame.T], axis=1)
-    units = compose_turns(compose_turns(ref.rot_p * np.array([1.0, -1, -1, -1]), units), ref.rot_q)
+    units = compose_turns(compose_turns(ref.rot_p * CONJUGATE, units), ref.rot_q)
     return axes @ product(exponential(own))[:3, 3], turn_product(turn_parameters(own)) @ units
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .linear import multiplied
-from .rotation import CROSS
+from .rotation import CONJUGATE, CROSS, RELATIVE
 
 # matrix(v)[i, j] = HAT[i, j, k] v[k]
 HAT = np.zeros((4, 4, 6))
@@ -23,11 +23,7 @@ HAT[:3, 3, 3:] = np.eye(3)
 ADJOINT = np.zeros((6, 6, 6))
 ADJOINT[:3, :3, :3] = ADJOINT[:3, 3:, 3:] = ADJOINT[3:, 3:, :3] = np.moveaxis(CROSS, 1, 0)
 # Quaternion product: (a b)_i = a_j b_k TURNS[4 j + k, i].
-_TURNS = np.zeros((4, 4, 4))
-_TURNS[0] = np.diag([1.0, -1, -1, -1])
-_TURNS[1:, 0, 1:] = _TURNS[1:, 1:, 0] = np.eye(3)
-_TURNS[1:, 1:, 1:] = CROSS
-TURNS = np.moveaxis(_TURNS, 0, 2).reshape(16, 4)
+TURNS = np.swapaxes(CONJUGATE[:, None, None] * RELATIVE, 1, 2).reshape(16, 4)
 # (1 - cos t)/t^2 and (t - sin t)/t^3 as power series in -t^2; ten terms are exact to rounding up to t = 2.
 TERMS = 10
 

@@ -124,7 +124,9 @@ for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
 ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
 # (a x b)_i = CROSS[i, j, k] a_j b_k
 CROSS = np.moveaxis(np.cross(np.eye(3)[:, None], np.eye(3)), 2, 0)
-# (conjugate(p) q)_i = RELATIVE[j, i, k] p_j q_k, the product of Euler parameters
+# Times Euler parameters those of the rotation back.
+CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+# (conjugate(p) q)_i = RELATIVE[j, i, k] p_j q_k, the product of quaternions.
 RELATIVE = np.concatenate([np.eye(4)[:, None], np.transpose(LBODY, (2, 0, 1))], axis=1)
 # R from the products of two parameters, the same for both orders.
 SQUARES = np.transpose(ROTATION + np.swapaxes(ROTATION, 2, 3), (2, 3, 0, 1)).reshape(16, 9) / 2

@@ -10,7 +10,7 @@ from jax.typing import ArrayLike
 from jaxtyping import Array, Float
 
 from ..lazy import only
-from .rotation import rotation_matrix, rotation_vector
+from .rotation import CONJUGATE, rotation_matrix, rotation_vector
 
 # Square of an angle below which its sine and cosine are taken from their series, to round-off [rad^2].
 SMALL = 1e-4
@@ -132,7 +132,7 @@ def inverse(rotation: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
     Source:
         Conjugate quaternion.
     """
-    return jnp.asarray(rotation, float) * jnp.array([1.0, -1.0, -1.0, -1.0])
+    return jnp.asarray(rotation, float) * CONJUGATE
 
 
 __all__, __dir__ = only(globals(), lambda value: getattr(value, "__module__", "") == __name__)

@@ -20,12 +20,10 @@ from ..compilation.program import split
 from ..compilation.record import Record, static
 from ..elements.nodes import unit_norm
 from ..math.rigid import compose_turns
-from ..math.rotation import cosine_and_sine, rotation_matrix
+from ..math.rotation import CONJUGATE, cosine_and_sine, rotation_matrix
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import deforming, element_function, with_rigidities
-
-CONJUGATE = np.array([1.0, -1, -1, -1])
 
 
 class Poses(Record):

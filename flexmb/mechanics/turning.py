@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from ..compilation.record import Record
 from ..math.indices import put
 from ..math.rigid import compose_turns
-from ..math.rotation import rotation_matrix, rotation_plane
+from ..math.rotation import CONJUGATE, rotation_matrix, rotation_plane
 from ..model.topology import Block, Topology
 
 
@@ -39,10 +39,9 @@ class Turning(Record):
         if self.vectors.shape[1] == 2:
             angles = (x - before)[self.by[:, 0]]
             return Turns(jax.vmap(rotation_plane)(angles), jnp.zeros((0, 4, 4)))
-        back = jnp.array([1.0, -1.0, -1.0, -1.0])
 
         def relative(places: Int[Array, "n 4"]):
-            turn = compose_turns(x[places], back * before[places])
+            turn = compose_turns(x[places], before[places] * CONJUGATE)
             return turn / jnp.sqrt(jnp.sum(turn**2, axis=1, keepdims=True))
 
         units = jnp.eye(4)[:, None]
