@@ -12,6 +12,7 @@ from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, SECTIONAL
 from ..elements.tie import TiePart, tie
+from ..math.indices import on_device
 from ..math.subspace import above, independent_rows
 from ..mechanics.blocks import deforming
 from ..model.model import Entry, Labels, Model
@@ -124,20 +125,20 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         columns = np.zeros((0, 0))
     free = [i for i in np.asarray(top.e.free).tolist() if i not in held]
     e = RoleIndices(
-        jnp.array(sorted([*held, *range(n_e, n_e + ties)]), int),
-        jnp.array(sorted(free), int),
-        jnp.zeros(0, int),
+        on_device(sorted([*held, *range(n_e, n_e + ties)])),
+        on_device(sorted(free)),
+        on_device([]),
         top.e.prescribed,
     )
     x = RoleIndices(
         top.x.fixed,
-        jnp.sort(top.x.free),
-        jnp.zeros(0, int),
+        on_device(np.sort(top.x.free)),
+        on_device([]),
         top.x.prescribed,
     )
     labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
     bare = Restriction(
-        Topology(tuple(blocks), x, e, top.axes, top.powers), labels, jnp.asarray(columns)[None], tuple(places)
+        Topology(tuple(blocks), x, e, top.axes, top.powers), labels, jnp.asarray(columns[None]), tuple(places)
     )
     return dataclasses.replace(bare, topology=with_dofs(bare.of(model), model))
 
@@ -152,9 +153,9 @@ def released(model: Model, indices: list[int]) -> Model:
     top = model.topology
     held = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
     free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
-    none = jnp.zeros(0, int)
-    e = RoleIndices(jnp.array(held, int), jnp.array(free, int), none, top.e.prescribed)
-    x = RoleIndices(top.x.fixed, jnp.sort(top.x.free), none, top.x.prescribed)
+    none = on_device([])
+    e = RoleIndices(on_device(held), on_device(free), none, top.e.prescribed)
+    x = RoleIndices(top.x.fixed, on_device(np.sort(top.x.free)), none, top.x.prescribed)
     bare = dataclasses.replace(
         model,
         topology=dataclasses.replace(top, x=x, e=e),
@@ -184,4 +185,4 @@ def with_dofs(restricted: Model, model: Model) -> Topology:
 
 def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
     rest = [i for i in np.asarray(roles.dependent).tolist() if i not in dof]
-    return RoleIndices(roles.fixed, jnp.array(rest, int), jnp.array(dof, int), roles.prescribed)
+    return RoleIndices(roles.fixed, on_device(rest), on_device(dof), roles.prescribed)

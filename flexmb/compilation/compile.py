@@ -49,12 +49,16 @@ OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
 # So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.
 MOST = 32
 # Compiled code is given back where a process has used this share of the memory maps that it may have. A program takes
-# some 300 and that of a motion in space 2000; beyond the limit, on Linux 65 530, the compiler ends the process.
+# some 300 and that of a motion in space 2000; beyond the limit, on Linux 65 530, the compiler ends the process. To
+# count them takes 10 ms, so that it is done only where programs since the last count may have reached the share.
 FULL = 0.6
+MAPS_OF_PROGRAM = 2000
 
 
 _thorough = False
 _keeps_traces = False
+# So many programs more take no more than their share of the memory maps.
+_programs_left = 0
 
 
 def compile_thoroughly(thorough: bool, keep_traces: bool = False) -> None:
@@ -148,6 +152,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         return jax.jit(program, compiler_options=OPTIONS[mode])
 
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
+        global _programs_left
         leaves, traced = _as_taken(leaves)
         if traced:
             return variant(structure, fixed, "nested", exact(fixed))(*leaves)
@@ -161,7 +166,9 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
                 results = own(*leaves)
             results = jax.block_until_ready(results)
             if own._cache_size() > programs:
-                make_room()
+                _programs_left -= 1
+                if _programs_left < 0:
+                    make_room()
             return results
 
     return run
@@ -176,6 +183,7 @@ def make_room(share: float = FULL) -> bool:
     Returns:
         Whether it went.
     """
+    global _programs_left
     try:
         most = int(Path("/proc/sys/vm/max_map_count").read_text())
         with open("/proc/self/maps", "rb") as maps:
@@ -183,6 +191,7 @@ def make_room(share: float = FULL) -> bool:
     except OSError:
         # Other systems than Linux have no such limit.
         return False
+    _programs_left = int(FULL * most - used) // MAPS_OF_PROGRAM
     if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()

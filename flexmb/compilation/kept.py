@@ -33,16 +33,17 @@ _RIGHT: set[str] = set()
 
 
 class _Seen(NamedTuple):
-    """What a module held when it was looked at: values, its classes, what these hold, and whether any is an array."""
+    """What a module held when it was looked at: values, its classes, what these hold; its arrays and their bytes."""
 
     values: list[Any]
     kinds: list[type]
     methods: list[Any]
-    has_arrays: bool
+    arrays: list[np.ndarray]
+    numbers: list[bytes]
 
 
 _SEEN: dict[str, _Seen] = {}
-_NOTHING = _Seen([], [], [], False)
+_NOTHING = _Seen([], [], [], [], [])
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
@@ -151,18 +152,15 @@ def _surroundings() -> Any:
     """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
     own = [name for name in sys.modules if name.startswith("flexmb.") and name not in UNTRACED]
     for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
-        named, before = list(vars(module).items()), _SEEN.get(module.__name__, _NOTHING)
-        values = [value for _, value in named]
+        values, before = list(vars(module).values()), _SEEN.get(module.__name__, _NOTHING)
         kinds, seen = before.kinds, _are_same(values, before.values)
         if not seen:
             kinds = [one for one in values if isinstance(one, type) and one.__module__ == module.__name__]
-        methods = list(itertools.chain.from_iterable(vars(kind).values() for kind in kinds))
-        if seen and _are_same(methods, before.methods):
-            # An array may be written into.
-            if before.has_arrays:
-                _refuse_replaced_numbers(module)
+        methods = list(itertools.chain.from_iterable(vars(kind).values() for kind in kinds)) if kinds else []
+        # An array may be written into.
+        if seen and _are_same(methods, before.methods) and _bytes_of(before.arrays) == before.numbers:
             continue
-        for name, value in named:
+        for name, value in list(vars(module).items()):
             _refuse_replaced(module, name, value)
         for one in methods:
             one = one if isinstance(one, types.FunctionType) else getattr(one, "__wrapped__", None)
@@ -171,10 +169,14 @@ def _surroundings() -> Any:
         watched = module.__name__ in WATCHED
         if not watched:
             _refuse_replaced_numbers(module)
-        has_arrays = not watched and any(isinstance(one, np.ndarray) for one in (*values, *methods))
-        _SEEN[module.__name__] = _Seen(values, kinds, methods, has_arrays)
+        arrays = [] if watched else [one for one in (*values, *methods) if isinstance(one, np.ndarray)]
+        _SEEN[module.__name__] = _Seen(values, kinds, methods, arrays, _bytes_of(arrays))
     settings = [(k, getattr(jax.config, k, None)) for k in sorted(jax.config.values) if "cache" not in k]
     return _text(), settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+
+
+def _bytes_of(arrays: list[np.ndarray]) -> list[bytes]:
+    return [array.tobytes() for array in arrays]
 
 
 def _are_same(things: list[Any], others: list[Any]) -> bool:

@@ -6,8 +6,10 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import is_concrete
+from ..compilation.compile import jit
 from ..display import listed, measured
 from ..elements import spatial
 from ..elements.nodes import ROTATION3
@@ -126,30 +128,19 @@ class StrokeQuestions:
         """Of the node along every axis but the driven one, infinite where this model is rigid."""
         if self.node is None:
             raise ModelError("a deformation belongs to no one node: give `node`")
-        m, own = at.held.matrices, jnp.diagonal(compliance(at.held, self.node))
-        every = jnp.einsum("ij,ji->i", m.DFx, factorise(m.K).solve(m.DFx.T))
+        m = at.held.matrices
         positions = np.isin(np.arange(len(m.x)), np.asarray(at.held.model.topology.axes))
-        found = {}
-        for i, axis in enumerate(self.axes):
-            alike = every[positions == (axis in "xyz")]
-            gives = own[i] > RIGID * jnp.max(alike, initial=0.0)
-            if axis != self.own:
-                found[f"stiffness {axis}"] = jnp.where(gives, 1 / jnp.where(gives, own[i], 1.0), jnp.inf)
-        return found
+        alike = np.stack([positions == (axis in "xyz") for axis in self.axes])
+        stiffness = _along_axes(m.K, m.DFx, compliance(at.held, self.node), alike)
+        return {f"stiffness {axis}": k for axis, k in zip(self.axes, stiffness, strict=True) if axis != self.own}
 
     def _parasitic(self, at: AtStroke, rest: Any) -> dict[str, Any]:
         """How the node moves besides, from its place at zero stroke."""
         if self.node is None:
             raise ModelError("a deformation belongs to no one node: give `node`")
-        moved = []
-        for part in self.parts:
-            own = self.model.labels.known(part)
-            before, now = rest[own], at.held.x[own]
-            turned = len(own) == ROTATION3.size
-            change = rotation_since(before, now) if turned else now - before
-            moved.append(change if self.about is None or not turned else change - self.about * (self.about @ change))
-        by_axis = dict(zip(self.axes, jnp.concatenate(moved), strict=True))
-        return {f"parasitic {axis}": value for axis, value in by_axis.items() if axis != self.own}
+        parts = [self.model.labels.known(part) for part in self.parts]
+        moved = _moved(rest, at.held.x, parts, np.zeros(3) if self.about is None else self.about)
+        return {f"parasitic {axis}": value for axis, value in zip(self.axes, moved, strict=True) if axis != self.own}
 
     def _frequencies(self, at: AtStroke, rest: Any) -> dict[str, Any]:
         found = frequencies(at.free, count=self.count)
@@ -225,9 +216,40 @@ def _stresses(found: Stress) -> dict[str, Any]:
     return numbers_of
 
 
+@jit
+def _along_axes(
+    k: Float[Array, "n n"],
+    DFx: Float[Array, "n_x n"],
+    compliance: Float[Array, "a a"],
+    alike: Bool[Array, "a n_x"],
+) -> list[Float[Array, ""]]:
+    """Stiffness of a node along each axis, infinite where it is rigid beside the coordinates that are alike."""
+    every = jnp.einsum("ij,ji->i", DFx, factorise(k).solve(DFx.T))
+    own, most = jnp.diagonal(compliance), jnp.max(jnp.where(alike, every, 0.0), axis=1, initial=0.0)
+    gives = own > RIGID * most
+    return list(jnp.where(gives, 1 / jnp.where(gives, own, 1.0), jnp.inf))
+
+
+@jit
+def _moved(
+    rest: Float[Array, "n_x"], x: Float[Array, "n_x"], parts: list[Int[Array, "_n"]], about: Float[Array, "3"]
+) -> list[Float[Array, ""]]:
+    """How parts of a node have moved, in space without their turn about an axis, if this is not zero."""
+    moved = []
+    for own in parts:
+        turned = len(own) == ROTATION3.size
+        change = rotation_since(rest[own], x[own]) if turned else x[own] - rest[own]
+        moved.append(change - about * (about @ change) if turned else change)
+    return list(jnp.concatenate(moved))
+
+
 def _stands(lin: Linearization) -> Any:
     """Whether the stiffness is positive definite."""
-    k = lin.matrices.K
+    return _is_positive(lin.matrices.K)
+
+
+@jit
+def _is_positive(k: Float[Array, "n n"]) -> Bool[Array, ""]:
     return is_positive_definite((k + k.T) / 2)
 
 

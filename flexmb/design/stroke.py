@@ -17,6 +17,7 @@ from ..display import listed, unit_of
 from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
+from ..math.indices import on_device
 from ..math.linear import factorise
 from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
@@ -205,7 +206,7 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
     for k, chosen in dofs.items():
         rest: RoleIndices = getattr(free.topology, k)
         dependent = np.setdiff1d(np.asarray(rest.dependent), chosen)
-        roles[k] = dataclasses.replace(rest, dependent=jnp.asarray(dependent, int), dof=jnp.asarray(chosen, int))
+        roles[k] = dataclasses.replace(rest, dependent=on_device(dependent), dof=on_device(chosen))
     return StrokeDrive(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
 
 
@@ -216,7 +217,7 @@ def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
         own: RoleIndices = getattr(model.topology, k)
         given = prescribed if k == kind else np.asarray(own.prescribed)
         rest = np.setdiff1d(np.arange(own.size), np.concatenate([np.asarray(own.fixed), given]))
-        roles[k] = RoleIndices(own.fixed, jnp.asarray(rest, int), jnp.zeros(0, int), jnp.asarray(given, int))
+        roles[k] = RoleIndices(own.fixed, on_device(rest), on_device([]), on_device(given))
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 

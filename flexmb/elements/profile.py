@@ -18,6 +18,8 @@ from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.
 PLACES = np.linspace(0.02, 0.98, 13)
+# Where sections are checked as those of a whole beam are.
+CHECKED = np.array([0.0, 0.5, 1.0])
 # Gauss nodes of each smooth piece, by which a beam integrates over its section.
 NODES = 24
 # By how much compliances may be off that come from these.
@@ -158,8 +160,9 @@ class Profile(Section):
         """
         lengths = np.asarray(length, float)
         first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
-        for place in (0.0, 0.5, 1.0):
-            if faults := first.at(place, lengths.ravel()[0]).faults():
+        sections = jax.tree.map(np.asarray, _at(first, CHECKED, lengths.ravel()[0]))
+        for i, place in enumerate(CHECKED):
+            if faults := jax.tree.map(lambda numbers, i=i: numbers[i], sections).faults():
                 return [f"has a section with {faults[0]}, at place {place:g}"]
         found = self.along(length, count)
         breaks = found.breaks
@@ -242,6 +245,12 @@ def _function(function: Callable[..., Any]) -> Captured:
 
 def _breaks(function: Callable[..., Any]) -> Captured:
     return captured(lambda length: tuple(jnp.asarray(one, float) for one in function(length)), _SCALAR)
+
+
+@jit
+def _at(profile: Profile, places: Float[Array, "n"], length: Float[Array, ""]) -> Section:
+    """Sections at places of a beam, stacked."""
+    return jax.vmap(lambda place: profile.at(place, length))(places)
 
 
 @jit

@@ -81,7 +81,7 @@ def damped(
     m = lin.matrices
     if ratio is None and rayleigh is None and loss_factor is None:
         raise ValueError("fm.damped needs a damping: give `ratio`, `rayleigh` or `loss_factor`.")
-    added, result = jnp.zeros_like(m.D0), m.result
+    added, result = np.zeros(m.D0.shape), m.result
     if rayleigh is not None:
         _check_positive("rayleigh", rayleigh, (2,))
         added = added + rayleigh[0] * m.M0 + rayleigh[1] * m.K0
@@ -151,24 +151,30 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Float[Array, "n"], Float[Ar
     if not callable(ratio):
         _check_positive("ratio", ratio)
         if sizes == ():
-            return jnp.broadcast_to(jnp.asarray(ratio, float), (n,)), jnp.zeros(n)
+            return _library(ratio).broadcast_to(_library(ratio).asarray(ratio, float), (n,)), np.zeros(n)
     hertz = jax.lax.stop_gradient(modal_frequencies(lin)[0])
     count = int(np.sum(np.isfinite(np.asarray(hertz)))) if is_concrete(hertz) else n
     if len(sizes) == 1:
         if sizes[0] > count:
             raise ValueError(f"Argument `ratio` has {sizes[0]} numbers, but there are {count} modes.")
-        given = jnp.asarray(ratio, float)
-        return given[np.minimum(np.arange(n), sizes[0] - 1)][::-1], jnp.zeros(n)
+        given = _library(ratio).asarray(ratio, float)
+        return given[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
     by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
     # Where there is nothing to damp, any frequency does.
-    hertz = jnp.where(jnp.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
+    on = _library(hertz)
+    hertz = on.where(on.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
     if is_concrete(lin.matrices):
         found = by_frequency(np.asarray(hertz))
-        slopes = jnp.zeros(n)
+        slopes = np.zeros(n)
     else:
         found, slopes = jax.jvp(by_frequency, (hertz,), (jnp.ones(n),))
     _check_positive("ratio", found, (n,), ", a function,")
-    return jnp.asarray(found, float), slopes / (2 * np.pi)
+    return _library(found).asarray(found, float), slopes / (2 * np.pi)
+
+
+def _library(numbers: Any) -> Any:
+    """NumPy for known numbers, of which each operation of JAX would be a program."""
+    return np if is_concrete(numbers) else jnp
 
 
 def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
@@ -203,7 +209,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
         ValueError: One is negative or not finite, or of what has no stiffness, or no element has that name.
         TypeError: A key that is neither a name nor a Material.
     """
-    losses = jnp.zeros(lin.model.topology.n_e)
+    losses = np.zeros(lin.model.topology.n_e)
     if not isinstance(given, Mapping):
         _check_positive("loss_factor", given, ())
         return losses + given
@@ -218,7 +224,8 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
             raise ValueError(f"Argument `loss_factor`: no element is of {called}. There is: {names}.")
         if is_concrete(lin.matrices) and not _has_stiffness(lin, rows):
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
-        losses = losses.at[rows].set(factor)
+        of_key = np.isin(np.arange(len(losses)), rows)
+        losses = _library((losses, factor)).where(of_key, factor, losses)
     return losses
 
 

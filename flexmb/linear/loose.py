@@ -17,7 +17,7 @@ from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
-from ..mechanics.stress_resultants import stiffness_pieces
+from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
@@ -162,7 +162,7 @@ def of_stiffest(model: Model) -> str:
     sizes, size, stiff = sizes_of(topology, parameters), np.zeros(topology.n_e), np.zeros(topology.n_e)
     for at, columns, own in jacobian_pieces(topology, parameters, parameters.reference, jnp.zeros(topology.n_e))[1]:
         size[at] = np.linalg.norm(np.asarray(own) * sizes[columns][:, None, :], axis=2)
-    for at, _, own in stiffness_pieces(topology, parameters, "stiffness"):
+    for at, _, own in known_stiffness_pieces(topology, parameters):
         np.maximum.at(stiff, np.asarray(at), np.abs(np.einsum("eii->ei", np.asarray(own))))
     stiff[np.asarray(topology.e.held)] = 0.0
     return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."

@@ -449,6 +449,15 @@ def _along(
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
 
+@jit
+def _breaks(
+    block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], stack: Any, *, first: int, after: int
+) -> list[Float[Array, "n"]]:
+    """Where sections of one kind jump along their elements of a block, the first to the last of them."""
+    lengths = _lengths(block, properties, reference)[first:after]
+    return list(jax.vmap(lambda section, length: section.breaks_at(length))(stack, lengths))
+
+
 def _places(model: Model, points: int | None) -> Any:
     """Places along each element, ascending: so many, and both sides of every break of a section and amid its pieces."""
     top, parameters = model.topology, model.parameters
@@ -461,12 +470,9 @@ def _places(model: Model, points: int | None) -> Any:
         for stack in _sections(properties):
             part = slice(start, start + _count(stack))
             start = part.stop
-            first = jax.tree.map(lambda leaf: leaf[0], stack)
-            varies = varies or first.varies
-            if first.varies and first.breaks_at(1.0):
-                lengths = _lengths(block, properties, parameters.reference)[part]
-                own = jax.vmap(lambda section, length: jnp.stack(section.breaks_at(length)))(stack, lengths)
-                breaks.append(jnp.ravel(own))
+            varies = varies or stack.varies
+            if stack.varies:
+                breaks += _breaks(block, properties, parameters.reference, stack, first=part.start, after=part.stop)
     even = np.linspace(0.0, 1.0, points or enough)
     if not varies or (points and not breaks):
         return even

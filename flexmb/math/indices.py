@@ -2,7 +2,10 @@
 
 from typing import Any
 
-from jaxtyping import Array, ArrayLike
+import jax
+import jax.core
+import numpy as np
+from jaxtyping import Array, ArrayLike, Int
 
 TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
@@ -29,3 +32,13 @@ def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
         Array of the shape of ``whole``.
     """
     return whole.at[indices].add(values, **TRUSTED)
+
+
+def on_device(indices: Any) -> Int[Array, "*n"]:
+    """Known indices as an array, also within a trace, for which JAX compiles no program.
+
+    Args:
+        indices: Whole numbers, in a list or an array.
+    """
+    with jax.core.eval_context():
+        return jax.device_put(np.asarray(indices, int))

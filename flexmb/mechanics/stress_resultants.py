@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..compilation.compile import traced_once
+from ..compilation.compile import jit, traced_once
 from ..elements.element import NONLINEAR
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
@@ -27,6 +27,12 @@ def stiffness_pieces(
     for block, function, ref, properties in each_block(topology, parameters, companion):
         pieces.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
     return pieces
+
+
+@jit
+def known_stiffness_pieces(topology: Topology, parameters: Parameters) -> list[tuple[Array, Array, Array]]:
+    """Stiffness of each block's elements where it is asked for by itself: one program, not one for each operation."""
+    return stiffness_pieces(topology, parameters)
 
 
 def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:

@@ -17,7 +17,7 @@ from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
-from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
+from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -216,7 +216,7 @@ def without_stiffness(model: Model) -> str:
         loose = _loose_of_large(model)
         return _of_loose(model, loose) if loose.size else ""
     elastic = np.zeros(topology.n_e, bool)
-    for at, _, own in stiffness_pieces(topology, model.parameters):
+    for at, _, own in known_stiffness_pieces(topology, model.parameters):
         elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(own)) > 0
     elastic[np.asarray(topology.e.held)] = False
     found = constraints(model)

@@ -8,7 +8,7 @@ from ..display import listed, short
 from ..errors import warn
 from ..math.sparse import LARGE
 from ..mechanics.extent import sizes_of
-from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces
+from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
 
 # Elastic energy so many times as large as need be is pointed out: shapes that elements take by and by are within it.
@@ -42,7 +42,7 @@ def needless_strain(
     if topology.n_x > LARGE or is_nonlinear(topology) or shaped or not np.any(e):
         return None
     roots = np.zeros((topology.n_e, topology.n_e))
-    for at, _, own in stiffness_pieces(topology, parameters):
+    for at, _, own in known_stiffness_pieces(topology, parameters):
         values, turned = np.linalg.eigh(np.asarray(own))
         blocks = np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(turned, 1, 2)
         place = np.asarray(at)

@@ -338,6 +338,7 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
     return jnp.einsum("tij,tj->ti", form.B0, u)
 
 
+@jit
 def _of_servo(
     m: Matrices, force: Float[Array, "n_t n_q"], kept: Array, q: Float[Array, "n_t n_q"], qd: Float[Array, "n_t n_q"]
 ) -> Float[Array, "n_t n_q"]:

@@ -1,11 +1,14 @@
 """The mirror image of one element: which of its numbers and of its deformations have the other sign."""
 
 import itertools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ..build.description import Member
+from ..compilation.by_meaning import jit
+from ..elements.element import Element
 
 # Of the strain fields of a beam in series: elongation, and in space twist, bending about y and z, shear along y and z.
 FIELDS = {2: (1, -1), 3: (1, -1, -1, 1, 1, -1)}
@@ -61,7 +64,8 @@ def image_of(
         turned["y"] = None if default is None else _turned(default, axis, y_turns)
     random = np.random.default_rng(7)
     states = [[r + 0.05 * random.normal(size=r.shape) for r in references] for _ in range(3)]
-    ours = [_deformation(element, state, references, properties) for state in states]
+    deformation = _deformation(element)
+    ours = [deformation(state, references, properties) for state in states]
     images = [[_coordinates(x, k, axis) for x, k in zip(s, kinds, strict=True)] for s in [*states, references]]
     sizes = {key: value.shape for key, value in scalars.items()}
     count = sum(int(np.prod(size)) for size in sizes.values())
@@ -71,7 +75,7 @@ def image_of(
             n = int(np.prod(size))
             flips[key], rest = np.reshape(rest[:n], size), rest[n:]
         own = turned | {key: value * flips[key] for key, value in scalars.items()}
-        theirs = [_deformation(element, image, images[-1], own) for image in images[:-1]]
+        theirs = [deformation(image, images[-1], own) for image in images[:-1]]
         found = _signs_between(np.array(ours), np.array(theirs))
         if found is not None:
             return flips, found
@@ -96,12 +100,16 @@ def _coordinates(x: np.ndarray, kind: Any, axis: int) -> np.ndarray:
     return -x
 
 
-def _deformation(element: Any, state: list, references: list, properties: dict) -> np.ndarray:
-    near = {"near": np.zeros(64)} if element.tracks_angle else {}
+def _deformation(element: Element) -> Callable[..., np.ndarray]:
+    """Deformations of an element as a function of its state, its reference and its properties."""
     options = {key: value for key, value in element.alone().options.items()}
-    return np.asarray(
-        element.deformation(*state, ref=element.reference(references), **near, **options, **properties), float
-    )
+    near = {"near": np.zeros(64)} if element.tracks_angle else {}
+
+    @jit
+    def of(state: list[Any], references: list[Any], numbers: dict[str, Any]):
+        return element.deformation(*state, ref=element.reference(references), **near, **options, **numbers)
+
+    return lambda state, references, own: np.asarray(of(state, references, own), float)
 
 
 def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:

@@ -794,6 +794,16 @@ def homogeneous_matrix(lam: np.ndarray) -> np.ndarray:
     return (a**2 - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * a * cross
 
 
+@functools.cache
+def deformed(element, second_order: bool):
+    """Deformations of a beam, with or without terms of second order, compiled."""
+
+    def of(state, starts, **own):
+        return element.deformation(*state, ref=element.reference(starts), second_order=second_order, **own)
+
+    return jax.jit(of)
+
+
 @pytest.mark.parametrize(("second_order", "share"), [(True, 0.6), (False, 0.5)])
 @pytest.mark.parametrize("element", [planar.beam, spatial.beam], ids=["planar", "spatial"])
 @given(POSITIVE, st.floats(1e-4, 1e-3))
@@ -807,7 +817,7 @@ def test_shortening_by_sway(element, second_order, share, l0, slope):
     starts[2] = l0 * np.eye(len(starts[0]))[0]
     there, sway = list(starts), slope * l0
     there[2] = starts[2] + sway * np.eye(len(starts[0]))[-1]
-    e = element.deformation(*there, ref=element.reference(starts), second_order=second_order)
+    e = deformed(element, second_order)(there, starts)
     # Relative truncation slope^2, up to 1e-6; round-off of l - l0 is eps l0 beside slope^2 l0, 2e-8.
     assert e[0] == pytest.approx(share * sway**2 / l0, rel=2e-6)
 
@@ -847,10 +857,8 @@ def rod_error(fields, second_order: bool) -> np.ndarray:
     lam = start.as_quat(scalar_first=True)
     end, lam_end = integrated_rod(fields, start)
     matrix = start.as_matrix()
-    ref = spatial.beam.reference([np.zeros(3), lam, ROD_LENGTH * matrix[:, 0], lam])
-    found = spatial.beam.deformation(
-        np.zeros(3), lam, end, lam_end, ref=ref, y=jnp.asarray(matrix[:, 1]), second_order=second_order
-    )
+    starts = [np.zeros(3), lam, ROD_LENGTH * matrix[:, 0], lam]
+    found = deformed(spatial.beam, second_order)([np.zeros(3), lam, end, lam_end], starts, y=matrix[:, 1])
     a, b, c, d, twist = fields
     moments = [0, twist, a / 2 + b / 6, a / 2 + b / 3, c / 2 + d / 6, c / 2 + d / 3]
     return np.asarray(found) - ROD_LENGTH**2 * np.array(moments)
@@ -905,15 +913,20 @@ def test_spatial_hinge_counts_past_full_turns(way, axis, start_p, start_q, carri
         np.testing.assert_allclose(near, [angle, 0, 0], atol=20 * EPS * 15)
 
 
+@jax.jit
+def hinged(turn, axis):
+    """Deformations of a hinge whose second node has turned, compiled."""
+    one = np.array([1.0, 0, 0, 0])
+    return spatial.hinge.deformation(one, turn, ref=spatial.hinge.reference([one, one]), axis=axis, near=np.zeros(3))
+
+
 @given(vectors(3), st.floats(-0.01, 0.01), st.floats(-3.0, 3.0))
 def test_spatial_hinge_tilt_is_small_rotation_across_the_axis(axis, tilt, angle):
     """A tilt about the hinge's own second axis before the rotation: e2, e3 have its size, e1 is the rotation."""
     hypothesis.assume(np.linalg.norm(axis) > 0.1)
     frame = local_frame(axis, None)
-    one = np.array([1.0, 0, 0, 0])
-    ref = spatial.hinge.reference([one, one])
     turn = np.r_[np.cos(angle / 2), np.sin(angle / 2) * frame[:, 0]]
     tilted = np.r_[np.cos(tilt / 2), np.sin(tilt / 2) * frame[:, 1]]
-    e = spatial.hinge.deformation(one, product(tilted, turn), ref=ref, axis=jnp.asarray(axis), near=np.zeros(3))
+    e = hinged(product(tilted, turn), axis)
     np.testing.assert_allclose(e[0], angle, atol=1e-14)
     assert np.hypot(e[1], e[2]) == pytest.approx(2 * abs(np.sin(tilt / 2)), abs=1e-14)

@@ -109,8 +109,12 @@ def test_a_law_may_begin_turned_far():
     model = gyroscope(np.eye(3), "fixed")
     driven = driven_by(model, Drives(motion={"o.rotation": lambda t: 7.5 + 2 * t}))
     given = Start(model.parameters.reference, jnp.zeros(model.topology.n_x))
-    form = coordinates_form(model.topology, model.parameters, driven)
-    begin, there = jax.jit(lambda t: driven_start(form, t, given))(0.0)
+
+    @jax.jit
+    def begins(t):
+        return driven_start(coordinates_form(model.topology, model.parameters, driven), t, given)
+
+    begin, there = begins(0.0)
     assert bool(there)
     place, m = Rotation.from_rotvec([0, 0, 7.5]).as_matrix() @ LEVER, np.asarray(model.labels.coordinates("m"))
     np.testing.assert_allclose(begin.x[m], place, atol=1e-12)

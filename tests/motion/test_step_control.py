@@ -1,5 +1,8 @@
 """Step size control by displacements: against closed forms, and its rule case by case."""
 
+import functools
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -47,20 +50,26 @@ def test_small_motions_are_as_accurate_as_large_ones():
     assert max(steps) <= 1.3 * min(steps)
 
 
+@functools.partial(jax.jit, static_argnames="states")
+def adapted(moved, zero, end, error, *, states):
+    """What the controller makes of a step from 0 to 0.1 s: whether it is kept, the next one, the greatest size."""
+    controller = DisplacementController(rtol=RTOL, atol=1e-12, moved=moved, states=states)
+    first, state = controller.init(None, jnp.asarray(0.0), jnp.asarray(1.0), zero, jnp.asarray(0.1), None, None, 5)
+    found = controller.adapt_step_size(jnp.asarray(0.0), first, zero, end, None, error, 5, state)
+    keep, after, then, _, state, _ = found
+    return keep, after, then, state[1]
+
+
 def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
     """Whether a step of 0.1 s with these errors is kept, the next step, and the greatest displacement after it.
 
     Displacements reach ``size``, velocities ``speed``.
     """
-    controller = DisplacementController(rtol=RTOL, atol=1e-12, moved=jnp.asarray(moved), states=states)
-    n = len(error_u)
-    zero = MotionState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(0))
-    end = MotionState(jnp.zeros(n).at[0].set(size), jnp.full(n, speed), jnp.zeros(0))
-    error = MotionState(jnp.asarray(error_u), jnp.asarray(error_w), jnp.zeros(0))
-    begin = jnp.asarray(0.0)
-    first, state = controller.init(None, begin, begin + 1, zero, jnp.asarray(0.1), None, None, 5)
-    keep, after, then, _, state, _ = controller.adapt_step_size(begin, first, zero, end, None, error, 5, state)
-    return bool(keep), float(then - after), float(state[1])
+    none = np.zeros(0)
+    error, zero = MotionState(error_u, error_w, none), MotionState(np.zeros(2), np.zeros(2), none)
+    end = MotionState(np.array([size, 0.0]), np.full(2, speed), none)
+    keep, after, then, greatest = adapted(moved, zero, end, error, states=states)
+    return bool(keep), float(then - after), float(greatest)
 
 
 @pytest.mark.parametrize(
