@@ -1172,6 +1172,8 @@ FAULTS = [
         "True",
         "compilation/test_kept.py -k written_into",
     ),
+    Fault("compilation/kept.py", "found.update(text)", "pass", "compilation/test_kept.py -k text_of_the_package"),
+    Fault("compilation/kept.py", "map(_version, LIBRARIES)", "LIBRARIES", "compilation/test_kept.py -k versions_of"),
     Fault("compilation/compile.py", "_programs_left -= 1", "pass", "compilation/test_room.py"),
     Fault("compilation/compile.py", "if _programs_left < 0:", "if True:", "compilation/test_room.py"),
     Fault("compilation/compile.py", "int(FULL * most - used)", "int(most - used)", "compilation/test_room.py"),

@@ -142,10 +142,31 @@ def _built(names: Any) -> Any:
 @functools.cache
 def _text() -> str:
     """Versions of what is traced with and text of this package, as one number."""
-    found = hashlib.sha256(repr([sys.version, *map(importlib.metadata.version, LIBRARIES)]).encode())
-    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
-        found.update(f"{path.parent.name}/{path.name}\n{path.read_text(encoding='utf-8')}".encode())
+    found = hashlib.sha256(repr([sys.version, *map(_version, LIBRARIES)]).encode())
+    for folder, folders, files in os.walk(Path(__file__).parents[1]):
+        folders.sort()
+        for name in sorted(files):
+            if name.endswith(".py"):
+                text = Path(folder, name).read_bytes()
+                found.update(f"{Path(folder).name}/{name} {len(text)}\n".encode())
+                found.update(text)
     return found.hexdigest()
+
+
+def _version(library: str) -> str:
+    """Version of an installed library: by the name of its folder, which takes a tenth of the time to read its text."""
+    for folder in sys.path:
+        if name := _installed(folder).get(library):
+            return name
+    return importlib.metadata.version(library)
+
+
+@functools.cache
+def _installed(folder: str) -> dict[str, str]:
+    """Names of the folders in which libraries say what they are, by library."""
+    with contextlib.suppress(OSError):
+        return {name.partition("-")[0]: name for name in os.listdir(folder) if name.endswith(".dist-info")}
+    return {}
 
 
 def _surroundings() -> Any:

@@ -5,8 +5,10 @@ import collections
 import dataclasses
 import enum
 import functools
+import importlib.metadata
 import logging
 import os
+import sys
 import types
 import unittest.mock
 from typing import NamedTuple
@@ -370,6 +372,35 @@ def test_settings_are_part_of_the_key():
     assert repr(kept._surroundings()) == before
     with jax.default_matmul_precision("float32"):
         assert repr(kept._surroundings()) != before
+
+
+def test_the_text_of_the_package_is_part_of_the_key(monkeypatch, tmp_path):
+    room = tmp_path / "flexmb" / "room"
+    room.mkdir(parents=True)
+    monkeypatch.setattr(kept, "__file__", str(room / "kept.py"))
+    texts = []
+    for name, text in (("a.py", "x = 1"), ("a.py", "x = 2"), ("b.py", "x = 2"), ("note.txt", "x = 3")):
+        for old in room.glob("*.py"):
+            if name.endswith(".py"):
+                old.unlink()
+        (room / name).write_text(text)
+        texts.append(kept._text.__wrapped__())
+    assert len(set(texts[:3])) == 3
+    assert texts[3] == texts[2]
+
+
+def test_versions_of_libraries_are_part_of_the_key(monkeypatch, tmp_path):
+    for library in kept.LIBRARIES:
+        assert importlib.metadata.version(library) in kept._version(library)
+    (tmp_path / "jax-0.1.dist-info").mkdir()
+    before = kept._text.__wrapped__()
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    assert kept._version("jax") == "jax-0.1.dist-info"
+    assert kept._text.__wrapped__() != before
+    # Where nothing lies that has a name of a version, who installed it knows.
+    monkeypatch.setattr(sys, "path", [str(tmp_path / "nothing")])
+    monkeypatch.setattr(importlib.metadata, "version", lambda library: f"of {library}")
+    assert kept._version("numpy") == "of numpy"
 
 
 class Called:

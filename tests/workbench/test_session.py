@@ -9,6 +9,7 @@ import pytest
 from cases.workbench import cantilever, thing
 
 import flexmb as fm
+from flexmb.workbench import watch
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
 from flexmb.workbench.document import Document
 from flexmb.workbench.session import Refused, Session
@@ -244,7 +245,9 @@ def test_a_request_that_a_killed_process_did_is_not_done_again(opened):
     assert len(things(told)) == 7
 
 
-def test_a_file_that_another_program_changes_is_offered(opened, tmp_path):
+def test_a_file_that_another_program_changes_is_offered(opened, tmp_path, monkeypatch):
+    # Files are looked at five times as often as for users.
+    monkeypatch.setattr(watch, "PERIOD", watch.PERIOD / 5)
     path = tmp_path / "guide.json"
     path.write_text(Document.empty().text)
     session, told = opened(session_of_file(path))
@@ -274,7 +277,8 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path):
     assert len(json.loads(path.read_text())["things"]) == 7
 
 
-def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path):
+def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path, monkeypatch):
+    monkeypatch.setattr(watch, "PERIOD", watch.PERIOD / 5)
     path = tmp_path / "guide.json"
     path.write_text(Document.empty().text)
     session, told = opened(session_of_file(path))

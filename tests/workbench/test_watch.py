@@ -32,8 +32,8 @@ def until(there, seconds=5.0):
 
 @pytest.fixture
 def looks(monkeypatch):
-    """Time for some looks at all files, in half the time that users wait [s]."""
-    monkeypatch.setattr(module, "PERIOD", module.PERIOD / 2)
+    """Time for some looks at all files, in a fifth of the time that users wait [s]."""
+    monkeypatch.setattr(module, "PERIOD", module.PERIOD / 5)
     return 3 * module.PERIOD
 
 
@@ -46,7 +46,8 @@ def test_a_change_is_told_once_within_four_looks(looks, watch, told, tmp_path):
     path.write_text("two")
     start = time.monotonic()
     assert until(lambda: told == [path])
-    assert time.monotonic() - start < 1
+    # A busy machine may hold up the thread.
+    assert time.monotonic() - start < 4 * module.PERIOD + 0.4
     assert watch.differs() == [path]
     time.sleep(looks)
     assert told == [path]
@@ -75,7 +76,8 @@ def test_what_is_written_here_is_known(looks, watch, told, tmp_path):
     assert not told
 
 
-def test_a_file_that_is_being_written_is_waited_for(watch, told, tmp_path):
+def test_a_file_that_is_being_written_is_waited_for(monkeypatch, watch, told, tmp_path):
+    monkeypatch.setattr(module, "PERIOD", module.PERIOD / 2)
     path = tmp_path / "guide.dat"
     path.write_text("")
     watch.know(path)
@@ -83,12 +85,12 @@ def test_a_file_that_is_being_written_is_waited_for(watch, told, tmp_path):
         for _ in range(12):
             file.write("part")
             file.flush()
-            time.sleep(0.2)
+            time.sleep(0.1)
         assert not told
     assert until(lambda: told == [path])
 
 
-def test_a_file_that_goes_or_comes_is_told(watch, told, tmp_path):
+def test_a_file_that_goes_or_comes_is_told(looks, watch, told, tmp_path):
     here, there = tmp_path / "guide.dat", tmp_path / "guide.toml"
     here.write_text("one")
     watch.know(here, there)
