@@ -48,13 +48,16 @@ jax.config.update("jax_traceback_in_locations_limit", 0)
 # a tenth of the time of modules that compile much. Among all of them it is looked for where compiled code goes.
 gc.set_threshold(100_000, 50, 1_000_000)
 # JAX writes each program down in a context of its own, and takes 3 ms to make one, eight thousand times here: a thread
-# needs no more than one. Where JAX has it elsewhere, the tests take a tenth longer.
+# needs one, and another where a program is written while another is. Where JAX has it elsewhere, the tests take a tenth
+# longer.
 with contextlib.suppress(ImportError, AttributeError):
     from jax._src.interpreters import mlir
 
     _made, _make = threading.local(), mlir.make_ir_context
 
     def _context_of_thread():
+        if mlir.ir.Context.current is not None:
+            return _make()
         if not hasattr(_made, "context"):
             _made.context = _make()
         return _made.context

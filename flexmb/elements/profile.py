@@ -258,40 +258,44 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
     """Of stacked beams what :meth:`Profile.along` gives."""
     fine, shares = gauss(EACH)
     fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
-    shares = np.tile(shares, PARTS) / PARTS
+    # Lobatto nodes are taken just within the pieces, which share their ends.
+    ends, at_ends = lobatto(FEWEST)
+    rules = (fine, np.tile(shares, PARTS) / PARTS), gauss(NODES), fewer, (np.clip(ends, SMALL, 1 - SMALL), at_ends)
+    # The function stands in the program once, for the nodes of all rules.
+    nodes = jnp.concatenate([*(nodes for nodes, _ in rules), PLACES])
+    first = np.cumsum([0, *(len(nodes) for nodes, _ in rules), len(PLACES)])
 
     def one(of: tuple[Profile, Float[Array, ""]]):
         profile, length = of
         breaks = jnp.stack([*profile.breaks_at(length), jnp.ones(())])
         starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
         sizes = breaks - starts
+        everywhere = starts[:, None] + sizes[:, None] * nodes
+        numbers = jax.vmap(lambda place: _numbers(profile.at(place, length)))(everywhere.ravel())
+        whole = jnp.stack([getattr(numbers, name) for name in (*STIFF, "mass")]).reshape(-1, *everywhere.shape)
 
-        def at(nodes: Any) -> tuple[Float[Array, "n"], Rigidity]:
-            places = (starts[:, None] + sizes[:, None] * nodes).ravel()
-            return places, jax.vmap(lambda place: _numbers(profile.at(place, length)))(places)
+        def of_rule(i: int) -> tuple[Float[Array, "n"], Float[Array, "5 n"]]:
+            own = slice(first[i], first[i + 1])
+            return everywhere[:, own].ravel(), whole[:, :, own].reshape(len(whole), -1)
 
-        def means(nodes: Any, weights: Any):
-            places, own = at(nodes)
-            weighted = (sizes[:, None] * weights).ravel()
-            stiff = jnp.stack([getattr(own, name) for name in STIFF])
+        def means(i: int):
+            places, (*stiff, mass) = of_rule(i)
+            stiff, weighted = jnp.stack(stiff), (sizes[:, None] * rules[i][1]).ravel()
             compliances = jnp.where(stiff <= 0, 0.0, 1 / jnp.where(stiff <= 0, 1.0, stiff))
             moments = jnp.stack([jnp.ones_like(places), places, places**2, (1 - places) ** 2])
-            return (compliances * weighted) @ moments.T, own.mass @ weighted
+            return (compliances * weighted) @ moments.T, mass @ weighted
 
-        places, dense = at(fine)
-        values = jnp.stack([getattr(dense, name) for name in (*STIFF, "mass")])
+        places, values = of_rule(0)
         low = jnp.argmin(jnp.where(jnp.isfinite(values), values, -jnp.inf), axis=1)
-        (exact, mass), *others = (means(*rule) for rule in ((fine, shares), gauss(NODES), fewer))
-        # Lobatto nodes are taken just within the pieces, which share their ends.
-        ends, weights = lobatto(FEWEST)
-        fewest = means(np.clip(ends, SMALL, 1 - SMALL), weights)[1]
+        (exact, mass), (by_nodes, _), (by_fewer, _), (_, fewest) = map(means, range(4))
+        between = first[-2]
         return AlongBeams(
             breaks[:-1],
-            at(PLACES)[1],
+            jax.tree.map(lambda own: own.reshape(everywhere.shape)[:, between:].ravel(), numbers),
             jnp.take_along_axis(values, low[:, None], axis=1)[:, 0],
             jnp.max(values, axis=1),
             places[low],
-            jnp.stack([exact, *(found for found, _ in others)]),
+            jnp.stack([exact, by_nodes, by_fewer]),
             jnp.stack([mass, fewest]),
         )
 
