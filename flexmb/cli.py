@@ -1,6 +1,7 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
 import contextlib
+import functools
 import gc
 import io
 import os
@@ -28,7 +29,41 @@ PICTURES = (".png", ".svg", ".pdf")
 OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
 
-class Once(TyperCommand):
+class AsGiven:
+    """How a text, a path, a list of texts, or what stands for none is taken from the command line.
+
+    For anything else typer loads what checks types, which takes a fifteenth of a run from the cache.
+    """
+
+    def __init__(self, param: Any):
+        self._param, self._checked = param, param.get_runtime_param
+
+    def coerce(self, value: Any, *about: Any, **named: Any) -> Any:
+        """The value as the annotation of the command has it."""
+        kind = self._param.type_descriptor.annotation
+        if value is None or (type(value) is kind and value == self._param.default):
+            return () if getattr(self._param, "multiple", False) else value
+        readable = kind is Path and (os.access(value, os.R_OK) or not os.path.exists(value))
+        if type(value) is str and (kind is str or readable):
+            return kind(value)
+        if kind == list[str] and all(type(one) is str for one in value):
+            return list(value)
+        return self._checked().coerce(value, *about, **named)
+
+
+class Taking:
+    """A command whose values are taken as they are given."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Parameters, as of the base class."""
+        found: list[Any] = super().get_params(ctx)  # pyright: ignore[reportAttributeAccessIssue]
+        for param in found:
+            if hasattr(param, "get_runtime_param") and "get_runtime_param" not in vars(param):
+                param.get_runtime_param = functools.partial(lambda own: own, AsGiven(param))
+        return found
+
+
+class Once(Taking, TyperCommand):
     """A command that refuses an option given twice instead of taking the last."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -40,7 +75,7 @@ class Once(TyperCommand):
         return super().parse_args(ctx, args)
 
 
-class Program(TyperGroup):
+class Program(Taking, TyperGroup):
     """The program: every fault of the call is one line on standard error and exit status 2."""
 
     def main(self, *args: Any, **options: Any) -> NoReturn:

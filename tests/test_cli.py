@@ -726,6 +726,25 @@ def test_help_imports_nothing_heavy():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+def test_what_checks_types_is_loaded_for_what_is_no_text_alone(tmp_path):
+    code = "import sys\nfrom flexmb.cli import app\ntry: app(sys.argv[1:])\nfinally: print('pydantic' in sys.modules)"
+    for words, loaded in (
+        (["check", str(tmp_path / "none.dat"), "--set", "t=1"], "False"),
+        (["edit", "--port", "no"], "True"),
+    ):
+        found = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+        assert found.stdout.split("\n")[-2] == loaded
+
+
+def test_a_file_that_nobody_may_read_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "guide.dat"
+    path.write_text("END\n")
+    monkeypatch.setattr(os, "access", lambda *_, **__: False)
+    result = call("check", path)
+    assert result.exit_code == 2
+    assert "is not readable" in result.stderr
+
+
 def test_the_module_is_the_program():
     result = subprocess.run([sys.executable, "-m", "flexmb", "--help"], capture_output=True, text=True, check=True)
     assert "run" in result.stdout
