@@ -48,12 +48,13 @@ jax.config.update("jax_traceback_in_locations_limit", 0)
 # a tenth of the time of modules that compile much. Among all of them it is looked for where compiled code goes.
 gc.set_threshold(100_000, 50, 1_000_000)
 # JAX writes each program down in a context of its own, and takes 3 ms to make one, eight thousand times here: a thread
-# needs one, and another where a program is written while another is. Where JAX has it elsewhere, the tests take a tenth
-# longer.
+# needs one, and another where a program is written while another is. It keeps all constants, so that a file of tests
+# has its own. Where JAX has it elsewhere, the tests take a tenth longer.
+_made = threading.local()
 with contextlib.suppress(ImportError, AttributeError):
     from jax._src.interpreters import mlir
 
-    _made, _make = threading.local(), mlir.make_ir_context
+    _make = mlir.make_ir_context
 
     def _context_of_thread():
         if mlir.ir.Context.current is not None:
@@ -131,8 +132,9 @@ def pytest_collection_finish():
     gc.freeze()
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_sessionfinish():
-    """Of what is there after the last test, pytest looks for garbage ten times more."""
+    """Pytest collects garbage ten times more at its end: what is left is kept out of that."""
     gc.collect()
     gc.freeze()
 
@@ -142,6 +144,7 @@ def _compiled_code_is_given_back():
     """Where it takes much room; otherwise what files have in common is compiled once. A worker takes four gigabytes."""
     # A command that an earlier module ran has switched to its own.
     use_cache()
+    vars(_made).clear()
     yield
     if make_room(0.3):
         gc.collect()

@@ -130,7 +130,7 @@ def assemble(builder: Description) -> Model:
         stressed,
         tuple(name for name, *_ in elements if name in warm),
     )
-    topology, parameters = _on_device((topology, parameters))
+    topology, parameters = on_device((topology, parameters))
     return Model(topology, parameters, labels)
 
 
@@ -164,11 +164,11 @@ def with_roles(model: Model, builder: Description) -> Model:
     e_roles = [role for member in builder.members.values() for role in member.roles]
     e_roles += [Role.FIXED] * (len(model.labels.e) - len(e_roles))
     chosen = {kind: [own[of, number] for k, of, number in builder.dofs if k == kind] for kind, own in indices.items()}
-    x, e = _on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
+    x, e = on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, x=x, e=e))
 
 
-def _on_device(tree: Any) -> Any:
+def on_device(tree: Any) -> Any:
     """Arrays on the device, in one transfer: those left on the host would be converted again at every call.
 
     Within a program that JAX traces they stay known numbers, as the structure of a model always is.

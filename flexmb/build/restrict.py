@@ -12,12 +12,12 @@ from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, SECTIONAL
 from ..elements.tie import TiePart, tie
-from ..math.indices import on_device
 from ..math.subspace import above, independent_rows
 from ..mechanics.blocks import deforming
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, RoleIndices, Topology
+from .assemble import on_device
 from .dofs import CANNOT_MOVE, choose
 
 TIE = "tie"
@@ -124,18 +124,8 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     else:
         columns = np.zeros((0, 0))
     free = [i for i in np.asarray(top.e.free).tolist() if i not in held]
-    e = RoleIndices(
-        on_device(sorted([*held, *range(n_e, n_e + ties)])),
-        on_device(sorted(free)),
-        on_device([]),
-        top.e.prescribed,
-    )
-    x = RoleIndices(
-        top.x.fixed,
-        on_device(np.sort(top.x.free)),
-        on_device([]),
-        top.x.prescribed,
-    )
+    e = roles_of(sorted([*held, *range(n_e, n_e + ties)]), sorted(free), [], top.e.prescribed)
+    x = roles_of(top.x.fixed, np.sort(top.x.free), [], top.x.prescribed)
     labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
     bare = Restriction(
         Topology(tuple(blocks), x, e, top.axes, top.powers), labels, jnp.asarray(columns[None]), tuple(places)
@@ -153,9 +143,8 @@ def released(model: Model, indices: list[int]) -> Model:
     top = model.topology
     held = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
     free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
-    none = on_device([])
-    e = RoleIndices(on_device(held), on_device(free), none, top.e.prescribed)
-    x = RoleIndices(top.x.fixed, on_device(np.sort(top.x.free)), none, top.x.prescribed)
+    e = roles_of(held, free, [], top.e.prescribed)
+    x = roles_of(top.x.fixed, np.sort(top.x.free), [], top.x.prescribed)
     bare = dataclasses.replace(
         model,
         topology=dataclasses.replace(top, x=x, e=e),
@@ -185,4 +174,13 @@ def with_dofs(restricted: Model, model: Model) -> Topology:
 
 def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
     rest = [i for i in np.asarray(roles.dependent).tolist() if i not in dof]
-    return RoleIndices(roles.fixed, on_device(rest), on_device(dof), roles.prescribed)
+    return roles_of(roles.fixed, rest, dof, roles.prescribed)
+
+
+def roles_of(fixed: Any, dependent: Any, dof: Any, prescribed: Any) -> RoleIndices:
+    """Entries of each role, by known indices in lists or arrays; JAX compiles no program for them.
+
+    Returns:
+        Arrays on the device, known numbers also within a trace.
+    """
+    return on_device(RoleIndices(*(np.array(own, int) for own in (fixed, dependent, dof, prescribed))))

@@ -57,7 +57,7 @@ MAPS_OF_PROGRAM = 2000
 
 _thorough = False
 _keeps_traces = False
-# So many programs more take no more than their share of the memory maps.
+# How many more programs may be compiled before memory maps are counted again.
 _programs_left = 0
 
 

@@ -223,7 +223,7 @@ def _along_axes(
     compliance: Float[Array, "a a"],
     alike: Bool[Array, "a n_x"],
 ) -> list[Float[Array, ""]]:
-    """Stiffness of a node along each axis, infinite where it is rigid beside the coordinates that are alike."""
+    """Stiffness of a node along each axis, infinite where it gives less than RIGID of what gives most of its kind."""
     every = jnp.einsum("ij,ji->i", DFx, factorise(k).solve(DFx.T))
     own, most = jnp.diagonal(compliance), jnp.max(jnp.where(alike, every, 0.0), axis=1, initial=0.0)
     gives = own > RIGID * most

@@ -10,14 +10,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..build.dofs import CANNOT_MOVE
-from ..build.restrict import with_dofs
+from ..build.restrict import roles_of, with_dofs
 from ..checks.mobility import motions_of
 from ..compilation.compile import jit
 from ..display import listed, unit_of
 from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
-from ..math.indices import on_device
 from ..math.linear import factorise
 from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
@@ -206,7 +205,7 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
     for k, chosen in dofs.items():
         rest: RoleIndices = getattr(free.topology, k)
         dependent = np.setdiff1d(np.asarray(rest.dependent), chosen)
-        roles[k] = dataclasses.replace(rest, dependent=on_device(dependent), dof=on_device(chosen))
+        roles[k] = roles_of(rest.fixed, dependent, chosen, rest.prescribed)
     return StrokeDrive(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
 
 
@@ -217,7 +216,7 @@ def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
         own: RoleIndices = getattr(model.topology, k)
         given = prescribed if k == kind else np.asarray(own.prescribed)
         rest = np.setdiff1d(np.arange(own.size), np.concatenate([np.asarray(own.fixed), given]))
-        roles[k] = RoleIndices(own.fixed, on_device(rest), on_device([]), on_device(given))
+        roles[k] = roles_of(own.fixed, rest, [], given)
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 

@@ -161,8 +161,8 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Float[Array, "n"], Float[Ar
         return given[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
     by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
     # Where there is nothing to damp, any frequency does.
-    on = _library(hertz)
-    hertz = on.where(on.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
+    library = _library(hertz)
+    hertz = library.where(library.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
     if is_concrete(lin.matrices):
         found = by_frequency(np.asarray(hertz))
         slopes = np.zeros(n)
@@ -212,7 +212,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
     losses = np.zeros(lin.model.topology.n_e)
     if not isinstance(given, Mapping):
         _check_positive("loss_factor", given, ())
-        return losses + given
+        return jnp.asarray(losses + given)
     if not given:
         raise ValueError("Argument `loss_factor` names no element.")
     for key, factor in given.items():
@@ -226,7 +226,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
         of_key = np.isin(np.arange(len(losses)), rows)
         losses = _library((losses, factor)).where(of_key, factor, losses)
-    return losses
+    return jnp.asarray(losses)
 
 
 def _has_stiffness(lin: Linearization | SparseLinearization, rows: Int[np.ndarray, "k"]) -> bool:

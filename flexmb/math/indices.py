@@ -2,10 +2,7 @@
 
 from typing import Any
 
-import jax
-import jax.core
-import numpy as np
-from jaxtyping import Array, ArrayLike, Int
+from jaxtyping import Array, ArrayLike
 
 TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
@@ -32,13 +29,3 @@ def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
         Array of the shape of ``whole``.
     """
     return whole.at[indices].add(values, **TRUSTED)
-
-
-def on_device(indices: Any) -> Int[Array, "*n"]:
-    """Known indices as an array, also within a trace, for which JAX compiles no program.
-
-    Args:
-        indices: Whole numbers, in a list or an array.
-    """
-    with jax.core.eval_context():
-        return jax.device_put(np.asarray(indices, int))

@@ -106,10 +106,10 @@ def _deformation(element: Element) -> Callable[..., np.ndarray]:
     near = {"near": np.zeros(64)} if element.tracks_angle else {}
 
     @jit
-    def of(state: list[Any], references: list[Any], numbers: dict[str, Any]):
-        return element.deformation(*state, ref=element.reference(references), **near, **options, **numbers)
+    def of(state: list[Any], references: list[Any], own: dict[str, Any]):
+        return element.deformation(*state, ref=element.reference(references), **near, **options, **own)
 
-    return lambda state, references, own: np.asarray(of(state, references, own), float)
+    return lambda *given: np.asarray(of(*given), float)
 
 
 def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:

@@ -19,7 +19,7 @@ def test_compiled_code_is_given_back_where_it_may_fill_the_memory_maps(compilati
     compilations.clear()
     one(x)
     assert compilations == []
-    # Of a program left before maps are counted, nothing is looked at; after it, all of them are too many here.
+    # With one program left no maps are counted; with none left they are, and any number is too many here.
     monkeypatch.setattr(compile, "_programs_left", left)
     monkeypatch.setattr(compile, "make_room", partial(compile.make_room, 0.0))
     other(x)
@@ -35,4 +35,5 @@ def test_maps_are_counted_again_before_programs_may_have_filled_them(monkeypatch
     compile.make_room()
     most = int(Path("/proc/sys/vm/max_map_count").read_text())
     used = len(Path("/proc/self/maps").read_text().splitlines())
-    assert 0.0 < 0.6 * most - used - 2000 * compile._programs_left < 2 * 2000
+    # Another thread may take some in between.
+    assert -100.0 < 0.6 * most - used - 2000 * compile._programs_left < 2 * 2000

@@ -14,6 +14,7 @@ from cases.motions import sprung_mass
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.linear.damping import loss_factors
 
 K, M, D = 90.0, 0.4, 1.2
 
@@ -227,6 +228,12 @@ def test_derivatives(given):
 def test_bad_input(given, kind, words):
     with pytest.raises(kind, match=words):
         fm.damped(chain(), **given)
+
+
+def test_known_loss_factors_serve_within_compiled_code():
+    lin = fm.linearize(chain())
+    for given in (0.02, {"spring 0": 0.02}):
+        assert float(jax.jit(lambda row, given=given: loss_factors(lin, given)[row])(0)) == 0.02
 
 
 def test_incremental_loads_left_out_are_named_with_what_to_give():

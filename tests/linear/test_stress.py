@@ -681,15 +681,11 @@ def test_both_sides_of_a_break_are_looked_at():
     np.testing.assert_allclose(found.utilisation, float(found.maximum) / 3e8)
 
     # Traced breaks of two elements at one place are not known to be one: it stands twice, and counts once.
-    def of(place):
-        found = stepped(place, beams=2)
-        return found, found.smooth_maximum(4.0)
-
-    found, smooth = fm.jit(of)(0.37)
+    found = fm.jit(lambda place: stepped(place, beams=2))(0.37)
     once = np.diff(found.places, prepend=-1.0) > 0
     assert np.sum(once) < len(once)
     norm = np.sum(np.asarray(found.von_mises)[:, once] ** 4) ** 0.25
-    np.testing.assert_allclose(smooth, norm, rtol=1e-9)
+    np.testing.assert_allclose(found.smooth_maximum(4.0), norm, rtol=1e-9)
 
 
 def test_a_step_moves_and_what_is_looked_at_beside_it():
