@@ -1182,8 +1182,8 @@ FAULTS = [
     Fault("cli.py", "if value is None or (type", "if False and (type", "test_cli.py -k checks_types"),
     Fault(
         "compilation/kept.py",
-        "yield from _arrays_in(list(vars",
-        "list(vars",
+        "elif isinstance(thing, list | tuple):",
+        "elif isinstance(thing, list):",
         "compilation/test_kept.py -k written_into",
     ),
     Fault("compilation/kept.py", "if len(names) == 1 else", "if names else", "compilation/test_kept.py -k one_name"),
