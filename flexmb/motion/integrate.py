@@ -149,7 +149,7 @@ def _solved(
         return march_chain(*given(*own))
 
     def plain(*own: Any):
-        return march(*given(*own), kinks=kinks_of(own[0]) if derived else None)[0]
+        return march(*given(*own), kinks=kinks_of(own[0], derived))[0]
 
     def ahead(*own: Any):
         return march(*given(*own), taped=True, kinks=kinks_of(own[0]))

@@ -1,7 +1,9 @@
-"""Steps across a kink of a law or a controller: found, so that they can be shortened where a derivative is asked for.
+"""Steps across a kink of a law or a controller: found, so that they can be shortened.
 
 A step of a Runge-Kutta method across a kink has an error within its tolerance, but one that depends steeply on where in
-the step the kink lies; as derivatives are those of the steps, they would be wrong by the root of the tolerance.
+the step the kink lies; as derivatives are those of the steps, they would be wrong by the root of the tolerance. And
+what acts within a step alone, such as a stop that is met and left again, is not seen by its error at all: of a free
+flight any step is exact.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..compilation.program import may_bend
-from ..compilation.record import Record
+from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_stress, strain_of
 from .controlled_form import ControlledForm
@@ -22,8 +24,8 @@ from .coordinates_form import CoordinatesForm
 from .element_forces import PreparedBlock, deformed, prepared_block
 from .protocol import MotionState
 
-# A step is looked at in so many parts.
-PARTS = 8
+# A step is looked at in so many parts for kinks, and for what acts within it alone.
+PARTS, FINE_PARTS = 8, 16
 # A kink is where a function bends so many times as much as it does in the middle of a step's places, by more than that
 # share of its slope.
 UNUSUAL, CURVED = 8.0, 1e-3
@@ -42,10 +44,12 @@ class Kinks(Record):
     Attributes:
         equations: Equations of motion, with ``form`` in all coordinates or such themselves.
         elements: Those with laws, energies or dissipations.
+        every: Whether every kink counts, as for a derivative; otherwise that of what acts within a step alone.
     """
 
     equations: Any
     elements: tuple[PreparedBlock, ...]
+    every: bool = static(default=True)
 
     def none(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
         """Zero for each function."""
@@ -66,18 +70,31 @@ class Kinks(Record):
             slopes: Of each function where a kink was found at first, (k,) [1/s]: what bends less beside it is no kink.
         """
         t0, t1, begin, end, own = jax.lax.stop_gradient((*times, *states, self))
+        n, h, moved = begin.u.shape[0], t1 - t0, end.u - begin.u
+        # By what a cubic with the rates at both ends leaves the straight line; a controller's states have none.
+        mechanism = np.arange(n) < n - getattr(self.equations, "states", 0)
+        ahead, behind = (jnp.where(mechanism, bow, 0.0) for bow in (h * begin.w - moved, moved - h * end.w))
 
-        def between(share: Float[Array, ""]):
+        def between(share: Float[Array, ""], bow: float):
             # The memory counts turns, by deformations near by.
             state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
-            return _forces(own, t0 + share * (t1 - t0), state)
+            state = state._replace(u=state.u + bow * share * (1 - share) * ((1 - share) * ahead + share * behind))
+            return _forces(own, t0 + share * h, state)
 
-        shares: Any = np.linspace(0.0, 1.0, PARTS + 1)
-        values = jax.vmap(between)(shares)
-        part = (t1 - t0) / PARTS
-        steep = jnp.max(jnp.abs(jnp.diff(values, axis=0)), axis=0)
-        kinked = _is_kinked(values, jnp.maximum(steep, slopes * part))
-        return jnp.where(kinked, jnp.ptp(values, axis=0), 0.0), steep / part
+        def looked_at(parts: int, bow: float):
+            values = jax.vmap(lambda share: between(share, bow))(jnp.linspace(0.0, 1.0, parts + 1))
+            steep = jnp.max(jnp.abs(jnp.diff(values, axis=0)), axis=0)
+            return values, steep, _is_kinked(values, jnp.maximum(steep, slopes * h / parts))
+
+        values, steep, kinked = looked_at(FINE_PARTS, 1.0)
+        shares = np.linspace(0.0, 1.0, FINE_PARTS + 1)[:, None]
+        change = values[-1] - values[0]
+        alone = kinked & (jnp.max(jnp.abs(values - values[0] - shares * change), axis=0) > jnp.abs(change))
+        changes, part = jnp.where(alone, jnp.ptp(values, axis=0), 0.0), h / FINE_PARTS
+        if self.every:
+            straight, steep, kinked = looked_at(PARTS, 0.0)
+            changes, part = jnp.where(kinked, jnp.ptp(straight, axis=0), changes), h / PARTS
+        return changes, steep / part
 
 
 class KinkSearch(NamedTuple):
@@ -118,7 +135,9 @@ class KinkSearch(NamedTuple):
         """
         known = jnp.where(self.by > times[0], self.slopes, 0.0)
         changes, slopes = kinks.within(times, states, known)
-        return _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, 20 * smallest)
+        found = _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, 20 * smallest)
+        # Where a jump matters is asked for derivatives alone.
+        return found if kinks.every else (*found[:2], found[2]._replace(jumped=self.jumped))
 
 
 def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> KinkSearch:
@@ -166,7 +185,7 @@ def _halved(
     )
 
 
-def kinks_of(equations: Any) -> Kinks | None:
+def kinks_of(equations: Any, every: bool = True) -> Kinks | None:
     """What finds kinks of some equations, None where all laws and the controller are made of smooth operations."""
     form = _all_coordinates(equations)
     if form is None or not (_law_may_bend(form) or _controller_may_bend(equations)):
@@ -175,7 +194,7 @@ def kinks_of(equations: Any) -> Kinks | None:
     blocks = zip(top.blocks, own.properties, strict=True)
     laws = [(block, given) for block, given in blocks if not set(NONLINEAR).isdisjoint(block.companions)]
     found = [prepared_block(block, given, own.reference) for block, given in laws]
-    return Kinks(equations, tuple(one for one in found if one is not None))
+    return Kinks(equations, tuple(one for one in found if one is not None), every)
 
 
 def _law_may_bend(form: CoordinatesForm) -> bool:
