@@ -57,7 +57,7 @@ with contextlib.suppress(ImportError, AttributeError):
     _make = mlir.make_ir_context
 
     def _context_of_thread():
-        if mlir.ir.Context.current is not None:
+        if mlir.ir.Context.current is not None:  # pyright: ignore[reportPrivateImportUsage]
             return _make()
         if not hasattr(_made, "context"):
             _made.context = _make()

@@ -183,4 +183,4 @@ def roles_of(fixed: Any, dependent: Any, dof: Any, prescribed: Any) -> RoleIndic
     Returns:
         Arrays on the device, known numbers also within a trace.
     """
-    return on_device(RoleIndices(*(np.array(own, int) for own in (fixed, dependent, dof, prescribed))))
+    return RoleIndices(*on_device([np.array(own, int) for own in (fixed, dependent, dof, prescribed)]))

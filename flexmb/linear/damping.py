@@ -144,7 +144,7 @@ def _inverse_frequency(mu: Float[Array, "n"], shift: Float[Array, ""]):
     return jnp.where(vibrates, 1 / w, 0.0)
 
 
-def _ratios(lin: Linearization, ratio: Any) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
+def _ratios(lin: Linearization, ratio: Any) -> tuple[Any, Any]:
     """Damping ratios of all motions, by descending frequency, and their slopes by angular frequency."""
     n = lin.matrices.M0.shape[0]
     sizes = () if callable(ratio) else np.shape(ratio)
