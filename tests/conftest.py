@@ -49,7 +49,7 @@ jax.config.update("jax_traceback_in_locations_limit", 0)
 gc.set_threshold(100_000, 50, 1_000_000)
 # JAX writes each program down in a context of its own, and takes 3 ms to make one, eight thousand times here: a thread
 # needs one, and another where a program is written while another is. It keeps all constants, so that a file of tests
-# has its own. Where JAX has it elsewhere, the tests take a tenth longer.
+# has its own. Where JAX has it elsewhere, the tests take a twentieth longer.
 _made = threading.local()
 with contextlib.suppress(ImportError, AttributeError):
     from jax._src.interpreters import mlir

@@ -17,6 +17,7 @@ from ..math.linear import cholesky, solved_by_factor
 from ..math.spectral import harmonic, spectral
 from ..model.model import Model
 from ..results import RESULTS, or_nan
+from ..statics.newton import library_of
 from .linearize import Linearization, Matrices, linearized
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
@@ -151,17 +152,17 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Any, Any]:
     if not callable(ratio):
         _check_positive("ratio", ratio)
         if sizes == ():
-            return _library(ratio).broadcast_to(_library(ratio).asarray(ratio, float), (n,)), np.zeros(n)
+            return library_of(ratio).broadcast_to(library_of(ratio).asarray(ratio, float), (n,)), np.zeros(n)
     hertz = jax.lax.stop_gradient(modal_frequencies(lin)[0])
     count = int(np.sum(np.isfinite(np.asarray(hertz)))) if is_concrete(hertz) else n
     if len(sizes) == 1:
         if sizes[0] > count:
             raise ValueError(f"Argument `ratio` has {sizes[0]} numbers, but there are {count} modes.")
-        given = _library(ratio).asarray(ratio, float)
+        given = library_of(ratio).asarray(ratio, float)
         return given[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
     by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
     # Where there is nothing to damp, any frequency does.
-    library = _library(hertz)
+    library = library_of(hertz)
     hertz = library.where(library.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
     if is_concrete(lin.matrices):
         found = by_frequency(np.asarray(hertz))
@@ -169,12 +170,7 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Any, Any]:
     else:
         found, slopes = jax.jvp(by_frequency, (hertz,), (jnp.ones(n),))
     _check_positive("ratio", found, (n,), ", a function,")
-    return _library(found).asarray(found, float), slopes / (2 * np.pi)
-
-
-def _library(numbers: Any) -> Any:
-    """NumPy for known numbers, of which each operation of JAX would be a program."""
-    return np if is_concrete(numbers) else jnp
+    return library_of(found).asarray(found, float), slopes / (2 * np.pi)
 
 
 def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
@@ -225,7 +221,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
         if is_concrete(lin.matrices) and not _has_stiffness(lin, rows):
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
         of_key = np.isin(np.arange(len(losses)), rows)
-        losses = _library((losses, factor)).where(of_key, factor, losses)
+        losses = library_of((losses, factor)).where(of_key, factor, losses)
     return jnp.asarray(losses)
 
 

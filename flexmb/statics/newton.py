@@ -8,10 +8,11 @@ the load steps around it, so that its equations are compiled once.
 
 from typing import Any, NamedTuple
 
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
+
+from ..arguments import is_concrete
 
 # A correction smaller than this is made and ends the iteration: the error left is of the order of its square.
 STEP_TOLERANCE = 1e-9
@@ -126,6 +127,6 @@ def first_load_step() -> LoadStep:
     )
 
 
-def library_of(number: Any) -> Any:
-    """What computes with a number: NumPy on the host, where nothing is compiled."""
-    return jnp if isinstance(number, jax.core.Tracer) else np
+def library_of(numbers: Any) -> Any:
+    """What computes with numbers, one or a tree of them: NumPy on the host where all are known; it compiles nothing."""
+    return np if is_concrete(numbers) else jnp
