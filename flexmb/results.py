@@ -151,6 +151,12 @@ class RESULTS(enum.IntEnum):
         "The design did not settle within the allowed number of evaluations. Allow more (max_evaluations), or look at"
         " the history: the best design so far is returned.",
     )
+    event_not_found = (
+        23,
+        "An event has ended the motion, but the root finder of `event` did not find when. Give it larger tolerances or"
+        " more steps, a method that keeps to the step (of one condition optimistix.Bisection), or none, to end with the"
+        " step.",
+    )
     outside_workspace = (
         30,
         "The trajectory leaves the workspace: the mechanism cannot be assembled there, or what is driven cannot go on"

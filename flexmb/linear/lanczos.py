@@ -175,7 +175,7 @@ class AllowedMotions:
     """The motions that constraints D v = 0 leave, where they are few, and an operator in them.
 
     Attributes:
-        basis: One a column, orthonormal in coordinates whose stiffnesses are alike, (n, n - h).
+        basis: One a column, orthonormal in coordinates whose stiffnesses are alike, as in the factors, (n, n - h).
         flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h); of motions so stiff that only
             round-off tells their flexibility, zero.
     """
@@ -193,7 +193,7 @@ class AllowedMotions:
         """
         import scipy.sparse
 
-        rest, own = tangent.shape[0] - n, equilibrating(tangent)
+        rest, own = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
         alike = scipy.sparse.diags_array(own)
         basis = orthonormal_allowed(alike @ tangent @ alike, n) if rest else np.eye(n)
         self.basis = own[:n, None] * basis

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -24,6 +25,7 @@ from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
+from .events import passing_of
 from .integrator import Integrator
 from .kinks import kinks_of
 from .loop import controlled_form, measuring, under_inputs
@@ -210,7 +212,7 @@ def _by_diffrax(
     if integrator.event is not None:
         # What ends at once has its start all the same.
         states = jax.tree.map(lambda row, own: jnp.where((times <= t0)[:, None], own, row), states, start)
-    result = _code(solution, equal, integrator.event is not None)
+    result = _code(solution, equal, integrator.event)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
     state: Any = solution.controller_state
     if isinstance(controller, diffrax.ClipStepSizeController):
@@ -255,6 +257,7 @@ def _solver_and_steps(
             moved=moved,
             states=equations.states,
             kinks=kinks_of(equations),
+            passing=passing_of(integrator.event, equations.states),
         )
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
@@ -263,12 +266,12 @@ def _solver_and_steps(
     return solver, controller
 
 
-def _code(solution: Any, equal: bool, may_end: bool) -> Int[Array, ""]:
+def _code(solution: Any, equal: bool, event: Any) -> Int[Array, ""]:
     """Code of RESULTS of a solution of diffrax.
 
     Args:
         equal: Whether steps are of equal size.
-        may_end: Whether an event may end it.
+        event: What may end it, or None.
     """
     import diffrax
 
@@ -277,8 +280,10 @@ def _code(solution: Any, equal: bool, may_end: bool) -> Int[Array, ""]:
     result = jnp.where(found == codes.successful, RESULTS.successful, failed)
     result = jnp.where(found == codes.max_steps_reached, RESULTS.motion_unfinished, result)
     result = jnp.where(found == codes.internal_error, RESULTS.ran_away, result)
-    if may_end:
-        return jnp.where(found == codes.event_occurred, RESULTS.successful, result)
+    if event is not None:
+        ends = found == codes.event_occurred
+        lost = functools.reduce(jnp.logical_or, jax.tree.leaves(solution.event_mask)) & ~ends
+        return jnp.where(ends, RESULTS.successful, jnp.where(lost, RESULTS.event_not_found, result))
     wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(solution.ys.u))
     return jnp.where(wrong, failed, result)
 

@@ -42,11 +42,11 @@ class Integrator(Record):
         controller: Step size controller of diffrax, in place of the one of rtol and atol, or of fixed steps.
         dt0: First step, or the step of a solver of fixed steps [s].
         adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
-        event: Event of diffrax that ends the motion; later times are then given as not finite. It is looked at where
-            steps end: what holds within one alone is not seen, and without a root finder the motion ends with its
-            step, or as a failure of the step where the root finder fails. Its condition sees t
-            and y, where y.u are displacements of the coordinates that move, in extents of the mechanism: y.u[0] is zero
-            where the first of them passes its undeformed place.
+        event: Event of diffrax that ends the motion; later times are then given as not finite. Without a root finder
+            the motion ends with its step. A condition of time and state is looked at at 17 places of each step, unless
+            steps are of equal length or by a ``controller`` of yours: then where steps end alone. It sees t and y,
+            where y.u are displacements of the coordinates that move, in extents of the mechanism: y.u[0] is zero where
+            the first of them passes its undeformed place.
         max_steps: Most steps to take, with ``progress`` in each part.
     """
 

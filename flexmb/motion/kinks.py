@@ -69,20 +69,13 @@ class Kinks(Record):
             states: There.
             slopes: Of each function where a kink was found at first, (k,) [1/s]: what bends less beside it is no kink.
         """
-        t0, t1, begin, end, own = jax.lax.stop_gradient((*times, *states, self))
-        n, h, moved = begin.u.shape[0], t1 - t0, end.u - begin.u
-        # By what a cubic with the rates at both ends leaves the straight line; a controller's states have none.
-        mechanism = np.arange(n) < n - getattr(self.equations, "states", 0)
-        ahead, behind = (jnp.where(mechanism, bow, 0.0) for bow in (h * begin.w - moved, moved - h * end.w))
-
-        def between(share: Float[Array, ""], bow: float):
-            # The memory counts turns, by deformations near by.
-            state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
-            state = state._replace(u=state.u + bow * share * (1 - share) * ((1 - share) * ahead + share * behind))
-            return _forces(own, t0 + share * h, state)
+        times, states, own = jax.lax.stop_gradient((times, states, self))
+        h = times[1] - times[0]
+        controls = getattr(self.equations, "states", 0)
 
         def looked_at(parts: int, bow: float):
-            values = jax.vmap(lambda share: between(share, bow))(jnp.linspace(0.0, 1.0, parts + 1))
+            at = along_step(times, states, controls, parts, bow)
+            values = jax.vmap(lambda t, state: _forces(own, t, state))(*at)
             steep = jnp.max(jnp.abs(jnp.diff(values, axis=0)), axis=0)
             return values, steep, _is_kinked(values, jnp.maximum(steep, slopes * h / parts))
 
@@ -95,6 +88,33 @@ class Kinks(Record):
             straight, steep, kinked = looked_at(PARTS, 0.0)
             changes, part = jnp.where(kinked, jnp.ptp(straight, axis=0), changes), h / PARTS
         return changes, steep / part
+
+
+def along_step(
+    times: tuple[Any, Any], states: tuple[MotionState, MotionState], controls: int, parts: int, bow: float = 1.0
+) -> tuple[Float[Array, "places"], MotionState]:
+    """Times at equal distances within a step, its ends among them, and states along the cubic through both ends.
+
+    Args:
+        times: Its begin and end [s].
+        states: There.
+        controls: Number of states of a controller, the last of the velocities.
+        parts: Of the step; there is a place more.
+        bow: Share of what the cubic leaves the straight line by: zero is that line.
+    """
+    (t0, t1), (begin, end) = times, states
+    n, h, moved = begin.u.shape[0], t1 - t0, end.u - begin.u
+    # By what a cubic with the rates at both ends leaves the straight line; a controller's states have none.
+    mechanism = np.arange(n) < n - controls
+    ahead, behind = (jnp.where(mechanism, more, 0.0) for more in (h * begin.w - moved, moved - h * end.w))
+
+    def between(share: Float[Array, ""]):
+        # The memory counts turns, by deformations near by.
+        state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
+        state = state._replace(u=state.u + bow * share * (1 - share) * ((1 - share) * ahead + share * behind))
+        return t0 + share * h, state
+
+    return jax.vmap(between)(jnp.linspace(0.0, 1.0, parts + 1))
 
 
 class KinkSearch(NamedTuple):

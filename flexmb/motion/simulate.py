@@ -15,9 +15,7 @@ from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import as_floats, checked_times, is_concrete, shown
 from ..compilation.compile import jit_beside_options
-from ..compilation.program import Captured, captured
-from ..compilation.record import Record
-from ..display import short
+from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
 from ..math.sparse import LARGE
@@ -35,12 +33,12 @@ from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
+from .events import as_it_is, check_at_start, conditions_of
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled
 from .integrator import Integrator
 from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
-from .protocol import MotionState
 from .start import Start, begins_still, driving, warn_of_found
 from .sudden import sudden_changes
 
@@ -163,8 +161,8 @@ def simulate(
     if is_concrete(times):
         problem = dataclasses.replace(problem, stops=_stops(drives, loop, driven, feedback, times))
     if integrator.event is not None:
-        integrator = dataclasses.replace(integrator, event=_event_now(problem, integrator, times[0], start))
-        _check_event(problem, integrator, times[0], start)
+        event = _event_now(problem, integrator, integrator.event, times[0], start)
+        integrator = dataclasses.replace(integrator, event=event)
     run = _integrated(problem, integrator, times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
     (x, xd, near, u), result = run.rows, run.result
@@ -359,46 +357,14 @@ def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str
     return dataclasses.replace(kind() if group is None else group, **own)
 
 
-class EventCondition(Record):
-    """Condition of an event, as it was when the simulation was called.
-
-    Attributes:
-        function: Of time and state.
-    """
-
-    function: Captured
-
-    def __call__(self, t: Float[Array, ""], y: MotionState, args: Any, **more: Any):
-        """What diffrax watches, of the time and the state alone."""
-        return self.function(t, y)
-
-
-def _event_now(problem: Problem, integrator: Integrator, t: Float[Array, ""], start: Start):
-    """An event of diffrax whose conditions will not change; those that ask for more than time and state stay."""
+def _event_now(problem: Problem, integrator: Integrator, event: Any, t: Float[Array, ""], start: Start):
+    """An event of diffrax whose conditions will not change, checked at the start as far as numbers are known."""
     like = jax.eval_shape(lambda given: begin(problem, integrator.form, t, given), start)
-    event: Any = integrator.event
-
-    def now(condition: Callable[..., Any]):
-        try:
-            return EventCondition(captured(lambda t, y: condition(t, y, None), t, like))
-        except (KeyError, TypeError):
-            return condition
-
-    return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
-
-
-def _check_event(problem: Problem, integrator: Integrator, t: Float[Array, ""], start: Start) -> None:
-    """Refuse conditions that are no numbers at the start, and warn of what holds there, as far as numbers are known."""
-    event: Any = integrator.event
-    conditions = [one for one in jax.tree.leaves(event.cond_fn, is_leaf=callable) if isinstance(one, EventCondition)]
-    if not conditions or not is_concrete((problem, t, start, conditions)):
-        return
-    values = _at_start(problem, integrator.form, t, start, conditions)
-    for value in map(np.asarray, values):
-        if np.any(np.isnan(value)):
-            raise ValueError(f"The condition of `event` is no number at the start, t = {short(t)} s, but {value}.")
-        if value.dtype == bool and np.any(value):
-            warn("The condition of `event` holds at the start, so that the motion ends there, before any later time.")
+    event = as_it_is(event, t, like)
+    conditions = conditions_of(event)
+    if conditions and is_concrete((problem, t, start, conditions)):
+        check_at_start(event, _at_start(problem, integrator.form, t, start, conditions), t)
+    return event
 
 
 @jit_beside_options

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import optimistix as optx
 from jaxtyping import Array, Float
 
+from .events import Passing
 from .kinks import Kinks, search_of
 from .protocol import MotionState
 from .step_size import FAR, greatest
@@ -27,13 +28,15 @@ class DisplacementController(diffrax.PIDController):
 
     A motion that comes a hundred million extents or radians far is stopped: it runs away.
 
-    Where it is told of kinks, a step across one is refused and its half tried, until what is left of it is short.
+    Where it is told of kinks, a step across one is refused and its half tried, until what is left of it is short; and
+    likewise one within which an event passes unseen.
 
     Attributes:
         norm: Of the errors over their tolerances.
         moved: Greatest displacement before the start (extents, radians).
         states: Number of states of a controller, the last of the velocities.
         kinks: What finds a kink within a step, or None.
+        passing: What finds an event that passes within a step, or None.
 
     Source:
         Hairer, Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.4; measures derived here.
@@ -43,6 +46,7 @@ class DisplacementController(diffrax.PIDController):
     moved: Float[Array, ""] | float = 0.0
     states: int = eqx.field(static=True, default=0)
     kinks: Kinks | None = None
+    passing: Passing | None = None
 
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
@@ -78,9 +82,15 @@ class DisplacementController(diffrax.PIDController):
             *fixed, begin, end, args, measured, error_order, before_step
         )
         next_t0 = next_t0 + jnp.where(keep, t1 - fixed[1], t0 - fixed[0])
+        times, states, least = (t0, t1), (y0, y1_candidate), 0.0 if self.dtmin is None else self.dtmin
+        refused = jnp.array(False)
+        if self.passing is not None:
+            refused = keep & self.passing.within(times, states, least)
+            next_t1 = jnp.where(refused, t0 + 0.5 * (t1 - t0), next_t1)
         if self.kinks is not None:
-            least = 0.0 if self.dtmin is None else self.dtmin
-            refused, next_t1, search = search.after(self.kinks, (t0, t1), (y0, y1_candidate), keep, next_t1, least)
+            kinked, next_t1, search = search.after(self.kinks, times, states, keep & ~refused, next_t1, least)
+            refused = refused | kinked
+        if self.passing is not None or self.kinks is not None:
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
