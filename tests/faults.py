@@ -843,7 +843,7 @@ FAULTS = [
     ),
     Fault("motion/integrate.py", "jnp.where(lost, RESULTS.event_not_found, result)", "result", "motion/test_events.py"),
     Fault("motion/events.py", "return (passed | (count > 1))", "return (count > 1)", "motion/test_events.py"),
-    Fault("motion/events.py", "return (passed | (count > 1))", "return passed", "motion/test_events.py"),
+    Fault("motion/events.py", "(passed | (count > 1)) & shorter", "passed & shorter", "motion/test_events.py"),
     Fault("motion/events.py", "return after & ~before", "return before & ~after", "motion/test_events.py"),
     Fault(
         "motion/events.py",
