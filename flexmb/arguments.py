@@ -36,6 +36,11 @@ def require_double_precision() -> None:
         )
 
 
+def library_of(numbers: Any) -> Any:
+    """What computes with numbers, one or a tree of them: NumPy on the host where all are known; it compiles nothing."""
+    return np if is_concrete(numbers) else jax.numpy
+
+
 def as_known(tree: Any) -> Any:
     """Arrays of JAX that are known as arrays of the host: within a trace, what is made of them would be traced.
 

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import check_choice, check_numbers, is_concrete, shown
+from ..arguments import as_known, check_choice, check_numbers, is_concrete, library_of, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
@@ -292,10 +292,13 @@ def _response_of_large(
     lossy = None
     if losses is not None:
         lossy = some_of(sparse_second_order(lin, lossy_elements(lin, loss_factors(lin, losses))), us, ys)
-    w = 2 * np.pi * jnp.asarray(hertz)
+    w = 2 * np.pi * as_known(hertz)
     found = integrated(responses(whole, lossy, w), w, whole.orders)
     return FrequencyResponse(
-        hertz, found, tuple(labels.outputs[i].name for i in ys), tuple(labels.inputs[j].name for j in us)
+        hertz,
+        jax.device_put(found),
+        tuple(labels.outputs[i].name for i in ys),
+        tuple(labels.inputs[j].name for j in us),
     )
 
 
@@ -389,7 +392,8 @@ def integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"],
     for order in (1, 2):
         own = np.asarray(orders) == order
         if np.any(own):
-            responses = jnp.where(own, responses / (_powers(w)[order][:, None, None]), responses)
+            whole = responses / _powers(w)[order][:, None, None]
+            responses = library_of((responses, w)).where(own, whole, responses)
     return responses
 
 
@@ -433,7 +437,7 @@ def _polynomials(system: SecondOrder, lossy: SecondOrder | None) -> list[Complex
 def _powers(w: Float[Array, "n_f"], count: int = 3) -> Complex[Array, "count n_f"]:
     """Powers of i w, from the lowest."""
     turns = np.array([1, 1j, -1, -1j, 1])[:count]
-    return jnp.stack([w**i for i in range(count)]).astype(complex) * turns[:, None]
+    return library_of(w).stack([w**i for i in range(count)]).astype(complex) * turns[:, None]
 
 
 def _at(w: Float[Array, "n_f"], polynomial: Complex[Array, "3 i j"]) -> Complex[Array, "n_f i j"]:

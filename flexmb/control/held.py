@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import library_of
 from ..linear.linearize import Matrices, Rates
 from ..linear.spectrum import shift_to_definite
 from ..math.indices import put
@@ -148,16 +149,17 @@ def seeds(
     topology: Topology, x: Float[Array, "n_x"], held: tuple[Held, ...]
 ) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
     """Changes of held coordinates and deformations by a unit of each of what is held."""
-    seed_x, seed_e = jnp.zeros((topology.n_x, len(held))), jnp.zeros((topology.n_e, len(held)))
+    library = library_of(x)
+    seed_x, seed_e = library.zeros((topology.n_x, len(held))), library.zeros((topology.n_e, len(held)))
     for i, of in enumerate(held):
         if of.of_element:
-            seed_e = seed_e.at[of.at, i].set(1.0)
+            seed_e = put(seed_e, (of.at, i), 1.0)
         elif of.axis is None:
-            seed_x = seed_x.at[of.at, i].set(1.0)
+            seed_x = put(seed_x, (of.at, i), 1.0)
         else:
-            own = of.at + jnp.arange(4)
+            own = of.at + np.arange(4)
             # Of omega = 2 Lbar d(lambda)/dt the inverse: d(lambda)/dt = Lbar^T omega / 2.
-            seed_x = seed_x.at[own, i].set(rotation_row(x[own], of.axis, of.local) / 4)
+            seed_x = put(seed_x, (own, i), rotation_row(x[own], of.axis, of.local) / 4)
     return seed_x, seed_e
 
 
@@ -180,14 +182,14 @@ def _factors(m: Matrices) -> Any:
 
 def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
     """What moments that hold a turned node change by since they are about axes: 2 Lbar(lambda) turns along."""
-    found = jnp.zeros((n + len(held), n + len(held)))
+    found = library_of((m.x, m.reactions)).zeros((n + len(held), n + len(held)))
     for i, of in enumerate(held):
         for j, by in enumerate(held):
             if of.axis is not None and by.axis is not None and of.at == by.at:
-                own = of.at + jnp.arange(4)
+                own = of.at + np.arange(4)
                 turned = rotation_row(m.x[own], by.axis, by.local) / 4
                 change = rotation_row(turned, of.axis, of.local) / 4 @ m.reactions[own]
-                found = found.at[n + i, n + j].set(change)
+                found = put(found, (n + i, n + j), change)
     return found
 
 

@@ -2,11 +2,10 @@
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, is_concrete, shown
+from ..arguments import as_known, check_number, is_concrete, library_of, shown
 from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
@@ -58,10 +57,12 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
     refuse_unsymmetric(lin.symmetric)
-    whole = sparse_second_order(lin)
+    # Known numbers are computed with on the host, which compiles nothing.
+    lin = as_known(lin)
+    whole, library = sparse_second_order(lin), library_of(lin)
     kept, found = _chosen(lin, modes, bandwidth)
     elements, (n_x, h) = lin.elements, (lin.x.shape[0], lin.elements.unknowns[1])
-    hertz = to_frequency(found.values)
+    hertz = as_known(to_frequency(found.values))
     if is_concrete(hertz):
         hertz = hertz[np.isfinite(hertz)]
         if max(kept) >= len(hertz):
@@ -71,15 +72,15 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
     values, shapes = found.values[own], found.motions[:, own]
     # What all others follow at once: the inputs with those rates that they have, and the damping of what is kept.
     by_p = [of * (whole.orders >= i).astype(float) for i, of in enumerate(whole.B)]
-    acting = jnp.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
+    acting = library.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
     border = times(elements.mass, shapes, size=n_x)[elements.free]
-    right = jnp.concatenate([acting, jnp.zeros((h, acting.shape[1]))])
-    follows = spread(elements, solved(elements, right, border)[: acting.shape[0]])
+    right = library.concatenate([acting, library.zeros((h, acting.shape[1]))])
+    follows = spread(elements, as_known(solved(elements, right, border))[: acting.shape[0]])
     n_u = len(whole.orders)
-    *at_once, by_rates = jnp.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
-    d, c = whole.D + jnp.stack(at_once), whole.C @ shapes
-    parts: list[Any] = [jnp.eye(len(own)), between(elements.damping, shapes, shapes), jnp.diag(values)]
-    parts += [*(shapes.T @ of for of in whole.B), *c.at[1].add(by_rates), *d]
+    *at_once, by_rates = library.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
+    d, (places, rates, second) = whole.D + library.stack(at_once), whole.C @ shapes
+    parts: list[Any] = [library.eye(len(own)), between(elements.damping, shapes, shapes), library.diag(values)]
+    parts += [*(shapes.T @ of for of in whole.B), places, rates + by_rates, second, *d]
     form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
     return ByModes(form, whole, kept, hertz)
 
@@ -95,14 +96,14 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
     if bandwidth is None:
         n, h = lin.elements.unknowns
         kept = numbered(modes, n - h)
-        return kept, lowest(lin.elements, max(kept) + 1)
+        return kept, as_known(lowest(lin.elements, max(kept) + 1))
     check_number("bandwidth", bandwidth, above=0)
     if not is_concrete(lin.elements):
         raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
     count = FIRST
     while True:
         n, h = lin.elements.unknowns
-        found = lowest(lin.elements, min(count, n - h))
+        found = as_known(lowest(lin.elements, min(count, n - h)))
         below = np.flatnonzero(np.asarray(to_frequency(found.values)) <= bandwidth)
         if not len(below):
             raise ValueError(
@@ -140,7 +141,7 @@ def error_of_large(
     free, moves = np.asarray(whole.elements.free), np.asarray(whole.orders)
     w = 2 * np.pi * grid
     b, c, d = (np.asarray(of) for of in whole[1:4])
-    solved_at = np.asarray(solutions(whole.elements, jnp.asarray(w), *(of.astype(complex) for of in whole[1:3])))
+    solved_at = np.asarray(solutions(whole.elements, w, *(of.astype(complex) for of in whole[1:3])))
     full, own, least = [], [], np.zeros(d.shape[1:])
     a_, b_, c_, d_ = (np.asarray(of) for of in small)
     eye = np.eye(len(a_))

@@ -8,6 +8,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Complex, Float
 
+from ..arguments import as_known, library_of
 from ..compilation.compile import jit
 from ..linear.sparse_solve import on_host
 from ..math.by_deformations import forces, product, refined
@@ -18,7 +19,7 @@ from .sparse_second_order import SparseSecondOrder
 NEAR_RESONANCE = 1e-3
 
 
-def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Float[Array, "n_f"]):
+def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Any) -> Any:
     """H(i w) of a large mechanism, before inputs that are rates are integrated.
 
     Args:
@@ -36,10 +37,10 @@ def responses(system: SparseSecondOrder, lossy: SparseSecondOrder | None, w: Flo
     if lossy is not None:
         elements = elements._replace(loss=lossy.elements.stiffness, lossy=lossy.elements.elastic)
         for part, own in zip(range(3), lossy[1:4], strict=True):
-            polynomials[part] = polynomials[part] + lax.complex(jnp.zeros_like(own), own)
+            polynomials[part] = polynomials[part] + 1j * own.astype(complex)
     b, c, d = polynomials
-    powers = _powers(lax.complex(jnp.zeros_like(w), w))
-    return _transfer(elements, w, b, c) + jnp.einsum("pf,pij->fij", powers, d)
+    found = as_known(_transfer(elements, w, b, c))
+    return found + library_of((w, d)).einsum("pf,pij->fij", _powers(1j * w.astype(complex)), d)
 
 
 @jax.custom_jvp
@@ -52,7 +53,7 @@ def _transfer(
 
 def solutions(
     elements: ElementMatrices,
-    w: Float[Array, "n_f"],
+    w: Any,
     b: Complex[Array, "3 n_x n_u"],
     c: Complex[Array, "3 n_y n_x"],
     *,
@@ -103,9 +104,10 @@ def solutions(
     return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
 
 
-def _powers(s: Complex[Array, "*f"]) -> Complex[Array, "3 *f"]:
-    """The first three powers."""
-    return jnp.stack([jnp.ones_like(s), s, s**2])
+def _powers(s: Any) -> Any:
+    """The first three powers, (3, *f) of (*f,)."""
+    library = library_of(s)
+    return library.stack([library.ones_like(s), s, s**2])
 
 
 @jit

@@ -2,16 +2,16 @@
 
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import as_known, is_concrete, library_of
 from ..errors import AnalysisError, ModelError
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import solved
 from ..math.by_deformations import spread
 from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
+from ..math.indices import accumulate, put
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, along_coordinates, terms_of
 from ..model.model import Signal
 from .held import Held, about_axes, held_by, held_of, moved_by, seeds
@@ -50,7 +50,7 @@ def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> Ele
         lin: Linearization.
         losses: (n_e,) [-].
     """
-    elements = lin.elements
+    elements, losses = as_known((lin.elements, losses))
     elastic = [
         (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * own)
         for rows, columns, own in elements.elastic
@@ -75,18 +75,20 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     Source:
         THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
     """
-    model, elements = lin.model, lin.elements
+    # Known numbers are computed with on the host, which compiles nothing.
+    lin = as_known(lin)
+    model, elements, library = lin.model, lin.elements, library_of(lin)
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     causes, sensed = terms_of(inputs), terms_of(outputs)
     held = held_by((*causes, *sensed))
     carried = _carried(lin, elements, held)
     # What holds it is measured along the motions that meet no force of the transposed stiffness.
     along = carried if lin.symmetric else _carried(lin, transposed(elements), held)
-    own = elements if lossy is None else lossy
+    own = elements if lossy is None else as_known(lossy)
     n_x = lin.x.shape[0]
-    forces = stacked([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x).T
+    forces = stacked([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x, library).T
     motions = moved_by(causes, held)
-    still = jnp.zeros((n_x, len(held)))
+    still = library.zeros((n_x, len(held)))
     parts = [still if lossy is None else times(own.stiffness, carried, size=n_x)]
     parts += [times(pieces, carried, size=n_x) for pieces in (own.damping, own.mass)]
     by_p = [-part @ motions for part in parts]
@@ -113,9 +115,9 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
         for rate in range(3):
             rows[rate].append(by_x[rate])
             through[rate].append(at_once[rate])
-    by_x = [stacked(of, n_x) for of in rows]
-    by_u = [stacked(of, len(causes)) for of in through]
-    b, c, d = map(jnp.stack, mixed(inputs, outputs, model.parameters.weights, by_p, by_x, by_u))
+    by_x = [stacked(of, n_x, library) for of in rows]
+    by_u = [stacked(of, len(causes), library) for of in through]
+    b, c, d = map(library.stack, mixed(inputs, outputs, model.parameters.weights, by_p, by_x, by_u))
     found = SparseSecondOrder(own, b, c, d, *orders_of(inputs))
     if lossy is None:
         _refuse_idle(lin, found)
@@ -132,9 +134,14 @@ def some_of(found: SparseSecondOrder, us: list[int], ys: list[int]) -> SparseSec
 def _force(s: Signal, lin: SparseLinearization) -> Float[Array, "n_x"]:
     """Forces on the coordinates of a unit input."""
     if s.quantity == "stress":
-        return -_of_deformation(lin, jnp.zeros(lin.e.shape[0]).at[s.index].set(1.0))
+        return -_of_deformation(lin, _unit(s, lin))
     own, row = along_coordinates(s, lin.x)
-    return jnp.zeros(lin.x.shape[0]).at[own].add(row)
+    return accumulate(library_of(lin).zeros(lin.x.shape[0]), own, row)
+
+
+def _unit(s: Signal, lin: SparseLinearization) -> Float[Array, "n_e"]:
+    """One for the deformation of a signal, zero for all others."""
+    return put(library_of(lin).zeros(lin.e.shape[0]), s.index, 1.0)
 
 
 def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
@@ -144,31 +151,32 @@ def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> F
 
 def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool) -> list[Any]:
     """Derivatives of an output by the coordinates and their two rates, each (n_x,)."""
-    none, unit = jnp.zeros(lin.x.shape[0]), jnp.zeros((lin.e.shape[0], 1))
+    none = library_of(lin).zeros(lin.x.shape[0])
     found: list[Any] = [none, none, none]
     if s.quantity == "stress":
-        unit = unit.at[s.index].set(1.0)
+        unit = _unit(s, lin)[:, None]
         for rate, pieces in enumerate((own.elastic, own.viscous)):
             found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
     elif only_stress:
         return found
     elif s.quantity.startswith("deformation"):
-        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, unit[:, 0].at[s.index].set(1.0))
+        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin))
     else:
         at, row = along_coordinates(s, lin.x)
-        found[ORDERS[s.quantity]] = none.at[at].add(row)
+        found[ORDERS[s.quantity]] = accumulate(none, at, row)
     return found
 
 
 def _carried(lin: SparseLinearization, elements: ElementMatrices, held: tuple[Held, ...]) -> Float[Array, "n_x k"]:
     """Motions at rest of all coordinates by a unit of each of what is held."""
+    library = library_of(lin)
     if not held:
-        return jnp.zeros((lin.x.shape[0], 0))
+        return library.zeros((lin.x.shape[0], 0))
     n_x, n_e = lin.x.shape[0], lin.e.shape[0]
     by_x, by_e = seeds(lin.model.topology, lin.x, held)
     forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
     excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
-    moved = solved(elements, -jnp.concatenate([forces, excess]))
+    moved = as_known(solved(elements, -library.concatenate([forces, excess])))
     return by_x + spread(elements, moved[: elements.unknowns[0]])
 
 
@@ -180,7 +188,7 @@ def _carries(lin: SparseLinearization, forces: np.ndarray) -> np.ndarray:
     if not h or not np.any(largest):
         return largest > 0
     try:
-        moved = solved(elements, jnp.concatenate([jnp.asarray(forces), jnp.zeros((h, forces.shape[1]))]))
+        moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))])))
     except AnalysisError:
         # Of a motion without stiffness that is not known.
         return largest > 0

@@ -4,7 +4,12 @@
 #define N_AUGMENTED ((size_t)N_X)
 #define N_MOVED ((size_t)N_X * N_X)
 #define N_STAGES 8
-#define N_ROOM ((size_t)N_WORK + (N_STAGES + 6) * (size_t)(N_X + N_Y) + N_U + N_MEMORY)
+/* Whether laws may have kinks: plant.c says so. */
+#ifndef BENDS
+#define BENDS 0
+#endif
+#define N_PLACES 17
+#define N_ROOM ((size_t)N_WORK + (N_STAGES + 6 + BENDS * (N_PLACES + 1)) * (size_t)(N_X + N_Y) + N_U + N_MEMORY)
 #define MEMORY_OF(unit) ((unit)->kept + AT_RATES)
 
 static int evaluate(Unit *unit) {
@@ -113,6 +118,54 @@ static double step_of(Unit *unit, double t, double h, const double *x, double *t
     return sqrt(error / N_X) / unit->tolerance;
 }
 
+#if BENDS
+static int by_size(const void *a, const void *b) {
+    const double one = *(const double *)a, other = *(const double *)b;
+    return (one > other) - (one < other);
+}
+
+/* Whether a function has a kink within a step, and is further from the straight line between its values at the ends than
+ * these are apart; see flexmb/motion/kinks.py. */
+static int acts_within(const double *value, size_t stride) {
+    double second[N_PLACES - 2], steep = 0, most = fabs(value[0]), bend = 0, away = 0;
+    const double change = value[(N_PLACES - 1) * stride] - value[0];
+    size_t k;
+    for (k = 1; k < N_PLACES; k++) {
+        const double v = value[k * stride], before = value[(k - 1) * stride];
+        const double off = fabs(v - value[0] - change * (double)k / (N_PLACES - 1));
+        if (fabs(v - before) > steep) steep = fabs(v - before);
+        if (fabs(v) > most) most = fabs(v);
+        if (off > away) away = off;
+        if (k + 1 < N_PLACES) second[k - 1] = fabs(value[(k + 1) * stride] - 2 * v + before);
+    }
+    for (k = 1; k < N_PLACES - 2; k++)
+        if (second[k] + second[k - 1] > bend) bend = second[k] + second[k - 1];
+    qsort(second, N_PLACES - 2, sizeof *second, by_size);
+    return steep > 1e-9 * most && bend > 1e-3 * steep && bend > 8 * second[(N_PLACES - 2) / 2] && away > fabs(change);
+}
+
+/* Whether something acts within a step alone, such as a stop that is met and left again, which its error does not tell:
+ * of a free flight any step is exact. Looked at along the cubic through both ends. */
+static int passes_over(Unit *unit, double t, double h, const double *x, const double *to) {
+    double *rates = unit->room + N_WORK + N_Y + (N_STAGES + 3) * (size_t)N_X, *at = rates + N_PLACES * (size_t)N_X;
+    double *last = at - N_X;
+    size_t k, n;
+    int found = 0;
+    if (rates_at(unit, t, x, rates) || rates_at(unit, t + h, to, last)) return 1;
+    for (k = 1; k + 1 < N_PLACES; k++) {
+        const double s = (double)k / (N_PLACES - 1);
+        for (n = 0; n < N_X; n++) {
+            const double moved = to[n] - x[n];
+            at[n] = x[n] + s * moved + s * (1 - s) * ((1 - s) * (h * rates[n] - moved) + s * (moved - h * last[n]));
+        }
+        if (rates_at(unit, t + s * h, at, rates + k * (size_t)N_X)) return 1;
+    }
+    /* Accelerations; the other rates are velocities. */
+    for (n = N_X / 2; n < N_X; n++) found |= acts_within(rates + n, N_X);
+    return found;
+}
+#endif
+
 /* Steps of adapted length; inputs are held. */
 static int move(Unit *unit, double h) {
     const double end = unit->kept[0] + h;
@@ -128,6 +181,9 @@ static int move(Unit *unit, double h) {
         error = step_of(unit, t, step, x, to);
         factor = error < 0 ? 0.25 : error == 0 ? 6 : 0.9 * pow(error, -0.2);
         factor = factor < 0.2 ? 0.2 : factor > 6 ? 6 : factor;
+#if BENDS
+        if (error >= 0 && error <= 1 && step > 1e-6 * h && passes_over(unit, t, step, x, to)) error = -1, factor = 0.5;
+#endif
         if (error >= 0 && error <= 1) {
             memcpy(x, to, N_X * sizeof *x);
             t = last ? end : t + step;

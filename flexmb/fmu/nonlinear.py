@@ -15,6 +15,7 @@ from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
+from ..motion.kinks import kinks_of
 from ..motion.loop import check_signals
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
@@ -63,7 +64,8 @@ class PlantSource(NamedTuple):
     Attributes:
         source: Text of a file, C99, that defines ``static int plant(const double *p, double t, const double *x, const
             double *u, double *xdot, double *y, double *memory, double *work)``: it fills ``xdot`` and ``y`` and renews
-            ``memory``, where Newton's method starts, and returns 0 where all was found. No parameters are read.
+            ``memory``, where Newton's method starts, and returns 0 where all was found. No parameters are read. It
+            defines ``BENDS`` too, 1 where laws may have kinks.
         states: Names of the states: degrees of freedom, then their rates.
         inputs: Names of the inputs.
         outputs: Names of the outputs.
@@ -104,7 +106,7 @@ def plant(
         THEORY.md 5, eq. (5.2), 9 (a), and 14, eq. (14.55).
     """
     model = as_model(model, "plant")
-    warn_of_increment(model, "plant")
+    warn_of_increment(model, "save_fmu")
     check_signals(model, "A plant")
     if massless := without_mass(model):
         raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {massless}")
@@ -127,7 +129,9 @@ def plant(
     done = unit.add("plant_rates", rates, like, ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap"), static=True)
     places = [*np.asarray(topology.x.dof).tolist(), *(topology.n_x + np.asarray(topology.e.dof)).tolist()]
     origin = [*np.asarray(model.parameters.reference)[np.asarray(topology.x.dof)].tolist()] + [0.0] * n_q
+    bends = kinks_of(coordinates_form(topology, model.parameters, driven)) is not None
     table = (
+        f"/* Whether laws may have kinks, which are then looked for within steps. */\n#define BENDS {int(bends)}\n"
         f"static const int DOF_AT[] = {{{', '.join(map(str, places))}}};\n"
         f"static const double DOF_FROM[] = {{{', '.join(map(repr, origin[:n_q]))}}};\n"
     )

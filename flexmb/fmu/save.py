@@ -84,7 +84,8 @@ def save_fmu(
     knots. Model exchange gives rates to the importer's solver; light damping at kilohertz is hard for it, so keep fewer
     ``modes`` or co-simulate. A nonlinear plant is integrated by Rosenbrock's method of order five, with the importer's
     relative tolerance or 1e-6, of which a state of less than a millimetre or a milliradian counts as one; its Jacobian
-    takes as many evaluations a step as there are states.
+    takes as many evaluations a step as there are states. Stops and barriers that are met and left again within a step
+    are looked for at 17 places of it.
 
     Args:
         system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system

@@ -10,14 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_numbers, is_concrete, shown
+from ..arguments import check_flag, check_numbers, is_concrete, library_of, shown
 from ..compilation.compile import jit
 from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
 from ..math.spectral import harmonic, spectral
 from ..model.model import Model
 from ..results import RESULTS, or_nan
-from ..statics.newton import library_of
 from .linearize import Linearization, Matrices, linearized
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric

@@ -10,7 +10,7 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, library_of
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.by_deformations import bordered, energies, forces, product, refined, spread
@@ -84,7 +84,7 @@ def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, tr
 
 
 def solved(
-    elements: ElementMatrices, right: Float[Array, "r k"], border: Float[Array, "n b"] | None = None
+    elements: ElementMatrices, right: Float[Array | np.ndarray, "r k"], border: Any = None
 ) -> Float[Array, "r k"]:
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
@@ -92,15 +92,15 @@ def solved(
         elements: Element matrices.
         right: Forces on the coordinates that move, and deformations of the constraints, one a column, (n + h, k).
         border: Vectors of the coordinates that move to which motions are to be orthogonal, with forces along them that
-            see to it; None: none.
+            see to it, (n, b); None: none.
 
     Raises:
         AnalysisError: singular_stiffness; under a trace as an error of JAX with its text.
     """
-    n, rows = elements.unknowns[0], right.shape[0]
     if border is None:
-        border = jnp.zeros((n, 0))
-    right = jnp.concatenate([right, jnp.zeros((border.shape[1], right.shape[1]))])
+        return _bordered_solution(elements, right, np.zeros((elements.unknowns[0], 0)))
+    rows, library = right.shape[0], library_of((right, border))
+    right = library.concatenate([right, library.zeros((border.shape[1], right.shape[1]))])
     return _bordered_solution(elements, right, border)[:rows]
 
 

@@ -11,10 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import library_of
 from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..results import RESULTS
-from .element_matrices import ElementMatrices, Pieces, times, times_transposed
+from .element_matrices import ElementMatrices, times, times_transposed
 from .indices import put
 from .linear import uneven
 
@@ -27,14 +28,17 @@ MOST = 20
 NOISE = 10 * float(np.finfo(float).eps)
 
 
-def spread(elements: ElementMatrices, moving: Float[Array, "n k"]) -> Float[Array, "n_x k"]:
+def spread(elements: ElementMatrices, moving: Any) -> Any:
     """Motions of all coordinates of those that move; what is held stays.
 
     Args:
         elements: Element matrices.
         moving: Of the coordinates that move, one a column, (n, k).
+
+    Returns:
+        (n_x, k).
     """
-    whole = jnp.zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
+    whole = library_of(moving).zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
     return put(whole, elements.free, moving)
 
 
@@ -83,17 +87,6 @@ def bordered(
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
-def _times(pieces: Pieces, vectors: np.ndarray, size: int, transposed: bool) -> np.ndarray:
-    """As :func:`times`, on the host."""
-    found = np.zeros((size, vectors.shape[1]), vectors.dtype)
-    for rows, columns, own in pieces:
-        if transposed:
-            np.add.at(found, columns, np.swapaxes(own, 1, 2) @ vectors[rows])
-        else:
-            np.add.at(found, rows, own @ vectors[columns])
-    return found
-
-
 def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "n_e k"]:
     """Deformations of motions of all coordinates, on the host."""
     found = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
@@ -104,7 +97,7 @@ def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> 
 
 def pulled(elements: ElementMatrices, sigma: Float[np.ndarray, "n_e k"]) -> Float[np.ndarray, "n_x k"]:
     """Forces on all coordinates of stress resultants, on the host."""
-    return _times(elements.constraints, sigma, len(elements.sizes), transposed=True)
+    return times_transposed(elements.constraints, sigma, size=len(elements.sizes))
 
 
 def forces(
@@ -140,16 +133,16 @@ def forces_of(
         transposed, s: As of :func:`forces`.
     """
     n_x, n_e = len(elements.sizes), len(elements.kept)
-    changed = deformed(elements, v)
-    sigma = _times(elements.elastic, changed, n_e, transposed)
+    changed, product = deformed(elements, v), times_transposed if transposed else times
+    sigma = product(elements.elastic, changed, size=n_e)
     sigma[elements.held] += multipliers
     if s is not None:
-        sigma = sigma + s * _times(elements.viscous, changed, n_e, transposed)
+        sigma = sigma + s * product(elements.viscous, changed, size=n_e)
     if elements.lossy:
-        sigma = sigma + 1j * _times(elements.lossy, changed, n_e, transposed)
-    found = pulled(elements, sigma) + _times(elements.curved, v, n_x, transposed)
+        sigma = sigma + 1j * product(elements.lossy, changed, size=n_e)
+    found = pulled(elements, sigma) + product(elements.curved, v, size=n_x)
     if s is not None:
-        found = found + s**2 * _times(elements.mass, v, n_x, transposed)
+        found = found + s**2 * product(elements.mass, v, size=n_x)
     return np.concatenate([found[elements.free], changed[elements.held]])
 
 

@@ -63,36 +63,58 @@ class ElementMatrices(NamedTuple):
         return self.free.shape[0], self.held.shape[0]
 
 
-@jit
-def times(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
-    """Product of a matrix in pieces and vectors.
+def times(pieces: Pieces, vectors: Any, *, size: int) -> Any:
+    """Product of a matrix in pieces and vectors; by NumPy where its arrays are given, which compiles nothing.
 
     Args:
         pieces: The matrix.
         vectors: One a column, (n, k).
         size: Number of rows of the matrix.
+
+    Returns:
+        (size, k).
     """
+    if not _are_known(pieces, vectors):
+        return _times(pieces, vectors, size=size)
+    found = np.zeros((size, vectors.shape[1]), vectors.dtype)
+    for rows, columns, matrices in pieces:
+        np.add.at(found, rows, matrices @ vectors[columns])
+    return found
+
+
+def _are_known(pieces: Pieces, vectors: Any) -> bool:
+    return isinstance(vectors, np.ndarray) and all(isinstance(own, np.ndarray) for *_, own in pieces)
+
+
+@jit
+def _times(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
     found: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
         found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns]))
     return found
 
 
-@jit
-def times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+def times_transposed(pieces: Pieces, vectors: Any, *, size: int) -> Any:
     """Product of the transposed matrix and vectors, as :func:`times`."""
-    return times([(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces], vectors, size=size)
+    if not _are_known(pieces, vectors):
+        return _times_transposed(pieces, vectors, size=size)
+    return times(_turned(pieces), vectors, size=size)
+
+
+@jit
+def _times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+    return times(_turned(pieces), vectors, size=size)
+
+
+def _turned(pieces: Pieces) -> Pieces:
+    return [(columns, rows, own.mT) for rows, columns, own in pieces]
 
 
 def transposed(elements: ElementMatrices) -> ElementMatrices:
     """The same with all but mass and constraints transposed: without a potential they are unsymmetric."""
-
-    def turned(pieces: Pieces):
-        return [(columns, rows, jnp.swapaxes(own, 1, 2)) for rows, columns, own in pieces]
-
     own = elements
     names = ("structural", "curved", "damping", "loss", "elastic", "viscous", "lossy")
-    return own._replace(**{name: turned(getattr(own, name)) for name in names})
+    return own._replace(**{name: _turned(getattr(own, name)) for name in names})
 
 
 def by_coordinates(constraints: Pieces, pieces: Pieces) -> Pieces:
@@ -103,18 +125,14 @@ def by_coordinates(constraints: Pieces, pieces: Pieces) -> Pieces:
         pieces: A of each, or none.
     """
     return [
-        (columns, columns, jnp.einsum("eki,ekl,elj->eij", d, own, d))
+        (columns, columns, d.mT @ own @ d)
         for (_, columns, d), (*_, own) in zip(constraints, pieces, strict=bool(pieces))
     ]
 
 
-@jit
-def between(pieces: Pieces, left: Float[Array, "n a"], right: Float[Array, "m b"]) -> Float[Array, "a b"]:
-    """What a matrix in pieces is between vectors: left^T A right."""
-    found: Any = jnp.zeros((left.shape[1], right.shape[1]))
-    for rows, columns, matrices in pieces:
-        found = found + jnp.einsum("eia,eib->ab", left[rows], jnp.einsum("eij,ejb->eib", matrices, right[columns]))
-    return found
+def between(pieces: Pieces, left: Any, right: Any) -> Any:
+    """What a matrix in pieces is between vectors, (n, a) and (m, b): left^T A right, (a, b)."""
+    return left.T @ times(pieces, right, size=left.shape[0])
 
 
 class SparseMatrices(NamedTuple):
@@ -149,9 +167,8 @@ class Whole:
         self.elements = elements
         self._size = self.n + h
         self._pattern = _pattern_of(elements)
-        turned = [(columns, rows, np.swapaxes(own, 1, 2)) for rows, columns, own in elements.constraints]
         start, data = 0, []
-        for pieces in [*_groups(elements), turned]:
+        for pieces in [*_groups(elements), _turned(elements.constraints)]:
             own = np.concatenate([np.zeros(0), *(np.ravel(matrices) for *_, matrices in pieces)])
             slots = self._pattern.slots[start : start + len(own)]
             data.append(np.bincount(slots, own, len(self._pattern.rows) + 1)[:-1])

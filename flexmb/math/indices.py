@@ -1,13 +1,17 @@
-"""Writing and adding at index arrays without a negative or a repeated entry, which JAX would otherwise provide for."""
+"""Writing and adding at index arrays without a negative or a repeated entry, which JAX would otherwise provide for.
+
+Of arrays of NumPy, which are known numbers, by NumPy.
+"""
 
 from typing import Any
 
-from jaxtyping import Array, ArrayLike
+import numpy as np
+from jaxtyping import ArrayLike
 
 TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
 
-def put(whole: Array, indices: Any, values: ArrayLike) -> Array:
+def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
     """Copy of an array with rows replaced.
 
     Args:
@@ -16,10 +20,14 @@ def put(whole: Array, indices: Any, values: ArrayLike) -> Array:
     Returns:
         Array of the shape of ``whole``.
     """
+    if isinstance(whole, np.ndarray):
+        found = whole.copy()
+        found[indices] = values
+        return found
     return whole.at[indices].set(values, unique_indices=True, **TRUSTED)
 
 
-def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
+def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
     """Copy of an array with values added; an index may repeat.
 
     Args:
@@ -28,4 +36,8 @@ def accumulate(whole: Array, indices: Any, values: ArrayLike) -> Array:
     Returns:
         Array of the shape of ``whole``.
     """
+    if isinstance(whole, np.ndarray):
+        found = whole.copy()
+        np.add.at(found, indices, values)
+        return found
     return whole.at[indices].add(values, **TRUSTED)

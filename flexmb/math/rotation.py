@@ -5,6 +5,8 @@ rotation included. Equations: Jonker, Aarts and van Dijk (2009), Multibody Syste
 ``omega = 2 Lbar d(lambda)/dt`` that defines the dual of a moment.
 """
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -145,7 +147,8 @@ def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     Source:
         ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
     """
-    return jnp.asarray(LBAR) @ lam
+    found: Any = LBAR @ lam
+    return found
 
 
 def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
@@ -160,7 +163,8 @@ def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     Source:
         See :func:`lbar`.
     """
-    return jnp.asarray(LBODY) @ lam
+    found: Any = LBODY @ lam
+    return found
 
 
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:

@@ -48,7 +48,7 @@ def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]
     """
     if signal.axis is None:
         return np.array([signal.index]), np.ones(1)
-    own = signal.index + jnp.arange(4)
+    own = signal.index + np.arange(4)
     return own, rotation_row(x[own], signal.axis, signal.local)
 
 

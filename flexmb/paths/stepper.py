@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..arguments import library_of
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
@@ -14,7 +15,7 @@ from ..mechanics.residual import State, iterate, reduced_response, state
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number, library_of
+from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number
 from ..statics.solve import held_values
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.

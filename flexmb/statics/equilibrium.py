@@ -117,6 +117,7 @@ _INSTEAD = {
     "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
     "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
     "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 where none is meant",
+    "save_fmu": "Build them without increment=True where they are meant",
     "to_nonlinear_system": "Build them without increment=True where they are meant",
 }
 

@@ -12,8 +12,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import is_concrete
-
 # A correction smaller than this is made and ends the iteration: the error left is of the order of its square.
 STEP_TOLERANCE = 1e-9
 # At loads that are only passed on the way this suffices, after the first correction.
@@ -125,8 +123,3 @@ def first_load_step() -> LoadStep:
         before=jnp.array(jnp.inf),
         tries=jnp.zeros((), jnp.int32),
     )
-
-
-def library_of(numbers: Any) -> Any:
-    """What computes with numbers, one or a tree of them: NumPy on the host where all are known; it compiles nothing."""
-    return np if is_concrete(numbers) else jnp
