@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import as_known, is_concrete, library_of
 from ..compilation.compile import jit
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
@@ -207,8 +207,11 @@ def moved_by_loads(
     if grown is None and (topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]):
         # A stroke is no load.
         return jnp.zeros(())
-    dx = x - parameters.reference if grown is None else grown
-    return jnp.max(jax.lax.stop_gradient(jnp.abs(dx) / sizes_of(topology, parameters)), initial=0.0)
+    # Of known numbers by NumPy, which compiles nothing.
+    x, reference, grown, sizes = as_known(
+        jax.lax.stop_gradient((x, parameters.reference, grown, sizes_of(topology, parameters)))
+    )
+    return library_of((x, sizes, grown)).max(abs(x - reference if grown is None else grown) / sizes, initial=0.0)
 
 
 @jit

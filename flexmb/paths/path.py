@@ -115,9 +115,9 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
             near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
             factors = factors_of(self.model, point.load_factor)
             found.append(_look_at(self.model.topology, self.model.parameters, factors, jax.device_put(point.x), near))
-        matrices, multipliers = jax.tree.map(lambda *a: jnp.stack(a), *found)
+        matrices, multipliers = jax.tree.map(lambda *a: jax.device_put(np.stack(a)), *found)
         values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
-        loads = jnp.array([point.load_factor for point in self.critical_points])
+        loads = jax.device_put(np.array([point.load_factor for point in self.critical_points]))
         stable = np.zeros(len(found), bool)
         return Path(loads, matrices, values, multipliers, stable, self.critical_points, self.result, self.model)
 
