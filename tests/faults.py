@@ -3270,7 +3270,7 @@ FAULTS = [
     Fault("linear/buckling.py", "FAR = 0.3", "FAR = 1e9", "linear/test_buckling.py -k far_before"),
     Fault(
         "linear/sparse_buckling.py",
-        "dx = x - parameters.reference if",
+        "dx = x - reference if",
         "dx = x if",
         "linear/test_buckling.py -k far_before",
     ),

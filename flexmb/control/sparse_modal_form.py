@@ -2,10 +2,13 @@
 
 from typing import Any, NamedTuple
 
+import jax
+import jax.core
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, check_number, is_concrete, library_of, shown
+from ..arguments import as_known, check_number, is_concrete, shown
 from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
@@ -57,9 +60,16 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
     refuse_unsymmetric(lin.symmetric)
-    # Known numbers are computed with on the host, which compiles nothing.
-    lin = as_known(lin)
-    whole, library = sparse_second_order(lin), library_of(lin)
+    if not is_concrete(lin):
+        return _by_modes(lin, modes, bandwidth, jnp)
+    # Known numbers are computed with on the host, which compiles nothing, and stay so within a trace.
+    with jax.core.eval_context():
+        return _by_modes(as_known(lin), modes, bandwidth, np)
+
+
+def _by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
+    """The same by NumPy, of arrays of its own, or by JAX."""
+    whole = sparse_second_order(lin)
     kept, found = _chosen(lin, modes, bandwidth)
     elements, (n_x, h) = lin.elements, (lin.x.shape[0], lin.elements.unknowns[1])
     hertz = as_known(to_frequency(found.values))

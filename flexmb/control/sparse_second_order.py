@@ -2,10 +2,13 @@
 
 from typing import Any, NamedTuple
 
+import jax
+import jax.core
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, is_concrete, library_of
+from ..arguments import as_known, is_concrete
 from ..errors import AnalysisError, ModelError
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import solved
@@ -75,18 +78,27 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     Source:
         THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
     """
-    # Known numbers are computed with on the host, which compiles nothing.
-    lin = as_known(lin)
-    model, elements, library = lin.model, lin.elements, library_of(lin)
+    if not is_concrete((lin, lossy)):
+        return _sparse_second_order(lin, lossy, jnp)
+    # Known numbers are computed with on the host, which compiles nothing, and stay so within a trace.
+    with jax.core.eval_context():
+        return _sparse_second_order(as_known(lin), as_known(lossy), np)
+
+
+def _sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None, library: Any) -> SparseSecondOrder:
+    """The same by NumPy, of arrays of its own, or by JAX."""
+    model, elements = lin.model, lin.elements
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     causes, sensed = terms_of(inputs), terms_of(outputs)
     held = held_by((*causes, *sensed))
-    carried = _carried(lin, elements, held)
+    carried = _carried(lin, elements, held, library)
     # What holds it is measured along the motions that meet no force of the transposed stiffness.
-    along = carried if lin.symmetric else _carried(lin, transposed(elements), held)
-    own = elements if lossy is None else as_known(lossy)
+    along = carried if lin.symmetric else _carried(lin, transposed(elements), held, library)
+    own = elements if lossy is None else lossy
     n_x = lin.x.shape[0]
-    forces = stacked([_force(s, lin) if s.order is None and lossy is None else None for s in causes], n_x, library).T
+    forces = stacked(
+        [_force(s, lin, library) if s.order is None and lossy is None else None for s in causes], n_x, library
+    ).T
     motions = moved_by(causes, held)
     still = library.zeros((n_x, len(held)))
     parts = [still if lossy is None else times(own.stiffness, carried, size=n_x)]
@@ -108,7 +120,7 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
             at_once = [sign * part[i] @ motions for part in between_held]
             at_once[0] = at_once[0] - sign * (along[:, i] @ forces)
         else:
-            by_x = _measured(s, lin, own, lossy is not None)
+            by_x = _measured(s, lin, own, lossy is not None, library)
             at_once = [row @ carried @ motions for row in by_x]
             if s.quantity == "stress" and lossy is None:
                 at_once[0] = at_once[0] + adding_to(s, causes)
@@ -131,17 +143,17 @@ def some_of(found: SparseSecondOrder, us: list[int], ys: list[int]) -> SparseSec
     return SparseSecondOrder(found.elements, found.B[:, :, u], found.C[:, y], d, found.orders[u], found.moves[u])
 
 
-def _force(s: Signal, lin: SparseLinearization) -> Float[Array, "n_x"]:
+def _force(s: Signal, lin: SparseLinearization, library: Any) -> Float[Array, "n_x"]:
     """Forces on the coordinates of a unit input."""
     if s.quantity == "stress":
-        return -_of_deformation(lin, _unit(s, lin))
+        return -_of_deformation(lin, _unit(s, lin, library))
     own, row = along_coordinates(s, lin.x)
-    return accumulate(library_of(lin).zeros(lin.x.shape[0]), own, row)
+    return accumulate(library.zeros(lin.x.shape[0]), own, row)
 
 
-def _unit(s: Signal, lin: SparseLinearization) -> Float[Array, "n_e"]:
+def _unit(s: Signal, lin: SparseLinearization, library: Any) -> Float[Array, "n_e"]:
     """One for the deformation of a signal, zero for all others."""
-    return put(library_of(lin).zeros(lin.e.shape[0]), s.index, 1.0)
+    return put(library.zeros(lin.e.shape[0]), s.index, 1.0)
 
 
 def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
@@ -149,27 +161,28 @@ def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> F
     return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
 
 
-def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool) -> list[Any]:
+def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool, library: Any) -> list[Any]:
     """Derivatives of an output by the coordinates and their two rates, each (n_x,)."""
-    none = library_of(lin).zeros(lin.x.shape[0])
+    none = library.zeros(lin.x.shape[0])
     found: list[Any] = [none, none, none]
     if s.quantity == "stress":
-        unit = _unit(s, lin)[:, None]
+        unit = _unit(s, lin, library)[:, None]
         for rate, pieces in enumerate((own.elastic, own.viscous)):
             found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
     elif only_stress:
         return found
     elif s.quantity.startswith("deformation"):
-        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin))
+        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin, library))
     else:
         at, row = along_coordinates(s, lin.x)
         found[ORDERS[s.quantity]] = accumulate(none, at, row)
     return found
 
 
-def _carried(lin: SparseLinearization, elements: ElementMatrices, held: tuple[Held, ...]) -> Float[Array, "n_x k"]:
+def _carried(
+    lin: SparseLinearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
+) -> Float[Array, "n_x k"]:
     """Motions at rest of all coordinates by a unit of each of what is held."""
-    library = library_of(lin)
     if not held:
         return library.zeros((lin.x.shape[0], 0))
     n_x, n_e = lin.x.shape[0], lin.e.shape[0]

@@ -9,7 +9,8 @@
 #define BENDS 0
 #endif
 #define N_PLACES 17
-#define N_ROOM ((size_t)N_WORK + (N_STAGES + 6 + BENDS * (N_PLACES + 1)) * (size_t)(N_X + N_Y) + N_U + N_MEMORY)
+#define N_ROOM \
+    ((size_t)N_WORK + (N_STAGES + 6 + BENDS * (N_PLACES + 1)) * (size_t)(N_X + N_Y) + N_U + (1 + BENDS) * N_MEMORY)
 #define MEMORY_OF(unit) ((unit)->kept + AT_RATES)
 
 static int evaluate(Unit *unit) {
@@ -124,9 +125,10 @@ static int by_size(const void *a, const void *b) {
     return (one > other) - (one < other);
 }
 
-/* Whether a function has a kink within a step, and is further from the straight line between its values at the ends than
- * these are apart; see flexmb/motion/kinks.py. */
-static int acts_within(const double *value, size_t stride) {
+/* By how much a function leaves the straight line between its values at the ends of a step, where it has a kink within
+ * and that is more than these are apart, or zero; see flexmb/motion/kinks.py. Accelerations are sums, whose round-off and
+ * vibrations bend too: a kink bends more than thirty times as much as they do in the middle of the places. */
+static double acts_within(const double *value, size_t stride) {
     double second[N_PLACES - 2], steep = 0, most = fabs(value[0]), bend = 0, away = 0;
     const double change = value[(N_PLACES - 1) * stride] - value[0];
     size_t k;
@@ -141,27 +143,40 @@ static int acts_within(const double *value, size_t stride) {
     for (k = 1; k < N_PLACES - 2; k++)
         if (second[k] + second[k - 1] > bend) bend = second[k] + second[k - 1];
     qsort(second, N_PLACES - 2, sizeof *second, by_size);
-    return steep > 1e-9 * most && bend > 1e-3 * steep && bend > 8 * second[(N_PLACES - 2) / 2] && away > fabs(change);
+    if (!(steep > 1e-9 * most && bend > 1e-3 * steep && bend > 30 * second[(N_PLACES - 2) / 2])) return 0;
+    return away > fabs(change) ? away : 0;
 }
 
 /* Whether something acts within a step alone, such as a stop that is met and left again, which its error does not tell:
- * of a free flight any step is exact. Looked at along the cubic through both ends. */
+ * of a free flight any step is exact. Looked at along the cubic through both ends, from the end on, where the memory is;
+ * at the begin rates are those of the step. What would move nothing by its tolerance, were it there all the time, counts
+ * for nothing. */
 static int passes_over(Unit *unit, double t, double h, const double *x, const double *to) {
+    const double *begin = unit->room + N_WORK + N_Y;
     double *rates = unit->room + N_WORK + N_Y + (N_STAGES + 3) * (size_t)N_X, *at = rates + N_PLACES * (size_t)N_X;
-    double *last = at - N_X;
+    double *last = at - N_X, *memory = at + N_X;
+    const size_t half = N_X / 2;
     size_t k, n;
-    int found = 0;
-    if (rates_at(unit, t, x, rates) || rates_at(unit, t + h, to, last)) return 1;
-    for (k = 1; k + 1 < N_PLACES; k++) {
+    int found;
+    memcpy(memory, MEMORY_OF(unit), N_MEMORY * sizeof *memory);
+    memcpy(rates, begin, N_X * sizeof *rates);
+    found = rates_at(unit, t + h, to, last);
+    for (k = N_PLACES - 2; k > 0 && !found; k--) {
         const double s = (double)k / (N_PLACES - 1);
         for (n = 0; n < N_X; n++) {
             const double moved = to[n] - x[n];
             at[n] = x[n] + s * moved + s * (1 - s) * ((1 - s) * (h * rates[n] - moved) + s * (moved - h * last[n]));
         }
-        if (rates_at(unit, t + s * h, at, rates + k * (size_t)N_X)) return 1;
+        found = rates_at(unit, t + s * h, at, rates + k * (size_t)N_X);
     }
+    memcpy(MEMORY_OF(unit), memory, N_MEMORY * sizeof *memory);
+    if (found) return 1;
     /* Accelerations; the other rates are velocities. */
-    for (n = N_X / 2; n < N_X; n++) found |= acts_within(rates + n, N_X);
+    for (n = half; n < N_X; n++) {
+        const double away = acts_within(rates + n, N_X);
+        found |= away * h > unit->tolerance * size_of(n, x[n]);
+        found |= away * h * h > unit->tolerance * size_of(n - half, x[n - half]);
+    }
     return found;
 }
 #endif
@@ -172,6 +187,9 @@ static int move(Unit *unit, double h) {
     double t = unit->kept[0], step = unit->step > 0 && unit->step < h ? unit->step : h;
     double *x = unit->kept + AT_X, *to = unit->room + N_ROOM - N_X - N_MEMORY, *memory = to + N_X;
     long steps = 0;
+#if BENDS
+    const double shortest = 1e-6 * h + 4e-14 * (fabs(t) + h);
+#endif
     while (t < end && !same_time(t, end)) {
         const double left = end - t;
         double error, factor;
@@ -182,7 +200,7 @@ static int move(Unit *unit, double h) {
         factor = error < 0 ? 0.25 : error == 0 ? 6 : 0.9 * pow(error, -0.2);
         factor = factor < 0.2 ? 0.2 : factor > 6 ? 6 : factor;
 #if BENDS
-        if (error >= 0 && error <= 1 && step > 1e-6 * h && passes_over(unit, t, step, x, to)) error = -1, factor = 0.5;
+        if (error >= 0 && error <= 1 && step > shortest && passes_over(unit, t, step, x, to)) error = -1, factor = 0.5;
 #endif
         if (error >= 0 && error <= 1) {
             memcpy(x, to, N_X * sizeof *x);

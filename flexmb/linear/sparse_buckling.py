@@ -208,10 +208,9 @@ def moved_by_loads(
         # A stroke is no load.
         return jnp.zeros(())
     # Of known numbers by NumPy, which compiles nothing.
-    x, reference, grown, sizes = as_known(
-        jax.lax.stop_gradient((x, parameters.reference, grown, sizes_of(topology, parameters)))
-    )
-    return library_of((x, sizes, grown)).max(abs(x - reference if grown is None else grown) / sizes, initial=0.0)
+    x, reference, grown, sizes = as_known((x, parameters.reference, grown, sizes_of(topology, parameters)))
+    dx = x - reference if grown is None else grown
+    return library_of((dx, sizes)).max(jax.lax.stop_gradient(abs(dx) / sizes), initial=0.0)
 
 
 @jit

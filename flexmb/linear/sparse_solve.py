@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -37,7 +38,8 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
         arguments: Pytrees of arrays.
     """
     if is_concrete(arguments):
-        with one_thread():
+        # Within a trace too what is known stays so.
+        with one_thread(), jax.core.eval_context():
             return jax.device_put(function(*jax.tree.map(np.asarray, arguments)))
     return _traced(function, like, *arguments)
 

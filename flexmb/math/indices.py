@@ -5,6 +5,8 @@ Of arrays of NumPy, which are known numbers, by NumPy.
 
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import ArrayLike
 
@@ -20,11 +22,11 @@ def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
     Returns:
         Array of the shape of ``whole``.
     """
-    if isinstance(whole, np.ndarray):
-        found = whole.copy()
+    if _known(whole, values):
+        found = np.array(whole)
         found[indices] = values
         return found
-    return whole.at[indices].set(values, unique_indices=True, **TRUSTED)
+    return jnp.asarray(whole).at[indices].set(values, unique_indices=True, **TRUSTED)
 
 
 def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
@@ -36,8 +38,12 @@ def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
     Returns:
         Array of the shape of ``whole``.
     """
-    if isinstance(whole, np.ndarray):
-        found = whole.copy()
+    if _known(whole, values):
+        found = np.array(whole)
         np.add.at(found, indices, values)
         return found
-    return whole.at[indices].add(values, **TRUSTED)
+    return jnp.asarray(whole).at[indices].add(values, **TRUSTED)
+
+
+def _known(whole: Any, values: ArrayLike) -> bool:
+    return isinstance(whole, np.ndarray) and not isinstance(values, jax.Array)

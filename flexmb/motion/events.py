@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -64,7 +65,8 @@ class Passing(Record):
         at = along_step(times, states, self.controls, FINE_PARTS)
         passed, count = jnp.array(False), 0
         for condition, direction in zip(self.conditions, self.directions, strict=True):
-            values = jax.vmap(lambda t, state, of=condition: of(t, state, None))(*at)
+            # One place after the other: a condition may call back to Python.
+            values = jax.lax.map(functools.partial(_at_place, condition), at)
             own = jnp.sum(_comes(values[:-1], values[1:], direction))
             count += own
             passed |= (own > 0) & ~_comes(values[0], values[-1], direction)
@@ -109,27 +111,29 @@ def conditions_of(event: diffrax.Event) -> list[EventCondition]:
     return [one for one, _ in _watched(event) if isinstance(one, EventCondition)]
 
 
-def check_at_start(event: diffrax.Event, values: Sequence[Any], t: Any) -> None:
+def check_at_start(event: diffrax.Event, values: Sequence[Any], soon: Sequence[Any], t: Any) -> None:
     """Refuse conditions that are no numbers at the start, and warn of what ends the motion there.
 
     Args:
         event: Of diffrax.
         values: Of its conditions at the start.
+        soon: A little later.
         t: The start [s].
 
     Raises:
         ValueError: A condition is not a number there.
     """
     ways = [way for one, way in _watched(event) if isinstance(one, EventCondition)]
-    for value, way in zip(map(np.asarray, values), ways, strict=True):
+    for value, later, way in zip(map(np.asarray, values), map(np.asarray, soon), ways, strict=True):
         if np.any(np.isnan(value)):
             raise ValueError(f"The condition of `event` is no number at the start, t = {short(t)} s, but {value}.")
         if value.dtype == bool and np.any(value):
             warn("The condition of `event` holds at the start, so that the motion ends there, before any later time.")
-        elif value.dtype != bool and way is not False and np.any(value == 0):
+        elif value.dtype != bool and way is not False and np.any((value == 0) & (later > 0 if way else later != 0)):
             warn(
-                "The condition of `event` is zero at the start, so that the motion ends as soon as it is not. Say by"
-                " `direction` of diffrax.Event whether it ends where the condition falls (False), or begin elsewhere."
+                "The condition of `event` is zero at the start and leaves it at once, which ends the motion. Say by"
+                " `direction` of diffrax.Event whether it is to end where the condition falls (False), or begin"
+                " elsewhere."
             )
 
 
@@ -138,6 +142,10 @@ def _watched(event: diffrax.Event) -> list[tuple[Any, bool | None]]:
     conditions = jax.tree.leaves(event.cond_fn, is_leaf=callable)
     ways: list[Any] = jax.tree.leaves(event.direction, is_leaf=lambda one: one is None)
     return list(zip(conditions, ways, strict=True))
+
+
+def _at_place(condition: EventCondition, place: tuple[Float[Array, ""], MotionState]) -> Any:
+    return condition(*place, None)
 
 
 def _comes(before: Any, after: Any, way: bool | None) -> Bool[Array, "..."]:

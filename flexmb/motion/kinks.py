@@ -95,6 +95,8 @@ def along_step(
 ) -> tuple[Float[Array, "places"], MotionState]:
     """Times at equal distances within a step, its ends among them, and states along the cubic through both ends.
 
+    Rates are those of the cubic; those of a controller's states, and what counts turns, go straight.
+
     Args:
         times: Its begin and end [s].
         states: There.
@@ -107,12 +109,14 @@ def along_step(
     # By what a cubic with the rates at both ends leaves the straight line; a controller's states have none.
     mechanism = np.arange(n) < n - controls
     ahead, behind = (jnp.where(mechanism, more, 0.0) for more in (h * begin.w - moved, moved - h * end.w))
+    faster = 3 * (behind - ahead) / jnp.where(h == 0, 1.0, h)
 
     def between(share: Float[Array, ""]):
         # The memory counts turns, by deformations near by.
         state = jax.tree.map(lambda a, b: a + share * (b - a), begin, end)._replace(memory=begin.memory)
-        state = state._replace(u=state.u + bow * share * (1 - share) * ((1 - share) * ahead + share * behind))
-        return t0 + share * h, state
+        arch = bow * share * (1 - share)
+        u, w = state.u + arch * ((1 - share) * ahead + share * behind), state.w + arch * faster
+        return t0 + share * h, state._replace(u=u, w=w)
 
     return jax.vmap(between)(jnp.linspace(0.0, 1.0, parts + 1))
 

@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 NET = 800
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
+# After such a share of its time a condition that is zero where a motion starts has left zero, or it stays there.
+SOON = 1e-6
 
 Group = TypeVar("Group", Drives, Loop, Integrator)
 
@@ -161,7 +163,7 @@ def simulate(
     if is_concrete(times):
         problem = dataclasses.replace(problem, stops=_stops(drives, loop, driven, feedback, times))
     if integrator.event is not None:
-        event = _event_now(problem, integrator, integrator.event, times[0], start)
+        event = _event_now(problem, integrator, integrator.event, times, start)
         integrator = dataclasses.replace(integrator, event=event)
     run = _integrated(problem, integrator, times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
@@ -357,21 +359,28 @@ def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str
     return dataclasses.replace(kind() if group is None else group, **own)
 
 
-def _event_now(problem: Problem, integrator: Integrator, event: Any, t: Float[Array, ""], start: Start):
+def _event_now(problem: Problem, integrator: Integrator, event: Any, times: Float[Array, "n_t"], start: Start):
     """An event of diffrax whose conditions will not change, checked at the start as far as numbers are known."""
+    t, soon = times[0], SOON * (times[-1] - times[0])
     like = jax.eval_shape(lambda given: begin(problem, integrator.form, t, given), start)
     event = as_it_is(event, t, like)
     conditions = conditions_of(event)
-    if conditions and is_concrete((problem, t, start, conditions)):
-        check_at_start(event, _at_start(problem, integrator.form, t, start, conditions), t)
+    if conditions and is_concrete((problem, times, start, conditions)):
+        values, later = _at_start(problem, integrator.form, (t, soon), start, conditions)
+        check_at_start(event, values, later, t)
     return event
 
 
 @jit_beside_options
-def _at_start(problem: Problem, form: str, t: Float[Array, ""], start: Start, conditions: list[Any]) -> list[Any]:
-    """Values of conditions at the start of a motion."""
+def _at_start(
+    problem: Problem, form: str, times: tuple[Array, Array], start: Start, conditions: list[Any]
+) -> tuple[list[Any], list[Any]]:
+    """Values of conditions at the start of a motion, and so much later."""
+    t, soon = times
     state = begin(problem, form, t, start)
-    return [jnp.asarray(one(t, state, None)) for one in conditions]
+    later = state._replace(u=state.u + soon * state.w)
+    values = [jnp.asarray(of(t, state, None)) for of in conditions]
+    return values, [jnp.asarray(of(t + soon, later, None)) for of in conditions]
 
 
 def _initial(model: Model, initial: Any):

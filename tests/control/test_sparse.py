@@ -149,3 +149,27 @@ def test_an_input_on_what_constraints_hold_is_refused():
         fm.frequency_response(model, [1.0], sparse=True)
     with pytest.raises(fm.ModelError, match=r"'push'.* moves nothing"):
         fm.to_statespace(model, modes=2, sparse=True)
+
+
+@pytest.mark.filterwarnings("ignore:The state space of 2")
+def test_known_equations_within_a_trace_of_other_numbers():
+    """What is known is computed with on the host, also where frequencies or a loss factor alone are traced."""
+    lin, hertz = fm.linearize(arm(), sparse=True), jnp.asarray(HERTZ[:2])
+
+    def size(hertz, loss):
+        return jnp.sum(jnp.abs(fm.frequency_response(lin, hertz, loss_factor=loss).response))
+
+    known = float(size(hertz, 0.02))
+    value, slopes = jax.jit(jax.value_and_grad(size, (0, 1)))(hertz, 0.02)
+    assert float(value) == pytest.approx(known, rel=1e-12)
+    step = 1e-5
+    by_loss = float(size(hertz, 0.02 + step) - size(hertz, 0.02 - step)) / (2 * step)
+    shift = jnp.array([step, 0.0])
+    by_first = float(size(hertz + shift, 0.02) - size(hertz - shift, 0.02)) / (2 * step)
+    # Truncation and round-off of the differences.
+    assert float(slopes[1]) == pytest.approx(by_loss, rel=1e-6)
+    assert float(slopes[0][0]) == pytest.approx(by_first, rel=1e-6)
+    strip = fm.linearize(rod(), sparse=True)
+    few = fm.control.state_matrices(strip, modes=2)[0]
+    within = jax.jit(lambda share: share * fm.control.state_matrices(strip, modes=2)[0].B)(2.0)
+    np.testing.assert_allclose(within, 2 * np.asarray(few.B), rtol=1e-12)

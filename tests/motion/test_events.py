@@ -107,6 +107,8 @@ def test_a_root_finder_that_fails_is_named(mass):
 
 def test_a_condition_that_is_zero_at_the_start_is_told():
     with pytest.warns(fm.FlexmbWarning, match="condition of `event` is zero at the start"):
-        check_at_start(as_it_is(diffrax.Event(height), 0.0, AT_REST), [0.0], 0.0)
-    # It falls through zero where it comes back.
-    check_at_start(as_it_is(diffrax.Event(height, direction=False), 0.0, AT_REST), [0.0], 0.0)
+        check_at_start(as_it_is(diffrax.Event(height), 0.0, AT_REST), [0.0], [1e-6], 0.0)
+    # It falls through zero where it comes back; what stays zero, as beyond a limit, ends nothing yet, nor what falls.
+    check_at_start(as_it_is(diffrax.Event(height, direction=False), 0.0, AT_REST), [0.0], [1e-6], 0.0)
+    check_at_start(as_it_is(diffrax.Event(height), 0.0, AT_REST), [0.0], [0.0], 0.0)
+    check_at_start(as_it_is(diffrax.Event(height, direction=True), 0.0, AT_REST), [0.0], [-1e-6], 0.0)
