@@ -2801,8 +2801,8 @@ FAULTS = [
     Fault("linear/spectrum.py", "near[: count + int(pair)]", "near[:count]", "linear/test_sparse_poles.py -k slowest"),
     Fault(
         "control/sparse_second_order.py",
-        "_carried(lin, transposed(elements), held)",
-        "_carried(lin, elements, held)",
+        "_carried(lin, transposed(elements), held, library)",
+        "_carried(lin, elements, held, library)",
         "linear/test_sparse_poles.py -k responses",
         slow=True,
     ),
