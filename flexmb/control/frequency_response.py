@@ -293,11 +293,11 @@ def _response_of_large(
     if losses is not None:
         lossy = some_of(sparse_second_order(lin, lossy_elements(lin, loss_factors(lin, losses))), us, ys)
     w = 2 * np.pi * as_known(hertz)
-    # What is infinite at a resonance stays so, whatever it is divided by.
+    at_once = responses(whole, lossy, w)
+    library = library_of(at_once)
+    # What is infinite at a resonance stays so, whatever it is divided by; what is no number stays none.
     with np.errstate(invalid="ignore"):
-        found = integrated(responses(whole, lossy, w), w, whole.orders)
-        library = library_of(found)
-        found = library.where(library.isfinite(abs(found)), found, np.inf + 0j)
+        found = library.where(library.isinf(abs(at_once)), np.inf + 0j, integrated(at_once, w, whole.orders))
     return FrequencyResponse(
         hertz,
         jax.device_put(found),

@@ -60,7 +60,7 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
     refuse_unsymmetric(lin.symmetric)
-    if not is_concrete(lin):
+    if not is_concrete((lin, bandwidth)):
         return _by_modes(lin, modes, bandwidth, jnp)
     # Known numbers are computed with on the host, which compiles nothing, and stay so within a trace.
     with jax.core.eval_context():
@@ -107,9 +107,9 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
         n, h = lin.elements.unknowns
         kept = numbered(modes, n - h)
         return kept, as_known(lowest(lin.elements, max(kept) + 1))
-    check_number("bandwidth", bandwidth, above=0)
-    if not is_concrete(lin.elements):
+    if not is_concrete((lin.elements, bandwidth)):
         raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
+    check_number("bandwidth", bandwidth, above=0)
     count = FIRST
     while True:
         n, h = lin.elements.unknowns

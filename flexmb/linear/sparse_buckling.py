@@ -210,7 +210,8 @@ def moved_by_loads(
     # Of known numbers by NumPy, which compiles nothing.
     x, reference, grown, sizes = as_known((x, parameters.reference, grown, sizes_of(topology, parameters)))
     dx = x - reference if grown is None else grown
-    return library_of((dx, sizes)).max(jax.lax.stop_gradient(abs(dx) / sizes), initial=0.0)
+    share = as_known(jax.lax.stop_gradient(abs(dx) / sizes))
+    return library_of(share).max(share, initial=0.0)
 
 
 @jit

@@ -347,6 +347,20 @@ def begin(problem: Problem, form: str, t: Float[Array, ""], given: Start) -> Mot
     return _started(_equations(problem, form), problem, t, given)[0]
 
 
+@jit_beside_options
+def soon_after(problem: Problem, form: str, t: Float[Array, ""], given: Start, wait: Float[Array, ""]) -> MotionState:
+    """State a little after the start of a motion, by its rates and accelerations.
+
+    Args:
+        given: Where it starts from.
+        wait: How much later [s].
+    """
+    equations = _equations(problem, form)
+    state, _ = _started(equations, problem, t, given)
+    faster = wait * equations.acceleration(t, state)[0][: state.u.shape[0]]
+    return state._replace(u=state.u + wait * (state.w + faster / 2), w=state.w + faster)
+
+
 def integrate(
     problem: Problem, integrator: Integrator, span: Any, times: Float[Array, "n_t"], given: Reached
 ) -> Integrated:

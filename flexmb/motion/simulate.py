@@ -34,11 +34,12 @@ from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .events import as_it_is, check_at_start, conditions_of
-from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled
+from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
 from .integrator import Integrator
 from .loop import Loop, as_feedback
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
+from .protocol import MotionState
 from .start import Start, begins_still, driving, warn_of_found
 from .sudden import sudden_changes
 
@@ -51,7 +52,7 @@ NET = 800
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 # After such a share of its time a condition that is zero where a motion starts has left zero, or it stays there.
-SOON = 1e-6
+SOON = 1e-3
 
 Group = TypeVar("Group", Drives, Loop, Integrator)
 
@@ -361,26 +362,23 @@ def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str
 
 def _event_now(problem: Problem, integrator: Integrator, event: Any, times: Float[Array, "n_t"], start: Start):
     """An event of diffrax whose conditions will not change, checked at the start as far as numbers are known."""
-    t, soon = times[0], SOON * (times[-1] - times[0])
-    like = jax.eval_shape(lambda given: begin(problem, integrator.form, t, given), start)
+    t, form = times[0], str(integrator.form)
+    like = jax.eval_shape(lambda given: begin(problem, form, t, given), start)
     event = as_it_is(event, t, like)
     conditions = conditions_of(event)
     if conditions and is_concrete((problem, times, start, conditions)):
-        values, later = _at_start(problem, integrator.form, (t, soon), start, conditions)
+        values = later = _values(conditions, t, begin(problem, form, t, start))
+        if any(value.dtype != bool and np.any(np.asarray(value) == 0) for value in values):
+            wait = SOON * (times[-1] - t)
+            later = _values(conditions, t + wait, soon_after(problem, form, t, start, wait))
         check_at_start(event, values, later, t)
     return event
 
 
 @jit_beside_options
-def _at_start(
-    problem: Problem, form: str, times: tuple[Array, Array], start: Start, conditions: list[Any]
-) -> tuple[list[Any], list[Any]]:
-    """Values of conditions at the start of a motion, and so much later."""
-    t, soon = times
-    state = begin(problem, form, t, start)
-    later = state._replace(u=state.u + soon * state.w)
-    values = [jnp.asarray(of(t, state, None)) for of in conditions]
-    return values, [jnp.asarray(of(t + soon, later, None)) for of in conditions]
+def _values(conditions: list[Any], t: Float[Array, ""], state: MotionState) -> list[Any]:
+    """Values of conditions at a state."""
+    return [jnp.asarray(of(t, state, None)) for of in conditions]
 
 
 def _initial(model: Model, initial: Any):

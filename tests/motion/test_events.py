@@ -105,6 +105,17 @@ def test_a_root_finder_that_fails_is_named(mass):
     assert found.result == RESULTS.event_not_found
 
 
+def test_a_condition_that_leaves_zero_from_rest_is_told():
+    b = fm.Builder()
+    b.node("mass", (0.0, 0.0))
+    b.fix("mass", "x")
+    b.mass("mass", 1.0)
+    b.gravity((0.0, -GRAVITY))
+    for condition in (lambda t, y, args, **_: y.u[0], lambda t, y, args, **_: y.w[0]):
+        with pytest.warns(fm.FlexmbWarning, match="condition of `event` is zero at the start"):
+            fm.simulate(b.build(), np.linspace(0, 1, 3), event=diffrax.Event(condition))
+
+
 def test_a_condition_that_is_zero_at_the_start_is_told():
     with pytest.warns(fm.FlexmbWarning, match="condition of `event` is zero at the start"):
         check_at_start(as_it_is(diffrax.Event(height), 0.0, AT_REST), [0.0], [1e-6], 0.0)
