@@ -207,7 +207,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
     losses = np.zeros(lin.model.topology.n_e)
     if not isinstance(given, Mapping):
         _check_positive("loss_factor", given, ())
-        return library_of(given).asarray(losses + given)
+        return jnp.asarray(losses + given)
     if not given:
         raise ValueError("Argument `loss_factor` names no element.")
     for key, factor in given.items():
@@ -221,7 +221,7 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
         of_key = np.isin(np.arange(len(losses)), rows)
         losses = library_of((losses, factor)).where(of_key, factor, losses)
-    return library_of(losses).asarray(losses)
+    return jnp.asarray(losses)
 
 
 def _has_stiffness(lin: Linearization | SparseLinearization, rows: Int[np.ndarray, "k"]) -> bool:
