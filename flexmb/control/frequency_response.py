@@ -380,8 +380,9 @@ def _response(
     factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
     responses = integrated(responses, w, np.asarray(orders)[np.array(us)])
-    # Never NaN: what is divided by nothing is infinite.
-    responses = jnp.where(jnp.isfinite(jnp.abs(responses)), responses, jnp.inf + 0j)
+    # What is divided by nothing is infinite; of a state that was not found nothing is a number.
+    known = jnp.all(jnp.isfinite(system.M)) & jnp.all(jnp.isfinite(system.K))
+    responses = jnp.where(jnp.isfinite(jnp.abs(responses)) | ~known, responses, jnp.inf + 0j)
     return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
 
 

@@ -236,3 +236,27 @@ def test_a_column_about_its_buckling_load(share):
     b.output("n4", "y")
     with pytest.warns(fm.FlexmbWarning, match=UNSTABLE) if share > 1 else contextlib.nullcontext():
         fm.frequency_response(b.build(), 1.0, sparse=True)
+
+
+def test_a_response_about_a_state_that_was_not_found_is_no_number():
+    """Under a trace; it is not that of a resonance, which is infinite."""
+
+    def place(force):
+        b = fm.Builder()
+        b.node("a", (0.0, 0.0))
+        b.node("c", (0.1, 0.0))
+        b.add(planar.truss, "a", "c", section=fm.Rigidity(EA=10.0))
+        b.fix("a")
+        b.fix("c", "y")
+        b.mass("c", 0.1)
+        b.dof("c", "x")
+        b.force("c", (force, 0.0))
+        b.input("c", "x")
+        b.output("c", "x")
+        found = fm.frequency_response(b.build(check=False), jnp.array([1.0]), method="direct")
+        return jnp.abs(found.response[0, 0, 0])
+
+    both = jax.jit(jax.value_and_grad(place))
+    # 1/|k - m w^2|, which a force along the bar changes by little; of no number there is none.
+    assert float(both(0.0)[0]) == pytest.approx(1 / (100.0 - 0.1 * (2 * np.pi) ** 2), rel=1e-9)
+    assert np.all(np.isnan(both(np.nan)))
