@@ -53,6 +53,21 @@ def as_known(tree: Any) -> Any:
     return jax.tree.map(lambda leaf: np.asarray(leaf) if isinstance(leaf, jax.Array) else leaf, tree)
 
 
+def by_library(function: Callable[..., Any], *given: Any) -> Any:
+    """Result of a function that is told which library to compute with, NumPy for known numbers or JAX for others.
+
+    Known numbers stay so within a trace of others.
+
+    Args:
+        function: ``f(*given, library)``.
+        given: What it is asked about; arrays of NumPy where all numbers are known.
+    """
+    if not is_concrete(given):
+        return function(*given, jax.numpy)
+    with jax.core.eval_context():
+        return function(*as_known(given), np)
+
+
 def copied(tree: Any) -> Any:
     """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards.
 

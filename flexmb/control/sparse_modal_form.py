@@ -2,13 +2,10 @@
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.core
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, check_number, is_concrete, shown
+from ..arguments import as_known, by_library, check_number, is_concrete, shown
 from ..linear.modes import refuse_unsymmetric
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
@@ -60,11 +57,7 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
         THEORY.md 7, eq. (7.14), with R B_u from (7.17).
     """
     refuse_unsymmetric(lin.symmetric)
-    if not is_concrete((lin, bandwidth)):
-        return _by_modes(lin, modes, bandwidth, jnp)
-    # Known numbers are computed with on the host, which compiles nothing, and stay so within a trace.
-    with jax.core.eval_context():
-        return _by_modes(as_known(lin), modes, bandwidth, np)
+    return by_library(_by_modes, lin, modes, bandwidth)
 
 
 def _by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:

@@ -2,13 +2,10 @@
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.core
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, is_concrete
+from ..arguments import as_known, by_library, is_concrete
 from ..errors import AnalysisError, ModelError
 from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import solved
@@ -78,11 +75,7 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     Source:
         THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
     """
-    if not is_concrete((lin, lossy)):
-        return _sparse_second_order(lin, lossy, jnp)
-    # Known numbers are computed with on the host, which compiles nothing, and stay so within a trace.
-    with jax.core.eval_context():
-        return _sparse_second_order(as_known(lin), as_known(lossy), np)
+    return by_library(_sparse_second_order, lin, lossy)
 
 
 def _sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None, library: Any) -> SparseSecondOrder:

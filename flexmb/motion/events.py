@@ -16,14 +16,11 @@ from ..compilation.program import Captured, captured
 from ..compilation.record import Record, static
 from ..display import short
 from ..errors import warn
-from .kinks import FINE_PARTS, ROUND_OFF, along_step
+from .kinks import FINE_PARTS, LEAST, ROUND_OFF, along_step
 from .protocol import MotionState
 
 if TYPE_CHECKING:
     import diffrax
-
-# A step within which an event passes unseen is shortened to so many times the shortest one at last.
-LEAST = 20.0
 
 
 class EventCondition(Record):

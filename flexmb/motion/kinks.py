@@ -34,8 +34,8 @@ CHANGED = 1e-9
 # A step across a kink is at last this share of the one that was refused. What changes in it by that share of its change
 # in the one that was refused jumps.
 SHARE, JUMP = 1e-6, 0.3
-# Steps are no shorter than so many times the round-off of the time.
-ROUND_OFF = 1e-14
+# Steps are no shorter than so many times the round-off of the time, nor so many times the shortest.
+ROUND_OFF, LEAST = 1e-14, 20.0
 
 
 class Kinks(Record):
@@ -95,7 +95,7 @@ def along_step(
 ) -> tuple[Float[Array, "places"], MotionState]:
     """Times at equal distances within a step, its ends among them, and states along the cubic through both ends.
 
-    Rates are those of the cubic; those of a controller's states, and what counts turns, go straight.
+    Rates are those of the cubic. A controller's states go straight, and what counts turns stays as at the begin.
 
     Args:
         times: Its begin and end [s].
@@ -159,7 +159,7 @@ class KinkSearch(NamedTuple):
         """
         known = jnp.where(self.by > times[0], self.slopes, 0.0)
         changes, slopes = kinks.within(times, states, known)
-        found = _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, 20 * smallest)
+        found = _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, LEAST * smallest)
         # Where a jump matters is asked for derivatives alone.
         return found if kinks.every else (*found[:2], found[2]._replace(jumped=self.jumped))
 

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.motions import height_behind_the_stop, thrown_at_a_stop
 
 import flexmb as fm
 from flexmb import planar
@@ -54,37 +55,21 @@ def test_derivatives_across_a_stop():
 
 
 def thrown(gap, **how):
-    """Height at 2 s of a mass of 1 kg that is thrown up with 3 m/s against a stop, which it would pass by 10 mm."""
-    b = fm.Builder()
-    b.node("below", (0.0, -200.0))
-    b.node("mass", (0.0, 0.0))
-    b.add(planar.spring_damper(lambda e, ed, *, gap: 1e5 * jnp.maximum(e - gap, 0.0)), "below", "mass", gap=gap)
-    b.fix("below")
-    b.fix("mass", "x")
-    b.mass("mass", 1.0)
-    b.gravity((0.0, -10.0))
-    b.start("mass", "y", 0.0, velocity=3.0)
-    return fm.simulate(b.build(), np.array([0.0, 2.0]), rtol=1e-7, **how).at("mass")[-1, 1]
-
-
-def thrown_by_hand(gap):
-    """Flight, contact with the speed v of arrival, (pi - 2 atan(g/(w v)))/w long, and flight from the speed -v."""
-    w, speed = jnp.sqrt(1e5), jnp.sqrt(9.0 - 20.0 * gap)
-    left = 2.0 - (3.0 - speed) / 10.0 - (jnp.pi - 2 * jnp.arctan(10.0 / (w * speed))) / w
-    return gap - speed * left - 5.0 * left**2
+    """Height at 2 s of a mass that would pass the stop by 10 mm."""
+    return fm.simulate(thrown_at_a_stop(gap).build(), np.array([0.0, 2.0]), rtol=1e-7, **how).at("mass")[-1, 1]
 
 
 @pytest.mark.parametrize("form", ["coordinates", "reduced"])
 def test_a_stop_that_is_met_and_left_within_a_step_throws_back(form):
     """Of a free flight any step is exact, so that its error tells nothing of a stop within it."""
     # Without the stop it would be at -14 m; what the steps leave, of a contact of 10 ms.
-    assert float(thrown(0.44, form=form)) == pytest.approx(float(thrown_by_hand(0.44)), abs=1e-3)
+    assert float(thrown(0.44, form=form)) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
 
 
 def test_derivatives_across_a_stop_that_is_met_within_a_step():
     value, slope = jax.value_and_grad(thrown)(jnp.asarray(0.44))
-    assert float(value) == pytest.approx(float(thrown_by_hand(0.44)), abs=1e-3)
-    assert float(slope) == pytest.approx(float(jax.grad(thrown_by_hand)(0.44)), rel=1e-3)
+    assert float(value) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
+    assert float(slope) == pytest.approx(float(jax.grad(height_behind_the_stop)(0.44)), rel=1e-3)
 
 
 def test_a_barrier_turns_back_what_cannot_pass_it():
