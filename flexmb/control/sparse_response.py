@@ -1,5 +1,6 @@
 """Frequency responses of large mechanisms: a solution with sparse factors at each frequency, with derivatives."""
 
+import functools
 from typing import Any
 
 import jax
@@ -71,37 +72,46 @@ def solutions(
     Returns:
         (n_f, n + h, n_u + n_y), zero where an undamped resonance is hit; or (n_f, n_y, n_u), infinite there.
     """
-    n_u, n_y, rows = b.shape[2], c.shape[1], sum(elements.unknowns)
-    columns = n_u if only_responses else n_u + n_y
-    shape = (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], rows, columns)
+    like = jax.ShapeDtypeStruct(_shape(elements, w, b, c, only_responses), complex)
+    return on_host(functools.partial(_on_host, only_responses=only_responses), like, elements, w, b, c)
 
-    def solved(elements: ElementMatrices, factors: Any, s: complex, right: np.ndarray, transposed: bool = False):
-        def exact(z: np.ndarray):
-            return forces(elements, z, transposed, s)
 
-        sizes = elements.sizes[elements.free]
-        return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, NEAR_RESONANCE)
+def _shape(elements: ElementMatrices, w: Any, b: Any, c: Any, only_responses: bool) -> tuple[int, int, int]:
+    """Of what :func:`solutions` returns."""
+    n_u, n_y = b.shape[2], c.shape[1]
+    return (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], sum(elements.unknowns), n_u + n_y)
 
-    def found(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray):
-        whole, answer = Whole(elements), np.full(shape, np.inf + 0j)
-        for i, s in enumerate(1j * w):
-            powers = s ** np.arange(3)
-            right = np.tensordot(powers, b, 1)[elements.free]
-            left = np.tensordot(powers, c, 1)[:, elements.free]
-            factors = whole.factors(whole.at_frequency(s))
-            if not factors.regular:
-                answer[i] = np.inf if only_responses else 0.0
-                continue
-            rest = rows - whole.n
-            moved = solved(elements, factors, s, np.pad(right, ((0, rest), (0, 0))))
-            if only_responses:
-                answer[i] = left @ moved[: whole.n]
-                continue
-            sensed = solved(elements, factors, s, np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
-            answer[i] = np.concatenate([moved, sensed], axis=1)
-        return answer
 
-    return on_host(found, jax.ShapeDtypeStruct(shape, complex), elements, w, b, c)
+def _on_host(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray, *, only_responses: bool):
+    """As :func:`solutions` of known numbers; NumPy and SciPy alone."""
+    shape = _shape(elements, w, b, c, only_responses)
+    whole, rows, answer = Whole(elements), sum(elements.unknowns), np.full(shape, np.inf + 0j)
+    for i, s in enumerate(1j * w):
+        powers = s ** np.arange(3)
+        right = np.tensordot(powers, b, 1)[elements.free]
+        left = np.tensordot(powers, c, 1)[:, elements.free]
+        factors = whole.factors(whole.at_frequency(s))
+        if not factors.regular:
+            answer[i] = np.inf if only_responses else 0.0
+            continue
+        rest = rows - whole.n
+        moved = _solved(elements, factors, s, np.pad(right, ((0, rest), (0, 0))))
+        if only_responses:
+            answer[i] = left @ moved[: whole.n]
+            continue
+        sensed = _solved(elements, factors, s, np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
+        answer[i] = np.concatenate([moved, sensed], axis=1)
+    return answer
+
+
+def _solved(elements: ElementMatrices, factors: Any, s: complex, right: np.ndarray, transposed: bool = False):
+    """Solution of the equations at a frequency; NumPy and SciPy alone."""
+
+    def exact(z: np.ndarray):
+        return forces(elements, z, transposed, s)
+
+    sizes = elements.sizes[elements.free]
+    return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, NEAR_RESONANCE)
 
 
 def _powers(s: Any) -> Any:

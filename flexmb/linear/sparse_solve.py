@@ -12,6 +12,7 @@ from jax import lax
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete, library_of
+from ..compilation.host import call_host
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.by_deformations import bordered, energies, forces, product, refined, spread
@@ -46,15 +47,17 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     """As :func:`on_host` inside compiled code; NaN of what is not finite, since something before it has failed."""
+    wanted = [(one.shape, np.dtype(one.dtype).str) for one in jax.tree.leaves(like)]
+    finite = functools.partial(_of_finite, function, wanted)
+    found = call_host(functools.partial(on_host_thread, finite), jax.tree.leaves(like), *arguments)
+    return jax.tree.unflatten(jax.tree.structure(like), found)
 
-    def called(*arguments: Any):
-        numbers = jax.tree.map(np.asarray, arguments)
-        if not all(np.all(np.isfinite(number)) for number in jax.tree.leaves(numbers)):
-            return jax.tree.map(lambda one: np.full(one.shape, np.nan, one.dtype), like)
-        with one_thread():
-            return on_host_thread(function, *numbers)
 
-    return jax.pure_callback(called, like, *arguments, vmap_method="sequential")
+def _of_finite(function: Callable[..., Any], wanted: list[tuple[Any, str]], *arguments: Any) -> list[np.ndarray]:
+    if not all(np.all(np.isfinite(number)) for number in jax.tree.leaves(arguments)):
+        return [np.full(shape, np.nan, kind) for shape, kind in wanted]
+    with one_thread():
+        return jax.tree.leaves(function(*arguments))
 
 
 def _false_stiffness(elements: ElementMatrices) -> float:
@@ -160,34 +163,37 @@ def _possible(elements: ElementMatrices, count: int) -> int:
 
 @jax.custom_jvp
 def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
-    k, (n, h), n_x = count.shape[0], elements.unknowns, elements.sizes.shape[0]
+    k, h, n_x = count.shape[0], elements.unknowns[1], elements.sizes.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n_x, k), (h, k))]
 
-    def found(elements: ElementMatrices):
-        whole = Whole(elements)
-        tangent, mass = whole.at(), whole.mass
-        refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
+    return Lowest(*on_host(functools.partial(_lowest_on_host, count=k), tuple(like), elements))
 
-        def exact(z: np.ndarray):
-            return forces(elements, z)
 
-        values, moving, multipliers = lowest_of_sparse(tangent, mass, k, exact)
-        motions = np.zeros((n_x, k))
-        motions[elements.free] = moving
-        heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
-        false = _false_stiffness(elements) / heaviest if heaviest else 0.0
-        # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
-        near = np.abs(values) < false / KNOWN
-        if np.any(energies(elements, motions[:, near]) > FREE * false):
-            others = lowest_of_sparse(tangent, mass, k + 1, exact).values if np.all(near) and k < n - h else values
-            others = np.abs(others[np.isfinite(others)])
-            apart = np.min(others[others >= false / KNOWN], initial=np.inf)
-            _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
-        sized = motions / elements.sizes[:, None]
-        signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(k)])
-        return values, motions * signs, multipliers * signs
+def _lowest_on_host(elements: ElementMatrices, *, count: int):
+    """Lowest eigenvalues, motions of all coordinates and multipliers; NumPy and SciPy alone."""
+    n, h = elements.unknowns
+    whole = Whole(elements)
+    tangent, mass = whole.at(), whole.mass
+    refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
 
-    return Lowest(*on_host(found, tuple(like), elements))
+    def exact(z: np.ndarray):
+        return forces(elements, z)
+
+    values, moving, multipliers = lowest_of_sparse(tangent, mass, count, exact)
+    motions = np.zeros((len(elements.sizes), count))
+    motions[elements.free] = moving
+    heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
+    false = _false_stiffness(elements) / heaviest if heaviest else 0.0
+    # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
+    near = np.abs(values) < false / KNOWN
+    if np.any(energies(elements, motions[:, near]) > FREE * false):
+        others = lowest_of_sparse(tangent, mass, count + 1, exact).values if np.all(near) and count < n - h else values
+        others = np.abs(others[np.isfinite(others)])
+        apart = np.min(others[others >= false / KNOWN], initial=np.inf)
+        _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
+    sized = motions / elements.sizes[:, None]
+    signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(count)])
+    return values, motions * signs, multipliers * signs
 
 
 @_lowest.defjvp
@@ -215,38 +221,43 @@ def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         balance = balance.at[:n].add(inertia @ jnp.where(near, border, 0.0))
         return jnp.concatenate([balance, jnp.where(near, inertia.T @ own[:n], border)])
 
-    def host(elements: ElementMatrices, values: np.ndarray, inertia: np.ndarray, near: np.ndarray, right: np.ndarray):
-        whole, sizes = Whole(elements), elements.sizes[elements.free]
-        mass, found, ordering = whole.mass, np.array(right), None
-        for i, value in enumerate(values):
-            own = np.flatnonzero(near[:, i])
-            if not len(own):
-                # Without mass: nothing is asked of it.
-                found[:, i] = 0.0
-                continue
-            rows = np.concatenate([np.arange(n + h), n + h + own])
-            matrix = whole.bordered(whole.at(mass=-value), inertia[:, own])
-            alike = ordering is not None and len(ordering) == matrix.shape[0]
-            factored = SparseFactors(matrix, ordering if alike else None)
-            ordering = factored.ordering
-
-            def exact(y: np.ndarray, border: np.ndarray = inertia[:, own], value: float = value):
-                held = forces(elements, y[: n + h])
-                held[:n] += border @ y[n + h :] - value * (mass @ y[:n])
-                return np.concatenate([held, border.T @ y[:n]])
-
-            found[rows, i] = refined(exact, factored.solve, right[rows, i : i + 1], sizes)[:, 0]
-        return found
-
     def solve(_: Any, right: Float[Array, "r *k"]):
         like = jax.ShapeDtypeStruct(right.shape, float)
-        return _traced(host, like, elements, values, inertia, near, right)
+        return _traced(_bordered_by_near, like, elements, values, inertia, near, right)
 
     y = lax.custom_linear_solve(matvec, -change, solve, symmetric=True)
     # Of each mode the border's own entry is less the change of its eigenvalue.
     slopes = -jnp.diagonal(y[n + h :])
     changed: Any = slopes, spread(elements, y[:n]), y[n : n + h]
     return at, Lowest(*changed)
+
+
+def _bordered_by_near(
+    elements: ElementMatrices, values: np.ndarray, inertia: np.ndarray, near: np.ndarray, right: np.ndarray
+):
+    """Solution for each mode, orthogonal to those near it; NumPy and SciPy alone."""
+    n, h = elements.unknowns
+    whole, sizes = Whole(elements), elements.sizes[elements.free]
+    mass, found, ordering = whole.mass, np.array(right), None
+    for i, value in enumerate(values):
+        own = np.flatnonzero(near[:, i])
+        if not len(own):
+            # Without mass: nothing is asked of it.
+            found[:, i] = 0.0
+            continue
+        rows = np.concatenate([np.arange(n + h), n + h + own])
+        matrix = whole.bordered(whole.at(mass=-value), inertia[:, own])
+        alike = ordering is not None and len(ordering) == matrix.shape[0]
+        factored = SparseFactors(matrix, ordering if alike else None)
+        ordering = factored.ordering
+
+        def exact(y: np.ndarray, border: np.ndarray = inertia[:, own], value: float = value):
+            held = forces(elements, y[: n + h])
+            held[:n] += border @ y[n + h :] - value * (mass @ y[:n])
+            return np.concatenate([held, border.T @ y[:n]])
+
+        found[rows, i] = refined(exact, factored.solve, right[rows, i : i + 1], sizes)[:, 0]
+    return found
 
 
 def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
+from ..compilation.host import call_host
 from ..errors import AnalysisError
 from ..math.by_deformations import product
 from ..math.element_matrices import ElementMatrices, Whole
@@ -69,8 +70,7 @@ def _changes(count: int, given: tuple[Any, Any, Any], changes: tuple[Any, Any, A
 def _found(k: Any, c: Any, m: Any, count: int) -> Any:
     vectors = jax.ShapeDtypeStruct((count, len(k)), complex)
     like = jax.ShapeDtypeStruct((count,), complex), jax.ShapeDtypeStruct((), np.int32), vectors, vectors
-    host = functools.partial(_with_vectors, count=count)
-    return jax.pure_callback(host, like, k, c, m, vmap_method="sequential")
+    return call_host(functools.partial(_with_vectors, count=count), like, k, c, m)
 
 
 @_found.defjvp
@@ -158,19 +158,21 @@ def _of_elements_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 @jax.custom_jvp
 def _with_motions(elements: ElementMatrices, count: Array) -> Any:
     k, rows = count.shape[0], sum(elements.unknowns)
-
-    def found(elements: ElementMatrices):
-        whole = Whole(elements)
-        refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
-        every = poles_of_sparse(whole, k + 1)
-        near = np.sort(np.argsort(np.abs(every), kind="stable")[:k])
-        if len(near) < k:
-            raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
-        vectors = [_motions(whole, every, int(number)) for number in near]
-        return every[near], *(np.array([pair[side] for pair in vectors]) for side in range(2))
-
     like = jax.ShapeDtypeStruct((k,), complex), *[jax.ShapeDtypeStruct((k, rows), complex)] * 2
-    return on_host(found, like, elements)
+    return on_host(functools.partial(_nearest, count=k), like, elements)
+
+
+def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Poles nearest to zero with their left and right motions and multipliers; NumPy and SciPy alone."""
+    whole = Whole(elements)
+    refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
+    every = poles_of_sparse(whole, count + 1)
+    near = np.sort(np.argsort(np.abs(every), kind="stable")[:count])
+    if len(near) < count:
+        raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
+    vectors = [_motions(whole, every, int(number)) for number in near]
+    left, right = (np.array([pair[side] for pair in vectors]) for side in range(2))
+    return every[near], left, right
 
 
 _with_motions.defjvp(_refused)

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Inexact, Int
 
+from ..compilation.host import call_host
 from ..compilation.record import Record, static
 from ..errors import AnalysisError
 from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
@@ -38,10 +39,19 @@ class Places:
             unknowns: Of each block, those of its elements, (elements, k); ``count`` for none.
             count: Number of unknowns.
         """
+        self._unknowns = unknowns
         every = [np.where(own < count, own, -1) for own in (*unknowns, np.arange(count)[:, None])]
         self._pattern = SparsePattern((count, count), [(own, own) for own in every])
         self._kept: deque[tuple[np.ndarray, SparseFactors]] = deque(maxlen=MOST)
         self.count, self.too_large = count, False
+
+    def __reduce__(self):
+        """What another process finds them from; factors stay here."""
+        return _places, (self._unknowns, self.count)
+
+    def _asdict(self) -> dict[str, Any]:
+        """What a trace depends on, that is kept."""
+        return {"unknowns": self._unknowns, "count": self.count}
 
     def solution(self, entries: Any, right: Any) -> np.ndarray:
         """Solution of the equations, not finite where they are singular.
@@ -59,15 +69,14 @@ class Places:
             self.too_large = True
         else:
             if factors.regular:
-                return factors.solve(right)
+                return factors.solve(right, refine=False)
         return np.full_like(right, np.nan)
 
     def _factors(self, entries: np.ndarray) -> SparseFactors:
         for known, factors in self._kept:
             if known.dtype == entries.dtype and np.array_equal(known, entries):
                 return factors
-        factors = SparseFactors(self._pattern.matrix([entries]), self._pattern.ordering)
-        self._pattern.ordering = factors.ordering
+        factors = self._pattern.factored(self._pattern.matrix([entries]))
         self.too_large = False
         self._kept.appendleft((entries.copy(), factors))
         return factors
@@ -102,7 +111,7 @@ class SparseOrder(Record):
     def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"]):
         """Solution, in the order of the unknowns."""
         like = jax.ShapeDtypeStruct(right.shape, right.dtype)
-        return jax.pure_callback(self.places.solution, like, factors, right, vmap_method="sequential")
+        return call_host(self.places.solution, like, factors, right)
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
         """Product of the sum of element matrices with a change of the unknowns."""

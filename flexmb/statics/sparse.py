@@ -2,7 +2,7 @@
 
 Element matrices are computed by compiled code, added up and factored on the host. One turn of Newton's method is
 written once; turns follow each other on the host where numbers are known, inside compiled code where they are traced:
-there a call of the host answers the linear equations. Only what is compiled for the former is kept on disk.
+there a call of the host answers the linear equations.
 """
 
 import functools
@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
+from ..compilation.host import call_host
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, product, refined
@@ -116,22 +117,14 @@ def _traced_turn(elements: ElementMatrices, right: Float[Array, "r 2"], multipli
         jax.ShapeDtypeStruct(shape, kind)
         for shape, kind in ((right.shape, float), ((), np.int32), (multipliers.shape, float))
     )
-
-    def call(*arguments: Any):
-        return on_host_thread(_turned, *jax.tree.map(np.asarray, arguments))
-
-    return jax.pure_callback(call, shapes, elements, right, multipliers, vmap_method="sequential")
+    turned = functools.partial(on_host_thread, _turned)
+    return call_host(turned, shapes, elements, right, multipliers)
 
 
 def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: bool):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
-    answer = functools.partial(_answer, **how)
-
-    def call(*arguments: Any):
-        return on_host_thread(answer, *jax.tree.map(np.asarray, arguments))
-
-    return jax.pure_callback(call, shapes, elements, right, vmap_method="sequential")
+    return call_host(functools.partial(on_host_thread, functools.partial(_answer, **how)), shapes, elements, right)
 
 
 def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMatrices:

@@ -22,13 +22,14 @@ import scipy.interpolate
 import flexmb as fm
 from flexmb import planar, setup, spatial
 from flexmb.build import clamps
-from flexmb.compilation import kept
+from flexmb.compilation import host, kept
 from flexmb.compilation.compile import compile_thoroughly, jit
 from flexmb.compilation.program import of_time
 from flexmb.elements import beams, profile
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
+from flexmb.mechanics.sparse_order import SparseOrder, sparse_order_of
 from flexmb.model.model import Entry
 from flexmb.motion import drive, stages
 from flexmb.motion.rosenbrock import Rodas5P
@@ -620,3 +621,27 @@ def test_a_simulation_is_kept_although_equinox_was_imported_before(folder, setti
     assert names(folder) == before
     assert "is traced" not in caplog.text
     np.testing.assert_array_equal(first, second)
+
+
+def test_what_calls_the_host_is_kept(folder, caplog):
+    """By a text in its program, which another process reads: places of a sparse matrix among it."""
+    solved = jit(SparseOrder.solved)
+
+    def answer():
+        order = sparse_order_of(cantilever(planar.beam).topology)
+        pieces = tuple(np.full((len(of), 1, 1), 2.0) * np.eye(len(of[0])) for of in order.unknowns)
+        return solved(order, order.factors(pieces), np.ones(order.places.count))
+
+    found = answer()
+    kept_now = names(folder)
+    assert len(kept_now) >= 1
+    # The compiler's cache takes no program with a callback of JAX.
+    assert any("solved" in file.name and file.name.endswith("cache") for file in folder.parent.iterdir())
+    fresh()
+    host._calls.clear()
+    with caplog.at_level(logging.DEBUG, "flexmb"):
+        np.testing.assert_array_equal(answer(), found)
+    assert names(folder) == kept_now
+    assert not [record for record in caplog.records if "traced" in record.message]
+    # The tip's mass is an element of its own, which does not turn.
+    np.testing.assert_allclose(found, [1 / 4, 1 / 4, 1 / 2], rtol=1e-15)

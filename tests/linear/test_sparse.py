@@ -314,11 +314,12 @@ def test_a_negative_mass_is_refused():
         fm.frequencies(light_line({40: 1.0}, inertia=-1e-6), count=2, sparse=True)
 
 
+def where(_):
+    return np.array(threading.get_ident())
+
+
 def test_the_host_works_for_compiled_code_in_one_thread():
     # SuperLU gives memory back in the thread alone that took it.
-    def where(_):
-        return np.array(threading.get_ident())
-
     like = jax.ShapeDtypeStruct((), int)
     assert int(jax.jit(lambda a: on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)
 

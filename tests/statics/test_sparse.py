@@ -183,11 +183,12 @@ def test_derivatives_under_jit_are_those_of_central_differences():
         assert float(found[i]) == pytest.approx(difference, rel=1e-6)
 
 
+def where(*_, **__):
+    return np.array([float(threading.get_ident())]), np.array(0, np.int32)
+
+
 def test_equations_of_compiled_code_are_solved_in_one_thread(monkeypatch):
     # SuperLU gives memory back in the thread alone that took it.
-    def where(*_, **__):
-        return np.array([float(threading.get_ident())]), np.array(0, np.int32)
-
     monkeypatch.setattr("flexmb.statics.sparse._answer", where)
     found, _ = jax.jit(lambda right: _traced_answer(None, right))(jnp.zeros(1))
     assert int(found[0]) == on_host_thread(threading.get_ident)
