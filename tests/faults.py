@@ -1106,6 +1106,13 @@ FAULTS = [
         "return vars(self)",
         "compilation/test_kept.py -k calls_the_host",
     ),
+    Fault(
+        "mechanics/sparse_order.py",
+        "found if fits else on_host_thread(factors.solve, right)",
+        "found",
+        "mechanics/test_sparse_order.py -k fit",
+    ),
+    Fault("math/sparse.py", "if known is not self.ordering", "if known is None", "math/test_dissection.py -k often"),
     Fault("math/dissection.py", "order[::-1]", "order", "math/test_dissection.py -k grow"),
     Fault("math/dissection.py", "(levels == middle) & beyond", "beyond", "math/test_dissection.py"),
     Fault("math/dissection.py", "np.where(even, sizes,", "np.where(~even, sizes,", "math/test_dissection.py -k grow"),

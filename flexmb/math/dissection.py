@@ -22,9 +22,8 @@ def dissected(matrix: Any) -> np.ndarray:
         Of the unknowns, (n,).
 
     Source:
-        George (1973), Nested dissection of a regular finite element mesh, SIAM Journal on Numerical Analysis 10; George
-        and Liu (1978), An automatic nested dissection algorithm for irregular finite element problems, ibid. 15: levels
-        of equal distance from a vertex at the border, the smallest of them in the middle.
+        THEORY.md 9. George (1973); George and Liu (1978), whose levels have equal distances from a vertex at the
+        border; here the smallest of them about the middle separates.
     """
     import scipy.sparse
 

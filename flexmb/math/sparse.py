@@ -81,6 +81,7 @@ class SparsePattern:
         self.ordering: np.ndarray | None = None
         self._last: tuple[np.ndarray, SparseFactors] | None = None
         self._times = 0
+        self._places: tuple[Any, ...] = (None,)
 
     def entries(self, pieces: Sequence[Any]) -> np.ndarray:
         """Stored entries of the sum of element matrices, (stored,).
@@ -113,7 +114,7 @@ class SparsePattern:
 
     def factored(self, matrix: Any) -> "SparseFactors":
         """As :meth:`factors`, and none kept; of a pattern that comes often, in an order that fills less, if any."""
-        factors = SparseFactors(matrix, self.ordering)
+        factors = SparseFactors(self._ordered(matrix), self.ordering, ordered=True)
         self._times += 1
         if self._times == OFTEN and not factors.by_rows and factors.fill > FULL * self.size[0]:
             other = SparseFactors(matrix, dissected(matrix))
@@ -121,6 +122,23 @@ class SparsePattern:
                 factors = other
         self.ordering = factors.ordering
         return factors
+
+    def _ordered(self, matrix: Any) -> Any:
+        """Matrix with rows and columns in the order of elimination, whose places are found once for an order."""
+        import scipy.sparse
+
+        if self.ordering is None:
+            return matrix
+        known, *places = self._places
+        if known is not self.ordering:
+            numbers = np.arange(1, len(self.rows) + 1)
+            numbered = scipy.sparse.csc_array((numbers, self.rows, self.columns), shape=self.size)
+            numbered = numbered[self.ordering][:, self.ordering]
+            numbered.sort_indices()
+            places = [numbered.data - 1, numbered.indices, numbered.indptr]
+            self._places = self.ordering, *places
+        taken, rows, columns = places
+        return scipy.sparse.csc_array((matrix.data[taken], rows, columns), shape=self.size)
 
 
 class SparseFactors:
@@ -138,7 +156,9 @@ class SparseFactors:
         Sylvester's law of inertia, for the negative pivots on the diagonal.
     """
 
-    def __init__(self, matrix: Any, ordering: np.ndarray | None = None, on_diagonal: bool = False):
+    def __init__(
+        self, matrix: Any, ordering: np.ndarray | None = None, on_diagonal: bool = False, ordered: bool = False
+    ):
         """Factor a matrix.
 
         Args:
@@ -147,14 +167,15 @@ class SparseFactors:
                 one is found by minimum degree, of columns alone where the diagonal has zeros.
             on_diagonal: Whether pivots are looked for on a diagonal with zeros too: multipliers come after what they
                 constrain in the ordering.
+            ordered: Whether rows and columns of the matrix stand in the ordering already.
 
         Raises:
             AnalysisError: out_of_memory.
         """
         import scipy.sparse
 
-        matrix = scipy.sparse.csc_array(matrix)
-        matrix = matrix if ordering is None else matrix[ordering][:, ordering]
+        matrix = matrix if isinstance(matrix, scipy.sparse.csc_array) else scipy.sparse.csc_array(matrix)
+        matrix = matrix if ordered or ordering is None else matrix[ordering][:, ordering]
         # SuperLU would sort the indices below, and not these entries.
         matrix.sort_indices()
         largest = np.zeros(matrix.shape[0])
@@ -237,8 +258,18 @@ class SparseFactors:
         self._pivots = self._factors.U.diagonal()
         return True
 
-    def solve(self, right: np.ndarray, transposed: bool = False, refine: bool = True) -> np.ndarray:
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution of A z = right, (n,) or (n, cases).
+
+        Args:
+            right: Right-hand sides, (n,) or (n, cases).
+            transposed: Whether of A^T z = right.
+        """
+        found, fits = self.answer(right, transposed)
+        return found if fits or not self._change_rows() else self.solve(right, transposed)
+
+    def answer(self, right: np.ndarray, transposed: bool = False, refine: bool = True) -> tuple[np.ndarray, bool]:
+        """As :meth:`solve`, by these factors as they are, and whether the solution fits.
 
         Args:
             right: Right-hand sides, (n,) or (n, cases).
@@ -256,14 +287,12 @@ class SparseFactors:
             rest = wanted - matrix @ z
         left = np.max(np.abs(rest), initial=0.0)
         beside = np.max(np.abs(z), initial=0.0) + np.max(np.abs(wanted), initial=0.0)
-        if not left <= BACKWARD * beside and self._change_rows():
-            return self.solve(right, transposed, refine)
         z = scale * z
-        if self._order is None:
-            return z
-        whole = np.empty_like(z)
-        whole[self._order] = z
-        return whole
+        if self._order is not None:
+            whole = np.empty_like(z)
+            whole[self._order] = z
+            z = whole
+        return z, bool(left <= BACKWARD * beside)
 
 
 def unresisted(tangent: Any, n: int) -> np.ndarray | None:

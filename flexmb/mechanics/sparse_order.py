@@ -27,6 +27,8 @@ Factors = Any
 class Places:
     """Where the entries of element matrices lie in those of the whole, on the host, with the last factors.
 
+    Factors are made and given back in the thread of the host; they answer in any.
+
     Attributes:
         count: Number of unknowns.
         too_large: Whether the memory did not suffice for factors.
@@ -60,22 +62,24 @@ class Places:
             entries: Of the element matrices, one after the other, then those of the diagonal.
             right: Right-hand side, (unknowns,).
         """
-        return on_host_thread(self._solution, np.asarray(entries), np.asarray(right))
-
-    def _solution(self, entries: np.ndarray, right: np.ndarray) -> np.ndarray:
+        entries, right = np.asarray(entries), np.asarray(right)
         try:
-            factors = self._factors(entries)
+            factors = self._known(entries) or on_host_thread(self._factored, entries)
         except AnalysisError:
             self.too_large = True
-        else:
-            if factors.regular:
-                return factors.solve(right, refine=False)
-        return np.full_like(right, np.nan)
+            return np.full_like(right, np.nan)
+        if not factors.regular:
+            return np.full_like(right, np.nan)
+        found, fits = factors.answer(right, refine=False)
+        return found if fits else on_host_thread(factors.solve, right)
 
-    def _factors(self, entries: np.ndarray) -> SparseFactors:
-        for known, factors in self._kept:
+    def _known(self, entries: np.ndarray) -> SparseFactors | None:
+        for known, factors in list(self._kept):
             if known.dtype == entries.dtype and np.array_equal(known, entries):
                 return factors
+        return None
+
+    def _factored(self, entries: np.ndarray) -> SparseFactors:
         factors = self._pattern.factored(self._pattern.matrix([entries]))
         self.too_large = False
         self._kept.appendleft((entries.copy(), factors))

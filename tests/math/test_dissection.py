@@ -48,28 +48,25 @@ def test_factors_of_a_grid_grow_as_they_must():
     assert by_halves[2] < by_rows[2] / 3
 
 
-def shaken(n: int, seed: int):
-    """A pattern of a grid whose own order fills its factors, and element matrices of it."""
-    matrix = grid(n, n).tocoo()
-    places = np.random.default_rng(seed).permutation(n * n)
-    rows, columns = (places[of].reshape(-1, 1) for of in matrix.coords)
-    return SparsePattern((n * n, n * n), [(rows, columns)]), matrix.data.reshape(-1, 1, 1)
-
-
 def test_a_pattern_that_comes_often_has_the_order_that_fills_less(monkeypatch):
     monkeypatch.setattr(sparse, "FULL", 1)
-    pattern, pieces = shaken(40, seed=0)
-    wanted = np.random.default_rng(1).random(1600)
-    fills = []
-    for _ in range(sparse.OFTEN + 1):
-        factors = pattern.factored(pattern.matrix([pieces]))
-        fills.append(factors.fill)
-        # Round-off times the condition, about 1e2.
-        np.testing.assert_allclose(pattern.matrix([pieces]) @ factors.solve(wanted), wanted, atol=1e-12)
-    assert fills[: sparse.OFTEN - 1] == [fills[0]] * (sparse.OFTEN - 1)
-    assert fills[-1] == fills[-2] == min(fills)
-    monkeypatch.setattr(sparse, "dissected", lambda matrix: np.arange(1600))
-    other, _ = shaken(40, seed=0)
-    for _ in range(sparse.OFTEN + 1):
-        factors = other.factored(other.matrix([pieces]))
-    assert factors.fill == fills[0]
+    entries = grid(20, 20).tocoo()
+    rows, columns = (of.reshape(-1, 1) for of in entries.coords)
+    wanted = np.random.default_rng(1).random(400)
+
+    def fills(begin: np.ndarray) -> list[int]:
+        pattern, found = SparsePattern((400, 400), [(rows, columns)]), []
+        pattern.ordering = begin
+        for _ in range(sparse.OFTEN + 1):
+            matrix = pattern.matrix([entries.data.reshape(-1, 1, 1)])
+            factors = pattern.factored(matrix)
+            found.append(factors.fill)
+            # Round-off times the condition, about 1e2.
+            np.testing.assert_allclose(matrix @ factors.solve(wanted), wanted, atol=1e-12)
+        return found
+
+    by_rows, by_halves = (SparseFactors(grid(20, 20), of).fill for of in (np.arange(400), dissected(grid(20, 20))))
+    assert by_halves < by_rows
+    assert fills(np.arange(400)) == [by_rows] * (sparse.OFTEN - 1) + [by_halves] * 2
+    monkeypatch.setattr(sparse, "dissected", lambda matrix: np.random.default_rng(2).permutation(400))
+    assert fills(np.arange(400)) == [by_rows] * (sparse.OFTEN + 1)

@@ -63,3 +63,17 @@ def test_it_is_solved(kind):
     # Singular equations have no answer, least of all that of the matrix before.
     nothing = tuple(jnp.zeros_like(own) for own in pieces)
     assert not np.any(np.isfinite(order.solved(order.factors(nothing), right)))
+
+
+def test_a_solution_that_does_not_fit_lets_rows_change_places(monkeypatch):
+    order: Any = order_of(wheel(20).topology)
+    places, count = order.places, order.places.count
+    entries = np.concatenate(
+        [*(np.zeros(own.size * own.shape[1]) for own in order.unknowns), np.arange(1.0, count + 1)]
+    )
+    # Round-off.
+    np.testing.assert_allclose(places.solution(entries, np.ones(count)), 1 / np.arange(1.0, count + 1), rtol=1e-15)
+    assert not places._known(entries).by_rows
+    monkeypatch.setattr("flexmb.math.sparse.BACKWARD", -1.0)
+    np.testing.assert_allclose(places.solution(entries, np.ones(count)), 1 / np.arange(1.0, count + 1), rtol=1e-15)
+    assert places._known(entries).by_rows
