@@ -46,9 +46,10 @@ from .sudden import sudden_changes
 if TYPE_CHECKING:
     import diffrax
 
-# From so many coordinates on mechanisms that are no chains are solved on the host by themselves. A net of 480 takes 0.6
-# of the time of dense matrices so, but compiles for 5 s in every process (benchmarks/nets.py).
-NET = 800
+# From so many coordinates on mechanisms that are no chains are solved on the host by themselves. Nets in the plane and
+# lattices in space take the time of dense matrices at 320 to 340, and a net of 480 half of it (benchmarks/nets.py); to
+# compile takes longer, once.
+NET = 400
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 # After such a share of its time a condition that is zero where a motion starts has left zero, or it stays there.
