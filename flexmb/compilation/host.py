@@ -124,15 +124,21 @@ class _Buffers(Structure):
     _fields_ = [*HEAD, ("count", c_int64), ("kinds", c_void_p), ("all", POINTER(POINTER(_Buffer)))]
 
 
-class _Text(Structure):
+class _Characters(Structure):
     _fields_ = [("begin", c_void_p), ("length", c_size_t)]
 
 
 class _Attributes(Structure):
-    _fields_ = [*HEAD, ("count", c_int64), ("kinds", c_void_p), ("names", c_void_p), ("all", POINTER(POINTER(_Text)))]
+    _fields_ = [
+        *HEAD,
+        ("count", c_int64),
+        ("kinds", c_void_p),
+        ("names", c_void_p),
+        ("all", POINTER(POINTER(_Characters))),
+    ]
 
 
-class _Fault(Structure):
+class _Failure(Structure):
     _fields_ = [*HEAD, ("message", c_char_p), ("code", c_int)]
 
 
@@ -141,7 +147,7 @@ class _Interface(Structure):
         *HEAD,
         ("version", _Version),
         ("internal", c_void_p),
-        ("make_error", ctypes.CFUNCTYPE(c_void_p, POINTER(_Fault))),
+        ("make_error", ctypes.CFUNCTYPE(c_void_p, POINTER(_Failure))),
     ]
 
 
@@ -192,5 +198,5 @@ def _handler(frame: Any) -> Any:
     except BaseException as fault:
         # An exception would leave the result as it is, and the program would go on.
         message = f"{type(fault).__name__}: {fault}".encode()
-        return frame.contents.interface.contents.make_error(_Fault(ctypes.sizeof(_Fault), None, message, INTERNAL))
+        return frame.contents.interface.contents.make_error(_Failure(ctypes.sizeof(_Failure), None, message, INTERNAL))
     return None

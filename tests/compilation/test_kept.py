@@ -635,8 +635,6 @@ def test_what_calls_the_host_is_kept(folder, caplog):
     found = answer()
     kept_now = names(folder)
     assert len(kept_now) >= 1
-    # The compiler's cache takes no program with a callback of JAX.
-    assert any("solved" in file.name and file.name.endswith("cache") for file in folder.parent.iterdir())
     fresh()
     host._calls.clear()
     with caplog.at_level(logging.DEBUG, "flexmb"):
