@@ -16,6 +16,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
+from .lazy import end_quickly
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -799,5 +800,4 @@ def main() -> None:
     try:
         app()
     finally:
-        # To look for garbage among all modules and traces once more would take as long as half of JAX's import.
-        gc.freeze()
+        end_quickly()

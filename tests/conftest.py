@@ -24,6 +24,7 @@ import pytest
 
 import flexmb as fm
 from flexmb.compilation.compile import OPTIONS, compile_thoroughly, make_room
+from flexmb.lazy import end_quickly
 from flexmb.setup import cache_folder
 
 fm.enable_x64()
@@ -136,7 +137,7 @@ def pytest_collection_finish():
 def pytest_sessionfinish():
     """Pytest collects garbage ten times more at its end: what is left is kept out of that."""
     gc.collect()
-    gc.freeze()
+    end_quickly()
 
 
 @pytest.fixture(scope="module", autouse=True)
