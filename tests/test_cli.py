@@ -16,6 +16,7 @@ from cases.commands import command as call
 from cases.files import arrays_of
 
 import flexmb as fm
+from flexmb import cli
 from flexmb.answers import answers
 from flexmb.answers.mode import Found
 from flexmb.errors import warn
@@ -854,3 +855,15 @@ def test_a_state_space_of_what_is_driven_throughout(tmp_path):
     assert (data["A"], data["B"]) == ([[0, 1], [0, 0]], [[0], [1]])
     np.testing.assert_allclose(data["C"], [[follows, 0], [0, 0]], rtol=1e-12)
     np.testing.assert_allclose(data["D"], [[0], [follows]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("given", [None, "2"])
+def test_no_thread_of_linear_algebra_waits_for_work(monkeypatch, given):
+    ended = []
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setattr(cli, "app", lambda: None)
+    monkeypatch.setattr(cli, "end_quickly", lambda: ended.append(True))
+    cli.main()
+    assert (os.environ["OPENBLAS_NUM_THREADS"], ended) == (given or "1", [True])
