@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..lazy import no_garbage_looked_for
+from .host import Run, forget
 from .kept import kept, kept_number
 from .threads import one_thread
 
@@ -149,22 +150,25 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
             return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
 
         program.__name__ = name
-        return jax.jit(program, compiler_options=OPTIONS[mode])
+        # Beside it, whether a program of it has been found to call the host.
+        return jax.jit(program, compiler_options=OPTIONS[mode]), [False]
 
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         global _programs_left
         leaves, traced = _as_taken(leaves)
         if traced:
-            return variant(structure, fixed, "nested", exact(fixed))(*leaves)
+            return variant(structure, fixed, "nested", exact(fixed))[0](*leaves)
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
         # Within jax.ensure_compile_time_eval, each operation of a trace that known numbers go into would be a program.
         with one_thread(), jax.core.eval_context(), _folding(False):
             known = variant.cache_info().misses
-            own: Any = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
+            own: Any
+            own, calls_host = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
             programs = own._cache_size()
-            with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
-                results = own(*leaves)
-            results = jax.block_until_ready(results)
+            with Run(calls_host) as running:
+                with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
+                    results = own(*leaves)
+                results = running.finished(results)
             if own._cache_size() > programs:
                 _programs_left -= 1
                 if _programs_left < 0:
@@ -195,6 +199,7 @@ def make_room(share: float = FULL) -> bool:
     if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()
+        forget()
         return True
     return False
 

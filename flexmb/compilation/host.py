@@ -3,27 +3,97 @@
 ``jax.pure_callback`` does the same, but what holds one is compiled anew in every process, and a call takes twelve times
 as long (130 us beside 11 us). Here the host is a handler of XLA's foreign function interface, of the same name in every
 process, and what it is to call stands in the program itself: a function of this package by its name, and what it takes
-beside arrays.
+beside arrays. Only programs that this package runs call it so: they are waited for, and an interruption from the
+keyboard ends them at their next call. Within a user's own ``jax.jit`` it is a callback of JAX.
 """
 
 import base64
+import contextlib
 import ctypes
 import functools
 import hashlib
 import logging
 import pickle
+import signal
+import threading
 import zlib
 from collections.abc import Callable
 from ctypes import POINTER, Structure, c_char_p, c_int, c_int64, c_size_t, c_uint32, c_void_p
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax.extend.core import Primitive
+from jax.interpreters import batching, mlir
 
 # The name by which programs call the host.
 TARGET = "flexmb_host"
 # So many different calls are remembered as they are written in programs.
-MOST = 256
+MOST = 32
+_lock = threading.Lock()
+_here = threading.local()
+
+
+class Run:
+    """One run of a compiled function of this package, in which its program may call the host; a context.
+
+    While a program calls the host, an interruption from the keyboard is held back: raised within the handler it would
+    be lost, and the answer of that call with it. The handler refuses instead, so that the program ends.
+
+    Attributes:
+        calls_host: One value, whether the program is known to.
+        interrupted: Whether programs are to end.
+    """
+
+    interrupted = False
+
+    def __init__(self, calls_host: list[bool]):
+        self.calls_host = calls_host
+        self._before: Any = None
+        self._noted = False
+
+    def __enter__(self) -> "Run":
+        self._outer = getattr(_here, "run", None)
+        _here.run = self
+        if self.calls_host[0]:
+            self.hold()
+        return self
+
+    def hold(self) -> None:
+        """Note that the program calls the host."""
+        self.calls_host[0] = True
+        if self._before is None and threading.current_thread() is threading.main_thread():
+            before = signal.getsignal(signal.SIGINT)
+            if callable(before):
+                self._before = before
+                signal.signal(signal.SIGINT, self._note)
+
+    def _note(self, *_: Any) -> None:
+        self._noted = Run.interrupted = True
+
+    def finished(self, results: Any) -> Any:
+        """Results once they are there; whatever keeps this thread from waiting, the program has ended after it."""
+        try:
+            return jax.block_until_ready(results)
+        except jax.errors.JaxRuntimeError:
+            # It has ended by itself.
+            raise
+        except BaseException:
+            if self.calls_host[0]:
+                before, Run.interrupted = Run.interrupted, True
+                with contextlib.suppress(Exception):
+                    jax.block_until_ready(results)
+                Run.interrupted = before
+            raise
+
+    def __exit__(self, *fault: object) -> None:
+        _here.run = self._outer
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+            if self._noted:
+                Run.interrupted = False
+                self._before(signal.SIGINT, None)
 
 
 def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
@@ -39,36 +109,81 @@ def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     Returns:
         As ``like``. What the function raises becomes an error of JAX with its text.
     """
-    if jax.default_backend() != "cpu" or not is_known_to_xla():
-        return _by_callback(function, like, *arguments)
     leaves, structure = jax.tree.flatten(arguments)
     shapes, results = jax.tree.flatten(like)
-    trees = [jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in (structure, results)]
-    try:
-        text = pickle.dumps((function, *trees), protocol=5)
-    except (pickle.PicklingError, AttributeError, TypeError) as reason:
-        logging.getLogger("flexmb").debug("%s is called by jax.pure_callback: %s", function, reason)
-        return _by_callback(function, like, *arguments)
-    found = jax.ffi.ffi_call(TARGET, shapes, vmap_method="sequential")(
-        *leaves,
-        digest=hashlib.blake2b(text, digest_size=16).hexdigest(),
-        text=base64.b85encode(zlib.compress(text)).decode(),
-    )
+    told = tuple((tuple(one.shape), np.dtype(jax.dtypes.canonicalize_dtype(one.dtype))) for one in shapes)
+    found = _called.bind(*map(jnp.asarray, leaves), callback=function, structure=structure, results=results, like=told)
     return jax.tree.unflatten(results, found)
 
 
-def _by_callback(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """As :func:`call_host` where a program cannot name the function, or on another device than a processor."""
+_called = Primitive("host_callback")
+_called.multiple_results = True
 
-    def called(*arguments: Any):
-        return function(*jax.tree.map(np.array, arguments))
 
-    return jax.pure_callback(called, like, *arguments, vmap_method="sequential")
+@_called.def_abstract_eval
+def _shapes(*_: Any, like: tuple[tuple[tuple[int, ...], np.dtype], ...], **__: Any):
+    return [jax.core.ShapedArray(*one) for one in like]
+
+
+@_called.def_impl
+def _at_once(*leaves: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
+    found = results.flatten_up_to(callback(*jax.tree.unflatten(structure, list(map(np.array, leaves)))))
+    return [jax.device_put(np.asarray(one, kind)) for one, (_, kind) in zip(found, like, strict=True)]
+
+
+def _one_by_one(leaves: Any, axes: Any, **told: Any):
+    """Calls of a batch, one after the other."""
+    batched = [axis is not None for axis in axes]
+    moved = [jnp.moveaxis(leaf, axis, 0) for leaf, axis, own in zip(leaves, axes, batched, strict=True) if own]
+
+    def one(own: list[Any]):
+        numbers = iter(own)
+        return _called.bind(
+            *(next(numbers) if is_own else leaf for leaf, is_own in zip(leaves, batched, strict=True)), **told
+        )
+
+    found = jax.lax.map(one, moved)
+    return found, [0] * len(found)
+
+
+batching.primitive_batchers[_called] = _one_by_one
+
+
+def _lowered(context: Any, *operands: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
+    """By the handler within a program that this package runs, and by a callback of JAX elsewhere."""
+    run: Run | None = getattr(_here, "run", None)
+    trees = [jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in (structure, results)]
+    if run is not None and jax.default_backend() == "cpu" and is_known_to_xla():
+        try:
+            text = pickle.dumps((callback, *trees), protocol=5)
+        except (pickle.PicklingError, AttributeError, TypeError) as reason:
+            logging.getLogger("flexmb").debug("%s is called by jax.pure_callback: %s", callback, reason)
+        else:
+            run.hold()
+            digest = hashlib.blake2b(text, digest_size=16).hexdigest()
+            written = base64.b85encode(zlib.compress(text)).decode()
+            return jax.ffi.ffi_lowering(TARGET)(context, *operands, digest=digest, text=written)
+
+    def called(*leaves: Any):
+        return results.flatten_up_to(callback(*jax.tree.unflatten(structure, list(map(np.array, leaves)))))
+
+    def whole(*leaves: Any):
+        return jax.pure_callback(called, [jax.ShapeDtypeStruct(*one) for one in like], *leaves)
+
+    return mlir.lower_fun(whole, multiple_results=True)(context, *operands)
+
+
+mlir.register_lowering(_called, _lowered)
+
+
+def is_known_to_xla() -> bool:
+    """Whether programs can call the host by its name, from now on."""
+    with _lock:
+        return _registered()
 
 
 @functools.cache
-def is_known_to_xla() -> bool:
-    """Whether programs can call the host by its name, from now on."""
+def _registered() -> bool:
     try:
         jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(_handler), platform="cpu")
     except Exception as reason:
@@ -77,18 +192,45 @@ def is_known_to_xla() -> bool:
     return True
 
 
+def program_on_disk(program: bytes) -> None:
+    """Make ready to run a program that was traced in another process, which may call the host.
+
+    Args:
+        program: As it was written.
+
+    Raises:
+        RuntimeError: Where XLA's interface is another one.
+    """
+    if TARGET.encode() in program:
+        if not is_known_to_xla():
+            raise RuntimeError("XLA cannot call the host by its name")
+        run: Run | None = getattr(_here, "run", None)
+        if run is not None:
+            run.hold()
+
+
 # By digest: a function, and how its arguments and results are made of arrays.
 _calls: dict[bytes, tuple[Callable[..., Any], Any, Any]] = {}
 
 
+def forget() -> None:
+    """Let go what programs called that are compiled no longer."""
+    _calls.clear()
+
+
 def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], wanted: list[np.ndarray]) -> None:
     """Call what is written in a program, and put what it returns where the program wants it."""
-    if digest not in _calls:
+    if Run.interrupted:
+        raise KeyboardInterrupt("the program was interrupted")
+    call = _calls.get(digest)
+    if call is None:
         function, *trees = pickle.loads(zlib.decompress(base64.b85decode(text())))
-        while len(_calls) >= MOST:
-            _calls.pop(next(iter(_calls)), None)
-        _calls[digest] = function, *map(jax.tree.structure, trees)
-    function, structure, results = _calls[digest]
+        call = function, *map(jax.tree.structure, trees)
+        with _lock:
+            while len(_calls) >= MOST:
+                del _calls[next(iter(_calls))]
+            _calls[digest] = call
+    function, structure, results = call
     found = results.flatten_up_to(function(*jax.tree.unflatten(structure, given)))
     for place, number in zip(wanted, map(np.asarray, found), strict=True):
         if number.shape != place.shape:
@@ -96,8 +238,8 @@ def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], w
         np.copyto(place, number, casting="same_kind")
 
 
-# XLA's interface, xla/ffi/api/c_api.h of version 0.3. Another minor version adds fields at ends alone, and XLA refuses
-# a handler of another major one.
+# XLA's interface, xla/ffi/api/c_api.h of version 0.3. Another minor version adds fields at ends alone; XLA refuses a
+# handler of a version that it does not serve.
 MAJOR, MINOR = 0, 3
 METADATA, INTERNAL = 1, 13
 TYPES = {1: "?", 4: "i4", 5: "i8", 8: "u4", 9: "u8", 11: "f4", 12: "f8", 15: "c8", 18: "c16"}
@@ -196,7 +338,11 @@ def _handler(frame: Any) -> Any:
         texts = call.attributes
         _answer(_text(texts, 0), lambda: _text(texts, 1), given, _arrays(call.results))
     except BaseException as fault:
-        # An exception would leave the result as it is, and the program would go on.
-        message = f"{type(fault).__name__}: {fault}".encode()
-        return frame.contents.interface.contents.make_error(_Failure(ctypes.sizeof(_Failure), None, message, INTERNAL))
+        # What leaves this function is lost, and the program would go on with what it has not been given.
+        try:
+            message = f"{type(fault).__name__}: {fault}"
+        except BaseException:
+            message = type(fault).__name__
+        encoded = message.encode(errors="backslashreplace")
+        return frame.contents.interface.contents.make_error(_Failure(ctypes.sizeof(_Failure), None, encoded, INTERNAL))
     return None

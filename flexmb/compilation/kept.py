@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from .host import TARGET, is_known_to_xla
+from .host import TARGET, program_on_disk
 
 PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
 LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
@@ -57,8 +57,8 @@ def kept(function: Callable[..., Any]) -> Callable[..., Any]:
             path = _path(function, structure, fixed, [str(jax.typeof(leaf)) for leaf in leaves])
             if not path.exists():
                 _write_trace(path, lambda *leaves: function(structure, fixed, *leaves), leaves)
-            is_known_to_xla()
             names, program = _read(path)
+            program_on_disk(program)
             results = jax.tree.structure(_built(json.loads(names)))
             return jax.tree.unflatten(results, jax.export.deserialize(bytearray(program)).call(*leaves))
         except Exception as reason:  # A fault of the function itself is raised again where it is traced.

@@ -340,7 +340,7 @@ def refuse_callbacks(jaxpr: Jaxpr) -> None:
     """
     found: dict[str, None] = {}
     for equation in _programs(jaxpr):
-        if "callback" in equation.primitive.name or equation.primitive.name == "ffi_call":
+        if "callback" in equation.primitive.name:
             called = equation.params.get("callback")
             called = getattr(called, "callback_func", called)
             name = getattr(called, "__name__", type(called).__name__)

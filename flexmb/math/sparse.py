@@ -1,5 +1,6 @@
 """Sparse matrices whose pattern is found once, and their factors, on the host."""
 
+import contextlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -113,36 +114,44 @@ class SparsePattern:
         return last[1]
 
     def factored(self, matrix: Any) -> "SparseFactors":
-        """As :meth:`factors`, and none kept; of a pattern that comes often, in an order that fills less, if any."""
-        factors = SparseFactors(self._ordered(matrix), self.ordering, ordered=True)
+        """As :meth:`factors`, and none kept; of a pattern that comes often, in an order that fills less, if any.
+
+        Args:
+            matrix: As of :meth:`matrix`, with all entries of the pattern where it has them.
+        """
+        # Another thread may find another one meanwhile.
+        ordering = self.ordering
+        factors = SparseFactors(self._ordered(matrix, ordering), ordering, ordered=True)
         self._times += 1
         if self._times == OFTEN and not factors.by_rows and factors.fill > FULL * self.size[0]:
-            other = SparseFactors(matrix, dissected(matrix))
-            if other.regular and not other.by_rows and other.fill < factors.fill:
-                factors = other
+            # What memory does not suffice for is no better.
+            with contextlib.suppress(AnalysisError, MemoryError):
+                other = SparseFactors(matrix, dissected(matrix))
+                if other.regular and not other.by_rows and other.fill < factors.fill:
+                    factors = other
         self.ordering = factors.ordering
         return factors
 
-    def _ordered(self, matrix: Any) -> Any:
-        """Matrix with rows and columns in the order of elimination, whose places are found once for an order."""
+    def _ordered(self, matrix: Any, ordering: np.ndarray | None) -> Any:
+        """Matrix with rows and columns in an order of elimination, whose places are found once for an order."""
         import scipy.sparse
 
-        if self.ordering is None:
+        if ordering is None:
             return matrix
         known, *places = self._places
-        if known is not self.ordering:
+        if known is not ordering:
             numbers = np.arange(1, len(self.rows) + 1)
             numbered = scipy.sparse.csc_array((numbers, self.rows, self.columns), shape=self.size)
-            numbered = numbered[self.ordering][:, self.ordering]
+            numbered = numbered[ordering][:, ordering]
             numbered.sort_indices()
             places = [numbered.data - 1, numbered.indices, numbered.indptr]
-            self._places = self.ordering, *places
+            self._places = ordering, *places
         taken, rows, columns = places
         return scipy.sparse.csc_array((matrix.data[taken], rows, columns), shape=self.size)
 
 
 class SparseFactors:
-    """Sparse factors of a matrix of symmetric pattern, rows and columns scaled alike, with one step of refinement.
+    """Sparse factors of a matrix of symmetric pattern, rows and columns scaled alike.
 
     Attributes:
         ordering: The order of elimination, (n,), or None where the matrix is singular and none was given.
@@ -259,7 +268,7 @@ class SparseFactors:
         return True
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
-        """Solution of A z = right, (n,) or (n, cases).
+        """Solution of A z = right, (n,) or (n, cases), with one step of refinement.
 
         Args:
             right: Right-hand sides, (n,) or (n, cases).

@@ -27,7 +27,7 @@ Factors = Any
 class Places:
     """Where the entries of element matrices lie in those of the whole, on the host, with the last factors.
 
-    Factors are made and given back in the thread of the host; they answer in any.
+    Factors are made in the thread of the host, and go there when others come; they answer in any thread.
 
     Attributes:
         count: Number of unknowns.

@@ -70,3 +70,9 @@ def test_a_pattern_that_comes_often_has_the_order_that_fills_less(monkeypatch):
     assert fills(np.arange(400)) == [by_rows] * (sparse.OFTEN - 1) + [by_halves] * 2
     monkeypatch.setattr(sparse, "dissected", lambda matrix: np.random.default_rng(2).permutation(400))
     assert fills(np.arange(400)) == [by_rows] * (sparse.OFTEN + 1)
+
+    def too_large(_):
+        raise MemoryError
+
+    monkeypatch.setattr(sparse, "dissected", too_large)
+    assert fills(np.arange(400)) == [by_rows] * (sparse.OFTEN + 1)
