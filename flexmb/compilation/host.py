@@ -22,6 +22,7 @@ from ctypes import POINTER, Structure, c_char_p, c_int, c_int64, c_size_t, c_uin
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import Primitive
@@ -312,7 +313,7 @@ def _arrays(buffers: Any) -> list[np.ndarray]:
         one = buffers.all[place].contents
         shape, kind = tuple(one.sizes[: one.rank]), np.dtype(TYPES[one.type])
         size = int(np.prod(shape, dtype=np.int64)) * kind.itemsize
-        memory = (ctypes.c_char * size).from_address(one.data) if size else bytearray()
+        memory: Any = (ctypes.c_char * size).from_address(one.data) if size else bytearray()
         found.append(np.frombuffer(memory, kind).reshape(shape))
     return found
 
