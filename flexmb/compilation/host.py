@@ -25,7 +25,6 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 
 # The name by which programs call the host.
@@ -113,20 +112,30 @@ def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     leaves, structure = jax.tree.flatten(arguments)
     shapes, results = jax.tree.flatten(like)
     told = tuple((tuple(one.shape), np.dtype(jax.dtypes.canonicalize_dtype(one.dtype))) for one in shapes)
-    found = _called.bind(*map(jnp.asarray, leaves), callback=function, structure=structure, results=results, like=told)
+    numbers = map(jnp.asarray, leaves)
+    found = _called().bind(*numbers, callback=function, structure=structure, results=results, like=told)
     return jax.tree.unflatten(results, found)
 
 
-_called = Primitive("host_callback")
-_called.multiple_results = True
+@functools.cache
+def _called() -> Any:
+    """The operation, which JAX lowers as the program asks for that it becomes part of."""
+    # It takes long to import, and kept programs do without.
+    from jax.extend.core import Primitive
+
+    called = Primitive("host_callback")
+    called.multiple_results = True
+    called.def_abstract_eval(_shapes)
+    called.def_impl(_at_once)
+    batching.primitive_batchers[called] = _one_by_one
+    mlir.register_lowering(called, _lowered)
+    return called
 
 
-@_called.def_abstract_eval
 def _shapes(*_: Any, like: tuple[tuple[tuple[int, ...], np.dtype], ...], **__: Any):
     return [jax.core.ShapedArray(*one) for one in like]
 
 
-@_called.def_impl
 def _at_once(*leaves: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
     found = results.flatten_up_to(callback(*jax.tree.unflatten(structure, list(map(np.array, leaves)))))
     return [jax.device_put(np.asarray(one, kind)) for one, (_, kind) in zip(found, like, strict=True)]
@@ -139,15 +148,11 @@ def _one_by_one(leaves: Any, axes: Any, **told: Any):
 
     def one(own: list[Any]):
         numbers = iter(own)
-        return _called.bind(
-            *(next(numbers) if is_own else leaf for leaf, is_own in zip(leaves, batched, strict=True)), **told
-        )
+        every = (next(numbers) if is_own else leaf for leaf, is_own in zip(leaves, batched, strict=True))
+        return _called().bind(*every, **told)
 
     found = jax.lax.map(one, moved)
     return found, [0] * len(found)
-
-
-batching.primitive_batchers[_called] = _one_by_one
 
 
 def _lowered(context: Any, *operands: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
@@ -172,9 +177,6 @@ def _lowered(context: Any, *operands: Any, callback: Callable[..., Any], structu
         return jax.pure_callback(called, [jax.ShapeDtypeStruct(*one) for one in like], *leaves)
 
     return mlir.lower_fun(whole, multiple_results=True)(context, *operands)
-
-
-mlir.register_lowering(_called, _lowered)
 
 
 def is_known_to_xla() -> bool:
