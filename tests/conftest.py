@@ -18,6 +18,10 @@ os.environ["XLA_FLAGS"] = " ".join(
     )
 )
 
+# LAPACK's threads wait for work at full speed, beside the other worker: a twentieth of the processor's time. Workers
+# inherit this.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import hypothesis
 import jax
 import pytest
