@@ -1083,7 +1083,12 @@ FAULTS = [
         "finite",
         "linear/test_sparse.py -k thread",
     ),
-    Fault("compilation/host.py", "array.copy() for array", "array for array", "compilation/test_host.py -k copies"),
+    Fault(
+        "compilation/host.py",
+        "list(map(np.array, numbers))",
+        "list(map(np.asarray, numbers))",
+        "compilation/test_host.py -k copies",
+    ),
     Fault("compilation/host.py", "if number.shape != place.shape", "if False", "compilation/test_host.py -k fails"),
     Fault("compilation/host.py", ', casting="same_kind"', ', casting="unsafe"', "compilation/test_host.py -k fails"),
     Fault(
@@ -1093,6 +1098,15 @@ FAULTS = [
         "compilation/test_host.py -k fails",
     ),
     Fault("compilation/host.py", "jnp.moveaxis(leaf, axis, 0)", "leaf", "compilation/test_host.py -k batch"),
+    Fault(
+        "compilation/host.py", "np.asarray(one, kind)", "0 * np.asarray(one, kind)", "compilation/test_host.py -k once"
+    ),
+    Fault(
+        "compilation/host.py",
+        'jax.default_backend() == "cpu" and',
+        "True and",
+        "compilation/test_host.py -k other",
+    ),
     Fault("compilation/host.py", "if Run.interrupted:", "if False:", "compilation/test_host.py -k interruption"),
     Fault(
         "compilation/host.py", "self._before(signal.SIGINT, None)", "pass", "compilation/test_host.py -k interruption"

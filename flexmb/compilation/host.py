@@ -136,8 +136,13 @@ def _shapes(*_: Any, like: tuple[tuple[tuple[int, ...], np.dtype], ...], **__: A
     return [jax.core.ShapedArray(*one) for one in like]
 
 
+def _flat(function: Callable[..., Any], structure: Any, results: Any, numbers: Any) -> list[Any]:
+    """Arrays of what a function returns, of those of its arguments, which it is given copies of."""
+    return results.flatten_up_to(function(*jax.tree.unflatten(structure, list(map(np.array, numbers)))))
+
+
 def _at_once(*leaves: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
-    found = results.flatten_up_to(callback(*jax.tree.unflatten(structure, list(map(np.array, leaves)))))
+    found = _flat(callback, structure, results, leaves)
     return [jax.device_put(np.asarray(one, kind)) for one, (_, kind) in zip(found, like, strict=True)]
 
 
@@ -171,7 +176,7 @@ def _lowered(context: Any, *operands: Any, callback: Callable[..., Any], structu
             return jax.ffi.ffi_lowering(TARGET)(context, *operands, digest=digest, text=written)
 
     def called(*leaves: Any):
-        return results.flatten_up_to(callback(*jax.tree.unflatten(structure, list(map(np.array, leaves)))))
+        return _flat(callback, structure, results, leaves)
 
     def whole(*leaves: Any):
         return jax.pure_callback(called, [jax.ShapeDtypeStruct(*one) for one in like], *leaves)
@@ -234,7 +239,7 @@ def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], w
                 del _calls[next(iter(_calls))]
             _calls[digest] = call
     function, structure, results = call
-    found = results.flatten_up_to(function(*jax.tree.unflatten(structure, given)))
+    found = _flat(function, structure, results, given)
     for place, number in zip(wanted, map(np.asarray, found), strict=True):
         if number.shape != place.shape:
             raise ValueError(f"{function} returned the shape {number.shape} in place of {place.shape}.")
@@ -337,7 +342,7 @@ def _handler(frame: Any) -> Any:
                 version = extension.metadata.contents.version
                 version.major, version.minor = MAJOR, MINOR
                 return None
-        given = [array.copy() for array in _arrays(call.arguments)]
+        given = _arrays(call.arguments)
         texts = call.attributes
         _answer(_text(texts, 0), lambda: _text(texts, 1), given, _arrays(call.results))
     except BaseException as fault:
