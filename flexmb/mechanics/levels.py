@@ -57,8 +57,12 @@ class Levels(Record):
             middle = middle + jnp.eye(more.shape[0])[:, :, None] * more
         return factorise_blocks(lower, middle, upper)
 
-    def solved(self, factors: BlockFactors, right: Inexact[Array, "unknowns"]) -> Inexact[Array, "unknowns"]:
-        """Solution by factors, in the order of the unknowns."""
+    def solved(
+        self, factors: BlockFactors, right: Inexact[Array, "unknowns"], transposed: bool = False
+    ) -> Inexact[Array, "unknowns"]:
+        """Solution by factors, in the order of the unknowns, or that of the transposed equations."""
+        if transposed:
+            return jax.linear_transpose(functools.partial(self.solved, factors), right)(right)[0]
         blocks = jnp.append(right, jnp.zeros((), right.dtype))[self.place]
         return factors.solve(blocks).reshape(-1)[self.back]
 

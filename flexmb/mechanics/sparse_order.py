@@ -1,5 +1,6 @@
 """Equations of any large mechanism inside compiled code: element matrices go to the host, whose factors answer."""
 
+import functools
 import hashlib
 from collections import deque
 from typing import Any
@@ -8,6 +9,7 @@ from weakref import WeakValueDictionary
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import lax
 from jaxtyping import Array, Float, Inexact, Int
 
 from ..compilation.host import call_host
@@ -55,12 +57,13 @@ class Places:
         """What a trace depends on, that is kept."""
         return {"unknowns": self._unknowns, "count": self.count}
 
-    def solution(self, entries: Any, right: Any) -> np.ndarray:
+    def solution(self, entries: Any, right: Any, transposed: bool = False) -> np.ndarray:
         """Solution of the equations, not finite where they are singular.
 
         Args:
             entries: Of the element matrices, one after the other, then those of the diagonal.
             right: Right-hand side, (unknowns,).
+            transposed: Whether of the transposed equations.
         """
         entries, right = np.asarray(entries), np.asarray(right)
         try:
@@ -70,8 +73,8 @@ class Places:
             return np.full_like(right, np.nan)
         if not factors.regular:
             return np.full_like(right, np.nan)
-        found, fits = factors.answer(right, refine=False)
-        return found if fits else on_host_thread(factors.solve, right)
+        found, fits = factors.answer(right, transposed, refine=False)
+        return found if fits else on_host_thread(factors.solve, right, transposed)
 
     def _known(self, entries: np.ndarray) -> SparseFactors | None:
         for known, factors in list(self._kept):
@@ -112,14 +115,52 @@ class SparseOrder(Record):
             diagonal = jnp.zeros(self.places.count, pieces[0].dtype)
         return jnp.concatenate([*(of.reshape(-1) for of in pieces), diagonal])
 
-    def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"]):
-        """Solution, in the order of the unknowns."""
+    def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"], transposed: bool = False):
+        """Solution, in the order of the unknowns, or that of the transposed equations."""
         like = jax.ShapeDtypeStruct(right.shape, right.dtype)
-        return call_host(self.places.solution, like, factors, right)
+        solution = functools.partial(self.places.solution, transposed=True) if transposed else self.places.solution
+        return call_host(solution, like, factors, right)
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
         """Product of the sum of element matrices with a change of the unknowns."""
         return product_of(self.unknowns, pieces, change)
+
+
+@jax.custom_jvp
+def solution(
+    order: Levels | SparseOrder,
+    factors: Factors,
+    pieces: tuple[Float[Array, "elements k k"], ...],
+    diagonal: Float[Array, "unknowns"],
+    right: Float[Array, "unknowns"],
+) -> Float[Array, "unknowns"]:
+    """Solution of the equations, differentiable in element matrices, diagonal and right-hand side.
+
+    Args:
+        order: Of the unknowns.
+        factors: Of the element matrices and the diagonal.
+        pieces: Of each block that moves.
+        diagonal: Added at the unknowns.
+        right: Right-hand side.
+    """
+    del pieces, diagonal
+    return order.solved(factors, right)
+
+
+@solution.defjvp
+def _solution_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+    order, factors, pieces, diagonal, _ = primals
+    z = solution(*primals)
+    *_, by_pieces, by_diagonal, by_right = tangents
+
+    def product(z: Float[Array, "unknowns"]):
+        return order.product(pieces, z) + diagonal * z
+
+    def solve(transposed: bool):
+        return lambda _, right: order.solved(factors, right, transposed)
+
+    left = by_right - order.product(by_pieces, z) - by_diagonal * z
+    return z, lax.custom_linear_solve(product, left, solve(False), transpose_solve=solve(True))
 
 
 def order_of(topology: Topology) -> "Levels | SparseOrder":

@@ -4,6 +4,7 @@ Nothing here is of the size of the mechanism squared: what element matrices are 
 left to :mod:`flexmb.mechanics.levels` for chains and to :mod:`flexmb.mechanics.sparse_order` for everything else.
 """
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import jax
@@ -15,7 +16,7 @@ from ..compilation.record import Record
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.levels import Levels, bordered, moving_blocks
-from ..mechanics.sparse_order import Factors, SparseOrder
+from ..mechanics.sparse_order import Factors, SparseOrder, solution
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
@@ -201,11 +202,12 @@ class ChainForm(Record):
         """
         z = jnp.zeros(self.size + self.form.held.shape[0])
         order: Any = self.order
-        factors = order.factors(self.pieces(t, state, z).by_z)
+        pieces = self.pieces(t, state, z).by_z
+        factors = order.factors(pieces)
 
         def corrected(z: Float[Array, "r"], _: None):
             left = self.residual(t, state, z)
-            return z - order.solved(factors, left), jnp.max(jnp.abs(left))
+            return z - solution(order, factors, pieces, jnp.zeros_like(z), left), jnp.max(jnp.abs(left))
 
         # The second time removes what keeps redundant constraints solvable; what a singular system leaves is more.
         z, left = jax.lax.scan(corrected, z, None, length=3)
@@ -248,9 +250,10 @@ class ChainForm(Record):
             e = strained(form.elements, at.x, form.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
             order: Any = self.order
-            factors = order.factors(tuple(pieces), masses)
+            pieces = tuple(pieces)
+            factors = order.factors(pieces, masses)
             back = [
-                order.solved(factors, jnp.append(jnp.zeros(n), excess))[:n]
+                solution(order, factors, pieces, masses, jnp.append(jnp.zeros(n), excess))[:n]
                 for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
             ]
             return tuple(of - more for of, more in zip(moving, back, strict=True))
@@ -270,7 +273,8 @@ def chain_form(model: Model, driven: tuple[Driven, ...], order: Levels | SparseO
         ChainForm.
     """
     topology, parameters = model.topology, model.parameters
-    form = coordinates_form(topology, parameters, driven)
+    # What is of the size of the mechanism squared is left out: a derivative would carry it along.
+    form = dataclasses.replace(coordinates_form(topology, parameters, driven), S=jnp.zeros((0, 0)), S_d=None)
 
     def of_blocks(companion: str) -> tuple[Any, ...]:
         pieces = iter(stiffness_pieces(topology, parameters, companion))

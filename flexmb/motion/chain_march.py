@@ -23,7 +23,7 @@ from .collocation import (
 from .march import Marched, code_of_step, ended, nothing_found, rows_reached, until_end, until_stop
 from .protocol import MotionState
 from .step_size import SMALLEST_STEP, error_of, greatest
-from .tape import Span
+from .tape import Span, Tape, blank_tape, whole_loop
 
 # Derivatives are kept while Newton's method converges at such a rate, and factors where the step would change by a
 # factor between these.
@@ -51,6 +51,7 @@ class _ChainMarch(NamedTuple):
         refused: Whether the last step was refused.
         saved: Number of rows that are known.
         found: What has been found.
+        tape: Of the steps that were kept, or None.
     """
 
     t: Float[Array, ""]
@@ -64,6 +65,7 @@ class _ChainMarch(NamedTuple):
     refused: Bool[Array, ""]
     saved: Int[Array, ""]
     found: Marched
+    tape: Tape | None
 
 
 def march_chain(
@@ -74,8 +76,9 @@ def march_chain(
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
-) -> Marched:
-    """States of a chain at times, step by step; arguments as those of :func:`flexmb.motion.march.march`.
+    taped: bool = False,
+) -> tuple[Marched, Tape | None]:
+    """States of a chain at times, step by step; arguments and results as :func:`flexmb.motion.march.march` has them.
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section IV.8, with the step sizes after
@@ -128,7 +131,10 @@ def march_chain(
         state, carried = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (after, taken.carried), (m.state, m.carried))
         carried = carried._replace(rate=taken.carried.rate)
         before = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (h, jnp.maximum(error, 1e-2)), m.before)
-        return _ChainMarch(begin, end, state, carried, matrices, h, ~quick, before, ~keep, k, found)
+        tape = m.tape
+        if tape is not None:
+            tape = tape.with_step(m.to, m.state, m.carried, unfinished(m) & keep)
+        return _ChainMarch(begin, end, state, carried, matrices, h, ~quick, before, ~keep, k, found, tape)
 
     def unfinished(m: _ChainMarch):
         return (m.found.result == RESULTS.successful) & (m.t < t1) & (m.found.steps < most)
@@ -145,6 +151,10 @@ def march_chain(
     )
     matrices = jax.tree.map(lambda like: jnp.zeros(like.shape, like.dtype), shapes)
     yes, zero = jnp.array(True), jnp.zeros(())
-    m = _ChainMarch(t0, end, start, carried_from(z), matrices, zero, yes, (zero, jnp.ones(())), ~yes, none, found)
-    m = jax.lax.while_loop(unfinished, turn, m)
-    return ended(m.found, m.t, span, start)[0]
+    carried = carried_from(z)
+    tape = blank_tape(most, start, carried) if taped else None
+    before = (zero, jnp.ones(()))
+    m = _ChainMarch(t0, end, start, carried, matrices, zero, yes, before, ~yes, none, found, tape)
+    m = whole_loop(unfinished, turn, m) if taped else jax.lax.while_loop(unfinished, turn, m)
+    found, still = ended(m.found, m.t, span, start)
+    return found, None if m.tape is None else m.tape._replace(saved=m.saved, still=still)

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanics.sparse_order import Factors
+from ..mechanics.turning import Turns
 from .chain_form import ChainForm, ResidualPieces
 from .protocol import MotionState
 from .step_size import LARGE
@@ -39,16 +40,19 @@ class Carried(NamedTuple):
     """What is carried from step to step.
 
     Attributes:
-        z: Accelerations and multipliers at the end of the last step, (r,).
-        stages: At its stages, (3, r).
+        stages: Accelerations and multipliers at the stages of the last step, (3, r).
         length: Of the last step, () [s]; zero where there is none.
         rate: At which Newton's method converged last.
     """
 
-    z: Float[Array, "r"]
     stages: Float[Array, "3 r"]
     length: Float[Array, ""]
     rate: Float[Array, ""]
+
+    @property
+    def z(self) -> Float[Array, "r"]:
+        """Accelerations and multipliers at the end of the last step, (r,)."""
+        return self.stages[2]
 
 
 class StepMatrices(NamedTuple):
@@ -91,7 +95,7 @@ def carried_from(z: Float[Array, "r"]) -> Carried:
     Args:
         z: Accelerations and multipliers, (r,).
     """
-    return Carried(z, jnp.broadcast_to(z, (3, *z.shape)), jnp.zeros(()), jnp.ones(()))
+    return Carried(jnp.broadcast_to(z, (3, *z.shape)), jnp.zeros(()), jnp.ones(()))
 
 
 def foretold(last: Carried, h: Float[Array, ""]):
@@ -126,6 +130,131 @@ def matrices_of_step(
     return StepMatrices(pieces, real, equations.factors_of_step(pieces, h.astype(complex) * COMPLEX_STEP), x)
 
 
+class Stages(NamedTuple):
+    """Solution of the equations of a step.
+
+    Attributes:
+        z: Accelerations and multipliers at the stages, (3, r).
+        rate: At which Newton's method converged.
+        turns: How many turns it took.
+        solved: Whether it converged.
+    """
+
+    z: Float[Array, "3 r"]
+    rate: Float[Array, ""]
+    turns: Int[Array, ""]
+    solved: Bool[Array, ""]
+
+
+def times_of_stages(t: Float[Array, ""], h: Float[Array, ""], end: Any = None) -> Float[Array, "3"]:
+    """Times of the stages of a step, none later than its end where that is given [s]."""
+    times = t + jnp.asarray(NODES) * h
+    return times if end is None else jnp.minimum(times, end)
+
+
+def turned_stages(equations: ChainForm, times: Float[Array, "3"], states: MotionState, x: Float[Array, "n_x"]) -> Turns:
+    """How the nodes have turned from a place, x, until the stages of a step, whose states are rows."""
+
+    def since(t: Float[Array, ""], u: Float[Array, "n"]):
+        return equations.order.turning.since(equations.form.whole(t, u, u, u).x, x)
+
+    return jax.vmap(since)(times, states.u)
+
+
+def _by_parts(
+    order: Any, matrices: StepMatrices, right: Float[Array, "3 r"], into: np.ndarray, back: np.ndarray, transposed: bool
+):
+    """The three stages, or their transposed equations, by the real system and the complex one."""
+    parts = jnp.asarray(into) @ right.astype(complex)
+    first = order.solved(matrices.real, parts[0].real, transposed)
+    second = order.solved(matrices.other, parts[1], transposed)
+    return jnp.asarray(back[:, 0].real)[:, None] * first + 2 * (jnp.asarray(back[:, 1])[:, None] * second).real
+
+
+def correction(equations: ChainForm, matrices: StepMatrices, turns: Turns, residuals: Float[Array, "3 r"]):
+    """Change of the stages by a turn of Newton's method, (3, r).
+
+    Nodes turn between the stages, which stiff beams feel first of all: the matrices turn along.
+
+    Args:
+        matrices: Of the step, or of one like it.
+        turns: Of each stage, since what the matrices belong to.
+        residuals: At the stages.
+    """
+    n, turning = equations.size, equations.order.turning
+    right = jax.vmap(turning.turned_back)(turns, residuals)
+    change = _by_parts(equations.order, matrices, right, TO_PARTS, FROM_PARTS, False)
+    # It is displacements that turn, not accelerations.
+    moved = jax.vmap(turning.turned)(turns, jnp.asarray(TWICE) @ change)[:, :n]
+    return jnp.concatenate([jnp.asarray(np.linalg.inv(TWICE)) @ moved, change[:, n:]], axis=1)
+
+
+def transposed_correction(equations: ChainForm, matrices: StepMatrices, turns: Turns, along: Float[Array, "3 r"]):
+    """The transpose of :func:`correction`, (3, r)."""
+    n, turning = equations.size, equations.order.turning
+    moved = jnp.asarray(np.linalg.inv(TWICE).T) @ along[:, :n]
+    moved = jnp.concatenate([moved, jnp.zeros_like(along[:, n:])], axis=1)
+    change = jnp.asarray(TWICE.T) @ jax.vmap(turning.turned_back)(turns, moved)
+    change = jnp.concatenate([change[:, :n], along[:, n:]], axis=1)
+    right = _by_parts(equations.order, matrices, change, FROM_PARTS.T, TO_PARTS.T, True)
+    return jax.vmap(turning.turned)(turns, right)
+
+
+def solved_stages(
+    equations: ChainForm,
+    times: Float[Array, "3"],
+    h: Float[Array, ""],
+    state: MotionState,
+    before: Float[Array, ""],
+    z: Float[Array, "3 r"],
+    matrices: StepMatrices,
+    allowed: tuple[Any, Any],
+) -> Stages:
+    """The stages of a step, by Newton's method.
+
+    Args:
+        times: Of the stages [s].
+        h: Length [s].
+        state: State at the begin.
+        before: Rate at which it converged in the last step.
+        z: Guess of the stages.
+        matrices: Of this step, or of one like it.
+        allowed: Relative and absolute tolerance.
+    """
+    n = state.u.shape[0]
+    rtol, atol = allowed
+    turns = turned_stages(equations, times, states_at(state, h, z), matrices.at)
+
+    def unsolved(carry: tuple[Any, ...]):
+        _, _, _, left, count = carry
+        return (left > 1.0) & (count < MOST)
+
+    def once_more(carry: tuple[Any, ...]):
+        z, before, rate, _, count = carry
+        reached = states_at(state, h, z)
+        residuals = jax.vmap(equations.residual)(times, reached, z)
+        change = correction(equations, matrices, turns, residuals)
+        z = z - change
+        size = h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change[:, :n]))
+        scale = jnp.minimum(jnp.max(jnp.abs(reached.u)), LARGE)
+        share = size / (LEFT * (rtol * scale + atol) + ROUND_OFF)
+        # Of three and more turns the mean of two rates.
+        rate = jnp.where(count == 0, rate, jnp.where(count == 1, size / before, jnp.sqrt(rate * size / before)))
+        # What is still to come, were all later changes smaller at this rate.
+        left = share * rate / (1 - rate)
+        hopeless = (rate >= SLOW) | (left * rate ** (MOST - 1 - count) > 1.0)
+        left = jnp.where(jnp.isnan(size) | (hopeless & (count > 0)), jnp.nan, jnp.where(rate < 1, left, jnp.inf))
+        return z, size, rate, jnp.where(share <= SMALL, 0.0, left), count + 1
+
+    one = jnp.ones(())
+    # As RADAU5 has it: the rate of the last step, trusted a little less.
+    expected = jnp.maximum(before**0.8, TRUSTED)
+    start = (z, one, expected, jnp.array(jnp.inf), jnp.array(0))
+    z, _, rate, left, count = jax.lax.while_loop(unsolved, once_more, start)
+    solved = left <= 1.0
+    return Stages(z, jnp.where(solved, rate, one), count, solved)
+
+
 def collocated(
     equations: ChainForm,
     t: Float[Array, ""],
@@ -154,56 +283,14 @@ def collocated(
         second order THEORY.md 9, eq. (9.10).
     """
     n = state.u.shape[0]
-    rtol, atol = allowed
-    nodes, twice, weights = (jnp.asarray(of) for of in (NODES, TWICE, ERROR))
-    times = t + nodes * h if end is None else jnp.minimum(t + nodes * h, end)
-    order, turning = equations.order, equations.order.turning
-
-    def since(t: Float[Array, ""], u: Float[Array, "n"]):
-        return turning.since(equations.form.whole(t, u, u, u).x, matrices.at)
-
-    # Nodes turn between the stages, which stiff beams feel first of all: the matrices turn along.
-    turns: Any = jax.vmap(since)(times, states_at(state, h, z).u)
-    turned, turned_back = jax.vmap(turning.turned), jax.vmap(turning.turned_back)
-
-    def unsolved(carry: tuple[Any, ...]):
-        _, _, _, left, count = carry
-        return (left > 1.0) & (count < MOST)
-
-    def once_more(carry: tuple[Any, ...]):
-        z, before, rate, _, count = carry
-        reached = states_at(state, h, z)
-        residuals = jax.vmap(equations.residual)(times, reached, z)
-        right = jnp.asarray(TO_PARTS) @ turned_back(turns, residuals).astype(complex)
-        first = order.solved(matrices.real, right[0].real)
-        second = order.solved(matrices.other, right[1])
-        change = jnp.asarray(FROM_PARTS[:, 0].real)[:, None] * first
-        change = change + 2 * (jnp.asarray(FROM_PARTS[:, 1])[:, None] * second).real
-        # It is displacements that turn, not accelerations.
-        moved = turned(turns, twice @ change)[:, :n]
-        z = z - jnp.concatenate([jnp.asarray(np.linalg.inv(TWICE)) @ moved, change[:, n:]], axis=1)
-        size = h**2 * jnp.max(jnp.abs(moved))
-        scale = jnp.minimum(jnp.max(jnp.abs(reached.u)), LARGE)
-        share = size / (LEFT * (rtol * scale + atol) + ROUND_OFF)
-        # Of three and more turns the mean of two rates.
-        rate = jnp.where(count == 0, rate, jnp.where(count == 1, size / before, jnp.sqrt(rate * size / before)))
-        # What is still to come, were all later changes smaller at this rate.
-        left = share * rate / (1 - rate)
-        hopeless = (rate >= SLOW) | (left * rate ** (MOST - 1 - count) > 1.0)
-        left = jnp.where(jnp.isnan(size) | (hopeless & (count > 0)), jnp.nan, jnp.where(rate < 1, left, jnp.inf))
-        return z, size, rate, jnp.where(share <= SMALL, 0.0, left), count + 1
-
-    one = jnp.ones(())
-    # As RADAU5 has it: the rate of the last step, trusted a little less.
-    expected = jnp.maximum(last.rate**0.8, TRUSTED)
-    start = (z, one, expected, jnp.array(jnp.inf), jnp.array(0))
-    z, _, rate, left, count = jax.lax.while_loop(unsolved, once_more, start)
-    solved = left <= 1.0
+    weights, order, turning = jnp.asarray(ERROR), equations.order, equations.order.turning
+    solution = solved_stages(equations, times_of_stages(t, h, end), h, state, last.rate, z, matrices, allowed)
+    z, solved = solution.z, solution.solved
     reached = states_at(state, h, z)
     # Filtered by the matrix of the step, so that stiff parts do not count.
     error_u = STEP * h * state.w + weights @ (reached.u - state.u)
     error_w = STEP * h * last.z[:n] + weights @ (reached.w - state.w)
-    turn = since(t, state.u)
+    turn = turning.since(equations.form.whole(t, state.u, state.u, state.u).x, matrices.at)
     own_u, own_w = (turning.turned_back(turn, of) for of in (error_u, error_w))
     moved = equations.product(matrices.pieces.by_w, own_w)
     moved = moved + equations.product(matrices.pieces.by_u, own_u + STEP * h * own_w)
@@ -211,8 +298,8 @@ def collocated(
     error_u = error_u + STEP * h * error_w
     error = MotionState(_unless(solved, error_u), _unless(solved, error_w), jnp.zeros_like(state.memory))
     settled = equations.settle(t + h, MotionState(reached.u[2], reached.w[2], state.memory))
-    carried = Carried(z[2], z, h, jnp.where(solved, rate, one))
-    return Collocated(settled, error, carried, count, solved)
+    carried = Carried(z, h, solution.rate)
+    return Collocated(settled, error, carried, solution.turns, solved)
 
 
 def _unless(solved: Bool[Array, ""], error: Float[Array, "n"]):

@@ -21,6 +21,7 @@ from ..model.model import Model
 from ..results import RESULTS
 from .chain_form import chain_form
 from .chain_march import march_chain
+from .chain_march_back import radau
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -146,23 +147,24 @@ def _solved(
         return equations, span, start, moved, allowed, first, integrator.max_steps
 
     own: tuple[Any, ...] = equations, Span(t0, t1, times, problem.stops), start, integrator, moved
-    if problem.order is not None:
-        # Its numbers are concrete: there are no derivatives.
-        return march_chain(*given(*own))
+
+    def marched(*own: Any, taped: bool, derived: bool):
+        if problem.order is not None:
+            return march_chain(*given(*own), taped=taped)
+        return march(*given(*own), taped=taped, kinks=kinks_of(own[0], derived))
 
     def plain(*own: Any):
-        return march(*given(*own), kinks=kinks_of(own[0], derived))[0]
-
-    def ahead(*own: Any):
-        return march(*given(*own), taped=True, kinks=kinks_of(own[0]))
+        return marched(*own, taped=False, derived=derived)[0]
 
     def back(parts: list[Varied], tape: Tape, changes: Marched):
         equations, span, start, *rest = parts
+        by: Integrator = rest[0].whole(rest[0].numbers)
+        method = None if problem.order is None else radau((by.rtol, by.atol))
         # The tolerances and what came before choose the steps, which are as they are.
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
-        return refusing_derivatives((*march_back(equations, span, start, tape, changes), *none), ONCE)
+        return refusing_derivatives((*march_back(equations, span, start, tape, changes, method), *none), ONCE)
 
-    return with_derivative(plain, ahead, back, *own)
+    return with_derivative(plain, functools.partial(marched, taped=True, derived=True), back, *own)
 
 
 def _by_diffrax(

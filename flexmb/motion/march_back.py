@@ -7,17 +7,54 @@ begin of a motion, and where it must stop, take the steps behind them along, up 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..math.derivative import Varied
 from .march import Marched
 from .protocol import Equations, MotionState
 from .stages import RODAS5P, between, step_taken
 from .tape import Span, Tape, whole_loop
+
+
+class Method(NamedTuple):
+    """How the steps of a solver are taken anew.
+
+    Attributes:
+        step: Of the equations, begin and end of a step, the state at its begin, what was carried over to it, whether
+            that was known, and what was carried over from it, as far as it is known: the state at its end, and what is
+            carried over from it.
+        between: State within a step, of the times, states and accelerations at both ends, at a time.
+        z: Accelerations and multipliers, of what is carried over.
+        carried: What is carried over to the first step, of these.
+        still: Whether a step of no length at the start finds them.
+    """
+
+    step: Callable[..., tuple[MotionState, Any]]
+    between: Callable[..., MotionState]
+    z: Callable[[Any], Float[Array, "r"]]
+    carried: Callable[[Float[Array, "r"]], Any]
+    still: bool
+
+
+def rodas(still: bool) -> Method:
+    """How steps of the default solver are taken anew.
+
+    Args:
+        still: Whether a step of no length at the start finds its accelerations and multipliers.
+    """
+
+    def step(of: Equations, times: tuple[Array, Array], state: MotionState, z: Array, known: Any, _: Any):
+        n, (t0, t1) = state.u.shape[0], times
+        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z, known)
+        after = of.settle(t1, taken.end, taken.by_z[:n, :n])
+        return jax.tree.map(lambda a, b: jnp.where(known, a, b), after, state), taken.z
+
+    return Method(step, between, lambda z: z, lambda z: z, still)
 
 
 class _Back(NamedTuple):
@@ -27,7 +64,10 @@ class _Back(NamedTuple):
         step: To go back over.
         ready: Number of steps behind the last one that is kept, up to this one, whose begins are known.
         row: Next row, from the last.
-        end: Derivatives by the state at the end of the step, and by its accelerations and multipliers.
+        end: Derivatives by the state at the end of the step, and by what is carried over from it.
+        after: What is carried over from it, or zeros where that is not known.
+        at: State at the begin of the step that is taken next, and what was carried over to it. It is read where the
+            tape was written last: what is read before it is written would be copied as a whole.
         numbers: Derivatives by the numbers of the equations that vary.
         span: Derivatives by the times, None where these do not vary.
         tape: Of the steps.
@@ -36,7 +76,9 @@ class _Back(NamedTuple):
     step: Int[Array, ""]
     ready: Int[Array, ""]
     row: Int[Array, ""]
-    end: tuple[MotionState, Float[Array, "r"]]
+    end: tuple[MotionState, Any]
+    after: Any
+    at: tuple[MotionState, Any]
     numbers: list[Any]
     span: Span | None
     tape: Tape | None
@@ -47,23 +89,22 @@ class _WayBack(NamedTuple):
 
     Attributes:
         equations: Equations of motion.
-        linear: Whether a step of no length at the start finds its accelerations and multipliers.
+        method: How its steps are taken anew.
         times: Times of the motion.
         rows: Derivatives by its states.
     """
 
     equations: Varied
-    linear: bool
+    method: Method
     times: Span
     rows: MotionState
 
-    def stepped(self, numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array, known: Any):
-        """State, accelerations and multipliers at the end of a step."""
-        of: Equations = self.equations.whole(numbers)
-        n = state.u.shape[0]
-        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z, known)
-        after = of.settle(t1, taken.end, taken.by_z[:n, :n])
-        return jax.tree.map(lambda a, b: jnp.where(known, a, b), after, state), taken.z
+    def between(self, ends: Any, t: Float[Array, ""]) -> MotionState:
+        """State within a step, of the times, states and what is carried over at both ends."""
+        times, states, carried = ends
+        n = states[0].u.shape[0]
+        begin, end = (self.method.z(one)[:n] for one in carried)
+        return self.method.between(times, states, (begin, end), t)
 
     def over_rows(self, ends: Any, row: Any, by: tuple[Any, ...]):
         """Derivatives by the rows in a step, from the last one, added to those by its ends and by their times."""
@@ -74,7 +115,7 @@ class _WayBack(NamedTuple):
 
         def added(at: tuple[Any, Any]):
             row, (by_ends, by_times) = at
-            _, pull = jax.vjp(lambda ends, t: between(ends[0], ends[1], ends[2], t), ends, every[row])
+            _, pull = jax.vjp(self.between, ends, every[row])
             of_ends, of_time = pull(jax.tree.map(lambda rows: rows[row], self.rows))
             by_ends = jax.tree.map(jnp.add, by_ends, of_ends)
             return row - 1, (by_ends, None if by_times is None else by_times.at[row].add(of_time))
@@ -84,35 +125,33 @@ class _WayBack(NamedTuple):
     def turn(self, m: _Back) -> _Back:
         """Back over one step, or on from one that is kept to where the step begins."""
         tape: Any = m.tape
-        first = tape.last_kept(m.step)
-        filling = first + m.ready < m.step
-        step = jnp.where(filling, first + m.ready, m.step)
+        step, filling = _taken_next(m, tape)
         t0, t1 = jnp.where(step == 0, self.times.t0, tape.ends[jnp.maximum(step - 1, 0)]), tape.ends[step]
-        known = (step > 0) if self.linear else True
-        state, z = tape.at(tape.place(step))
-        n = state.u.shape[0]
+        known = (step > 0) if self.method.still else True
+        state, carried = m.at
+        near = jax.tree.map(lambda one: jnp.where(filling, 0.0, one), m.after)
 
-        def stepped(numbers: list[Any], state: MotionState, z: Array, *times: Array):
-            begin, end = times or (t0, t1)
-            return self.stepped(numbers, state, z, begin, end, known)
+        def stepped(numbers: list[Any], state: MotionState, carried: Any, *times: Array):
+            return self.method.step(self.equations.whole(numbers), times or (t0, t1), state, carried, known, near)
 
         varied = () if m.span is None else (t0, t1)
-        (after, z1), pull = jax.vjp(stepped, self.equations.numbers, state, z, *varied)
-        ends = (t0, t1), (state, after), (z[:n], z1[:n])
+        (after, carried_on), pull = jax.vjp(stepped, self.equations.numbers, state, carried, *varied)
+        ends = (t0, t1), (state, after), (carried, carried_on)
         by = jax.tree.map(jnp.zeros_like, ends), None if m.span is None else m.span.times
         row, (by_ends, by_rows) = self.over_rows(ends, jnp.where(filling, -1, m.row), by)
-        (by_t0, by_t1), (by_state, by_after), (by_a0, by_a1) = by_ends
-        after_all = jax.tree.map(jnp.add, m.end[0], by_after)
-        numbers, by_begin, by_z, *by_times = pull((after_all, m.end[1].at[:n].add(by_a1)))
+        (by_t0, by_t1), (by_state, by_after), (by_carried, by_carried_on) = by_ends
+        numbers, by_begin, by_last, *by_times = pull(jax.tree.map(jnp.add, m.end, (by_after, by_carried_on)))
         span = m.span
         if span is not None:
             span = _added(span._replace(times=by_rows), self.times, t0, by_times[0] + by_t0)
             span = _added(span, self.times, t1, by_times[1] + by_t1)
         back = _Back(
             m.step - 1,
-            jnp.where(m.step - 1 < first, 0, m.ready),
+            jnp.where(m.step - 1 < tape.last_kept(m.step), 0, m.ready),
             row,
-            (jax.tree.map(jnp.add, by_begin, by_state), by_z.at[:n].add(by_a0)),
+            jax.tree.map(jnp.add, (by_begin, by_last), (by_state, by_carried)),
+            carried,
+            m.at,
             jax.tree.map(jnp.add, m.numbers, numbers),
             span,
             None,
@@ -120,11 +159,23 @@ class _WayBack(NamedTuple):
         on = m._replace(ready=m.ready + 1, tape=None)
         chosen = jax.tree.map(lambda a, b: jnp.where(filling, a, b), on, back)
         place = jnp.where(filling & (m.step >= 0), tape.place(step + 1), tape.room - 1)
-        return chosen._replace(tape=tape.put(place, after, z1))
+        return _about_to(chosen, tape.put(place, after, carried_on))
+
+
+def _taken_next(m: _Back, tape: Tape) -> tuple[Int[Array, ""], Bool[Array, ""]]:
+    """Step that is taken next, and whether on from one that is kept, or else back."""
+    first = tape.last_kept(m.step)
+    filling = first + m.ready < m.step
+    return jnp.where(filling, first + m.ready, m.step), filling
+
+
+def _about_to(m: _Back, tape: Tape) -> _Back:
+    """The state of the loop with the begin of the step that is taken next."""
+    return m._replace(tape=tape, at=tape.at(tape.place(_taken_next(m, tape)[0])))
 
 
 def march_back(
-    equations: Varied, span: Varied, start: Varied, tape: Tape, changes: Marched
+    equations: Varied, span: Varied, start: Varied, tape: Tape, changes: Marched, method: Method | None = None
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """Derivatives by numbers of the equations, by times and by the start of a motion.
 
@@ -134,6 +185,7 @@ def march_back(
         start: State that it starts from.
         tape: Of its steps.
         changes: Derivatives by what was found; of these the states count.
+        method: How steps are taken anew; None: as those of the default solver.
 
     Returns:
         Derivatives by the numbers of each that vary.
@@ -145,19 +197,22 @@ def march_back(
     times: Span = span.whole(span.numbers)
     begin: MotionState = start.whole(start.numbers)
     saved: Any = tape.saved
-    nothing, none = jax.tree.map(jnp.zeros_like, ((begin, tape.z[0]), equations.numbers))
+    method = rodas(own.linear) if method is None else method
+    nothing, none = jax.tree.map(jnp.zeros_like, (tape.at(jnp.zeros((), jnp.int32)), equations.numbers))
     by_span = jax.tree.map(jnp.zeros_like, times) if span.numbers else None
-    m = _Back(tape.steps - 1, jnp.zeros((), jnp.int32), saved - 1, nothing, none, by_span, tape)
-    m = whole_loop(lambda m: m.step >= 0, _WayBack(equations, own.linear, times, changes.states).turn, m)
-    (by_start, by_z), numbers, by_span = m.end, m.numbers, m.span
-    if not own.linear:
+    ready = jnp.zeros((), jnp.int32)
+    m = _Back(tape.steps - 1, ready, saved - 1, nothing, nothing[1], nothing, none, by_span, None)
+    m = _about_to(m, tape)
+    m = whole_loop(lambda m: m.step >= 0, _WayBack(equations, method, times, changes.states).turn, m)
+    (by_start, by_carried), numbers, by_span = m.end, m.numbers, m.span
+    if not method.still:
         # Found before the first step.
         def found(numbers: list[Any], state: MotionState, t0: Array):
             of: Equations = equations.whole(numbers)
-            return of.acceleration(t0, state)[0]
+            return method.carried(of.acceleration(t0, state)[0])
 
         _, pull = jax.vjp(found, equations.numbers, begin, times.t0)
-        *more, by_t0 = pull(by_z)
+        *more, by_t0 = pull(by_carried)
         numbers, by_start = jax.tree.map(jnp.add, (numbers, by_start), tuple(more))
         by_span = None if by_span is None else by_span._replace(t0=by_span.t0 + by_t0)
     still: Any = tape.still

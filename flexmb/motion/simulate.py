@@ -177,7 +177,7 @@ def simulate(
         left = ((0, len(times) - len(x)), (0, 0))
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     order = problem.order
-    if isinstance(order, SparseOrder) and order.places.too_large:
+    if isinstance(order, SparseOrder) and order.places.too_large and is_concrete(result):
         result = jnp.full_like(result, RESULTS.out_of_memory)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
     found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
@@ -339,8 +339,11 @@ def _in_its_form(
         return integrator, None
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
-    if why is None and not is_concrete((model, driven, numbers, integrator)):
-        why = "its numbers are traced (jax.jit, jax.grad, jax.vmap)"
+    times, start, jumps = numbers
+    if why is None and not (jumps is None and integrator.event is None):
+        # These are left to diffrax's loop, whose derivatives do not pass through Newton's method.
+        if not is_concrete((model, driven, times, start, jumps, integrator)):
+            why = "numbers are traced (jax.jit, jax.grad, jax.vmap) of a motion with jumps or an event"
     if asked and why is not None:
         raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
     own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)

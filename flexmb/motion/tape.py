@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -12,8 +13,10 @@ from jaxtyping import Array, Bool, Float, Int
 from .protocol import MotionState
 
 # So many steps from the start are kept, and of those behind them as many again at equal distances, from which the
-# others are taken anew: a motion of some hundred coordinates then takes some ten megabytes however long it is.
-KEPT = 2048
+# others are taken anew: a motion of some hundred coordinates then takes some ten megabytes however long it is. Of many
+# coordinates fewer are kept, some of these numbers, but no fewer than the last: what is between two of them takes room
+# too.
+KEPT, NUMBERS, FEWEST = 2048, 2**24, 300
 
 
 class Span(NamedTuple):
@@ -39,7 +42,7 @@ class Tape(NamedTuple):
         ends: Their ends, (most + 1,) [s].
         states: States at their begins, of those that are kept; behind these a place for what is not, and room for
             those from one that is kept to the next.
-        z: Accelerations and multipliers there.
+        carried: What was carried over from the step before: accelerations and multipliers, or more.
         steps: Number of steps.
         saved: Number of rows that were saved.
         still: Which rows are the start itself, (n_t,).
@@ -47,7 +50,7 @@ class Tape(NamedTuple):
 
     ends: Float[Array, "most"]
     states: MotionState
-    z: Float[Array, "places r"]
+    carried: Any
     steps: Int[Array, ""]
     saved: Int[Array, ""] | None = None
     still: Bool[Array, "n_t"] | None = None
@@ -55,68 +58,78 @@ class Tape(NamedTuple):
     @property
     def apart(self) -> int:
         """Distance of those that are kept behind the first ones, in steps."""
-        return _apart(self.ends.shape[0])
+        return _apart(self.ends.shape[0], self._kept)
+
+    @property
+    def _kept(self) -> int:
+        """Number of steps from the start that are kept."""
+        return _kept([rows.shape[1:] for rows in jax.tree.leaves((self.states, self.carried))])
 
     @property
     def room(self) -> int:
         """Where the room for those from one that is kept to the next begins."""
-        return self.z.shape[0] - self.apart
+        return self.states.u.shape[0] - self.apart
 
     def last_kept(self, step: Int[Array, ""]) -> Int[Array, ""]:
         """The step itself if it is kept, or the last one before it that is."""
-        return step - jnp.where(step < KEPT, 0, (step - KEPT) % self.apart)
+        behind = step - self._kept
+        return step - jnp.where(behind < 0, 0, behind % self.apart)
 
     def place(self, step: Int[Array, ""]) -> Int[Array, ""]:
         """Where a step is to be found, once the room holds those from the last one that is kept."""
-        behind = step - KEPT
-        far, within = KEPT + behind // self.apart, behind % self.apart
+        behind = step - self._kept
+        far, within = self._kept + behind // self.apart, behind % self.apart
         return jnp.where(behind < 0, step, jnp.where(within == 0, far, self.room + within))
 
-    def with_step(
-        self, end: Float[Array, ""], state: MotionState, z: Float[Array, "r"], taken: Bool[Array, ""]
-    ) -> Tape:
+    def with_step(self, end: Float[Array, ""], state: MotionState, carried: Any, taken: Bool[Array, ""]) -> Tape:
         """The tape with one more step, if it was taken.
 
         Args:
             end: Its end [s].
             state: State at its begin.
-            z: Accelerations and multipliers there, (n + m,).
+            carried: What was carried over to it.
             taken: Whether it was.
         """
         place, last = self.place(self.steps), self.ends.shape[0] - 1
         # What was not taken is overwritten by what is.
         place = jnp.where(place < self.room, place, self.room - 1)
         ends = self.ends.at[jnp.where(taken, self.steps, last)].set(end)
-        return self.put(place, state, z)._replace(ends=ends, steps=self.steps + taken.astype(jnp.int32))
+        return self.put(place, state, carried)._replace(ends=ends, steps=self.steps + taken.astype(jnp.int32))
 
-    def put(self, place: Int[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tape:
+    def put(self, place: Int[Array, ""], state: MotionState, carried: Any) -> Tape:
         """The tape with a state, and what belongs to it, at a place."""
-        states, all_z = jax.tree.map(lambda rows, one: rows.at[place].set(one), (self.states, self.z), (state, z))
-        return self._replace(states=states, z=all_z)
+        whole, one = (self.states, self.carried), (state, carried)
+        states, all_carried = jax.tree.map(lambda rows, one: rows.at[place].set(one), whole, one)
+        return self._replace(states=states, carried=all_carried)
 
-    def at(self, place: Int[Array, ""]) -> tuple[MotionState, Float[Array, "r"]]:
-        """State, accelerations and multipliers at a place."""
-        return jax.tree.map(lambda rows: rows[place], (self.states, self.z))
-
-
-def _apart(most: int) -> int:
-    return max(1, -(-(most - KEPT) // KEPT))
+    def at(self, place: Int[Array, ""]) -> tuple[MotionState, Any]:
+        """State at a place, and what was carried over to it."""
+        return jax.tree.map(lambda rows: rows[place], (self.states, self.carried))
 
 
-def blank_tape(most: int, state: MotionState, z: Float[Array, "r"]) -> Tape:
+def _kept(shapes: list[tuple[int, ...]]) -> int:
+    numbers = sum(map(math.prod, shapes))
+    return min(KEPT, max(FEWEST, NUMBERS // max(numbers, 1)))
+
+
+def _apart(most: int, kept: int) -> int:
+    return max(1, -(-(most - kept) // kept))
+
+
+def blank_tape(most: int, state: MotionState, carried: Any) -> Tape:
     """A tape without steps.
 
     Args:
         most: Most steps.
         state: Like those that it is to hold.
-        z: Likewise.
+        carried: Likewise.
     """
     # The first may be one of no length, that finds the accelerations; the last takes what is not wanted.
-    ends = most + 2
-    kept = min(ends, KEPT) + (0 if ends <= KEPT else -(-(ends - KEPT) // _apart(ends))) + 1
-    room = kept + _apart(ends)
-    states, all_z = jax.tree.map(lambda one: jnp.zeros((room, *one.shape)), (state, z))
-    return Tape(jnp.zeros(ends), states, all_z, jnp.zeros((), jnp.int32))
+    ends, first = most + 2, _kept([one.shape for one in jax.tree.leaves((state, carried))])
+    apart = _apart(ends, first)
+    kept = min(ends, first) + (0 if ends <= first else -(-(ends - first) // apart)) + 1
+    states, all_carried = jax.tree.map(lambda one: jnp.zeros((kept + apart, *one.shape)), (state, carried))
+    return Tape(jnp.zeros(ends), states, all_carried, jnp.zeros((), jnp.int32))
 
 
 def whole_loop(condition: Callable[[Any], Any], body: Callable[[Any], Any], start: Any) -> Any:

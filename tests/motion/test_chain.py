@@ -83,7 +83,7 @@ def test_what_the_form_does_not_cover_is_refused_by_name():
     with pytest.raises(ValueError, match="leave `solver` out"):
         fm.simulate(model, TIMES, form="chain", solver=fm.motion.Rodas5P())
     with pytest.raises(fm.ModelError, match="traced"):
-        jax.jit(lambda t: fm.simulate(model, t, form="chain").x)(TIMES)
+        jax.jit(lambda t: fm.simulate(model, t, form="chain", jumps=[0.05]).x)(TIMES)
     b = fm.Builder()
     b.node("p", (0.0, 0.0, 0.0))
     b.node("q", (1.0, 0.0, 0.0))

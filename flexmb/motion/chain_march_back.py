@@ -1,0 +1,191 @@
+"""Steps of Radau's method taken anew on the way back over the motion of a chain or a net, with their derivatives."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Float
+
+from .chain_form import ChainForm
+from .collocation import (
+    ONCE,
+    TWICE,
+    Carried,
+    between_steps,
+    carried_from,
+    correction,
+    foretold,
+    matrices_of_step,
+    pieces_of_step,
+    solved_stages,
+    states_at,
+    times_of_stages,
+    transposed_correction,
+    turned_stages,
+)
+from .march_back import Method
+from .protocol import MotionState
+
+# Linear equations of a step are solved once what they change becomes this share; what stalls at round-off below the
+# second number counts as solved too.
+CHANGE, ROUND_OFF = 1e-10, 1e-7
+MOST = 1000
+
+
+def radau(allowed: tuple[Any, Any]) -> Method:
+    """How its steps are taken anew.
+
+    Args:
+        allowed: Relative and absolute tolerance.
+    """
+
+    def step(of: ChainForm, times: tuple[Array, Array], state: MotionState, last: Carried, _: Any, near: Carried):
+        return stepped(of, times, state, last, near, allowed)
+
+    return Method(step, between_steps, lambda carried: carried.z, carried_from, False)
+
+
+def stepped(
+    equations: ChainForm,
+    times: tuple[Array, Array],
+    state: MotionState,
+    last: Carried,
+    near: Carried,
+    allowed: tuple[Any, Any],
+) -> tuple[MotionState, Carried]:
+    """State at the end of a step and what is carried over to the next; differentiable in equations, times and state.
+
+    Args:
+        times: Its begin and end [s].
+        state: State at its begin.
+        last: From the step before.
+        near: What is carried over from this step, as far as that is known; of length zero where it is not.
+        allowed: Relative and absolute tolerance.
+
+    Source:
+        Implicit function theorem, THEORY.md 10, eq. (10.6).
+    """
+    own, *rest = jax.tree.map(lax.stop_gradient, (equations, times, state, last, near))
+    found, rate = _stages(own, *rest, allowed)
+    n, (begin, end) = state.u.shape[0], times
+    h, linear = end - begin, _linear(own, rest[0], rest[1], found)
+
+    def residuals(z: Float[Array, "3 r"]):
+        return jax.vmap(equations.residual)(times_of_stages(begin, h, end), states_at(state, h, z), z)
+
+    def tangent(product: Callable[..., Any], right: Float[Array, "3 r"]):
+        def solve(product: Callable[..., Any], right: Float[Array, "3 r"]):
+            return _iterated(product, linear.correct, right, n)
+
+        def transposed(_: Callable[..., Any], right: Float[Array, "3 r"]):
+            return _iterated(linear.multiply_transposed, linear.correct_transposed, right, n)
+
+        return lax.custom_linear_solve(product, right, solve, transpose_solve=transposed)
+
+    z: Any = lax.custom_root(residuals, found, lambda _, z: z, tangent)
+    reached = states_at(state, h, z)
+    after = equations.settle(end, MotionState(reached.u[2], reached.w[2], state.memory))
+    return after, Carried(z, lax.stop_gradient(h), rate)
+
+
+def _stages(
+    equations: ChainForm,
+    times: tuple[Array, Array],
+    state: MotionState,
+    last: Carried,
+    near: Carried,
+    allowed: tuple[Any, Any],
+) -> tuple[Float[Array, "3 r"], Float[Array, ""]]:
+    """Stages of a step, and the rate at which Newton's method converged: as they are known, or found anew."""
+
+    def anew():
+        begin, end = times
+        h, guess = end - begin, foretold(last, end - begin)
+        pieces, x = pieces_of_step(equations, begin, h, state, guess)
+        matrices, at = matrices_of_step(equations, pieces, h, x), times_of_stages(begin, h, end)
+        found = solved_stages(equations, at, h, state, last.rate, guess, matrices, allowed)
+        return jnp.where(found.solved, found.z, jnp.nan), found.rate
+
+    return lax.cond(near.length > 0, lambda: (near.stages, near.rate), anew)
+
+
+class _Linear(NamedTuple):
+    """Linear equations of a step, for changes of its stages.
+
+    Attributes:
+        correct: What nearly solves them.
+        correct_transposed: What nearly solves the transposed ones.
+        multiply_transposed: Product of their transposed matrix.
+    """
+
+    correct: Callable[..., Any]
+    correct_transposed: Callable[..., Any]
+    multiply_transposed: Callable[..., Any]
+
+
+def _linear(equations: ChainForm, times: tuple[Array, Array], state: MotionState, z: Float[Array, "3 r"]) -> _Linear:
+    begin, end = times
+    h, n = end - begin, equations.size
+    at, reached = times_of_stages(begin, h, end), states_at(state, h, z)
+    pieces: Any = jax.vmap(equations.pieces)(at, reached, z)
+    form, (t, u) = equations.form, (at[1], reached.u[1])
+    # As those of every step, near its middle.
+    matrices = matrices_of_step(equations, jax.tree.map(lambda of: of[1], pieces), h, form.whole(t, u, u, u).x)
+    turns = turned_stages(equations, at, reached, matrices.at)
+    by_z, by_w, by_u = (tuple(own.mT for own in of) for of in pieces)
+    product = jax.vmap(equations.order.product)
+
+    def loads(u: Float[Array, "3 n"]):
+        """Loads at the stages, which may turn with what they act on."""
+
+        def at_stage(t: Float[Array, ""], u: Float[Array, "n"]):
+            return form.applied(t, form.whole(t, u, u, u).x)[form.free] * form.sizes
+
+        return jax.vmap(at_stage)(at, u)
+
+    _, of_loads = jax.vjp(loads, reached.u)
+
+    def multiply(forces: Float[Array, "3 r"]):
+        by_rate, by_place = (product(of, forces)[:, :n] for of in (by_w, by_u))
+        by_place = by_place - of_loads(forces[:, :n])[0]
+        moved = h * (jnp.asarray(ONCE.T) @ by_rate) + h**2 * (jnp.asarray(TWICE.T) @ by_place)
+        return product(by_z, forces).at[:, :n].add(moved)
+
+    def by(correct: Callable[..., Any]):
+        return lambda right: correct(equations, matrices, turns, right)
+
+    return _Linear(by(correction), by(transposed_correction), multiply)
+
+
+def _iterated(
+    product: Callable[..., Any], correct: Callable[..., Any], right: Float[Array, "3 r"], n: int
+) -> Float[Array, "3 r"]:
+    """Solution of linear equations, corrected by what nearly solves them; NaN where that does not converge.
+
+    Args:
+        product: What is to become the right-hand side.
+        correct: What nearly solves them.
+        right: Right-hand side.
+        n: How many of the unknowns of a stage, the first, tell the size of a change.
+    """
+
+    def size(of: Float[Array, "3 r"]):
+        return jnp.max(jnp.abs(of[:, :n]), initial=0.0)
+
+    def unsolved(carry: tuple[Any, ...]):
+        _, change, before, count = carry
+        stalled = (change < ROUND_OFF) & (change >= before)
+        return (change > CHANGE) & ~stalled & (count < MOST)
+
+    def once_more(carry: tuple[Any, ...]):
+        z, before, _, count = carry
+        step = correct(right - product(z))
+        z = z + step
+        whole = size(z)
+        return z, jnp.where(whole > 0, size(step) / jnp.where(whole > 0, whole, 1.0), 0.0), before, count + 1
+
+    start = (jnp.zeros_like(right), jnp.array(jnp.inf), jnp.array(jnp.inf), jnp.array(0))
+    z, change, _, _ = lax.while_loop(unsolved, once_more, start)
+    return jnp.where(change < ROUND_OFF, z, jnp.nan)
