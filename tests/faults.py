@@ -1147,12 +1147,6 @@ FAULTS = [
     Fault("math/sparse.py", "real + 1j * imag[0]", "real - 1j * imag[0]", "mechanics/test_sparse_order.py"),
     Fault(
         "motion/chain_march_back.py",
-        "transpose_solve=transposed",
-        "transpose_solve=solve",
-        "motion/test_chain_march_back.py -k square",
-    ),
-    Fault(
-        "motion/chain_march_back.py",
         "(change < ROUND_OFF) & (change >= before)",
         "(change < ROUND_OFF)",
         "motion/test_chain_march_back.py -k converge",
@@ -1162,13 +1156,6 @@ FAULTS = [
         "h**2 * (jnp.asarray(TWICE.T) @ by_place)",
         "h**2 * (jnp.asarray(TWICE) @ by_place)",
         "motion/test_chain_march_back.py -k square",
-    ),
-    Fault(
-        "motion/chain_march_back.py",
-        "by_place - of_loads(forces[:, :n])[0]",
-        "by_place",
-        "motion/test_chain_march_back.py -k twisted",
-        slow=True,
     ),
     Fault(
         "motion/chain_march_back.py",

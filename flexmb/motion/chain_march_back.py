@@ -126,6 +126,7 @@ class _Linear(NamedTuple):
 
 
 def _linear(equations: ChainForm, times: tuple[Array, Array], state: MotionState, z: Float[Array, "3 r"]) -> _Linear:
+    """Linear equations of a step at its stages, z; loads that depend on places are none of this form's."""
     begin, end = times
     h, n = end - begin, equations.size
     at, reached = times_of_stages(begin, h, end), states_at(state, h, z)
@@ -137,19 +138,8 @@ def _linear(equations: ChainForm, times: tuple[Array, Array], state: MotionState
     by_z, by_w, by_u = (tuple(own.mT for own in of) for of in pieces)
     product = jax.vmap(equations.order.product)
 
-    def loads(u: Float[Array, "3 n"]):
-        """Loads at the stages, which may turn with what they act on."""
-
-        def at_stage(t: Float[Array, ""], u: Float[Array, "n"]):
-            return form.applied(t, form.whole(t, u, u, u).x)[form.free] * form.sizes
-
-        return jax.vmap(at_stage)(at, u)
-
-    _, of_loads = jax.vjp(loads, reached.u)
-
     def multiply(forces: Float[Array, "3 r"]):
         by_rate, by_place = (product(of, forces)[:, :n] for of in (by_w, by_u))
-        by_place = by_place - of_loads(forces[:, :n])[0]
         moved = h * (jnp.asarray(ONCE.T) @ by_rate) + h**2 * (jnp.asarray(TWICE.T) @ by_place)
         return product(by_z, forces).at[:, :n].add(moved)
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import flexmb as fm
-from flexmb import spatial
 from flexmb.mechanics.sparse_order import order_of, solution
 from flexmb.motion import tape
 from flexmb.motion.chain_march_back import _iterated
 
-from .test_chain import SECTION, arm, pendulum
+from .test_chain import arm, pendulum
 from .test_net import bob, net
 
 TIMES = np.linspace(0.0, 0.03, 3)
@@ -53,7 +52,9 @@ def test_a_pendulum_depends_on_gravity_times_the_square_of_time():
         properties = tuple({**one, "mass": mass * one["mass"]} if "mass" in one else one for one in own.properties)
         parameters = dataclasses.replace(own, loads=loads, properties=properties)
         times = jnp.stack([jnp.zeros(()), end])
-        found = fm.simulate(dataclasses.replace(model, parameters=parameters), times, rtol=1e-8, form="chain")
+        moving = dataclasses.replace(model, parameters=parameters)
+        # The first step is too long, and refused.
+        found = fm.simulate(moving, times, rtol=1e-8, form="chain", dt0=0.2)
         # Coordinates of the bob come after those of the other end.
         return found.x[-1, 2], found.xd[-1, 2]
 
@@ -92,19 +93,7 @@ def test_a_users_program_and_a_batch_have_the_same(slopes):
     np.testing.assert_allclose(together[1], jax.grad(places)(1.01 * AS_THEY_ARE), rtol=1e-5)
 
 
-def twisted(beams: int):
-    """Spatial beams from a clamp, under a moment whose axis stands still while they turn."""
-    b = fm.Builder()
-    for i in range(beams + 1):
-        b.node(f"n{i}", (i / beams, 0.0, 0.0))
-    for i in range(beams):
-        b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=SECTION, y=(0, 1, 0))
-    b.fix("n0")
-    b.moment(f"n{beams}", (0.3, 1.0, 0.5))
-    return b.build()
-
-
-@pytest.mark.parametrize("kind", [twisted, net])
+@pytest.mark.parametrize("kind", [arm, net])
 def test_derivatives_are_those_of_the_dense_form(kind):
     model = kind(2)
     weights = jnp.sin(1.0 + jnp.arange(model.topology.n_x, dtype=float))
