@@ -19,8 +19,8 @@ TOLERANCES = (1e-2, 1e-3, 1e-4)
 STEPS = (100, 200, 400)
 # Sizes whose dense form is timed too, and whose reference has two beams a side.
 SMALL, REFERENCE = 10, 1e-5
-# What is farther from the reference is wrong [m].
-WRONG = 2e-2
+# What is farther from the reference is wrong [m], and derivatives of which more is left than this share.
+WRONG, UNBALANCED = 2e-2, 1e-3
 
 
 def net(cells: int, parts: int = 1):
@@ -70,6 +70,38 @@ def lower_edge(model, cells: int, rtol: float, form: str = "chain"):
 
     motion = fm.simulate(model, [0.0, END], rtol=rtol, form=form)
     return np.concatenate([np.asarray(motion.at(f"{i},{cells}"))[-1] for i in (cells, cells // 2)])
+
+
+def slopes(model, cells: int, rtol: float, form: str = "chain"):
+    """Derivatives of the height of the lower right corner at the end by all numbers of the sections.
+
+    Args:
+        model: Net.
+        cells: Meshes.
+        rtol: Of the steps.
+        form: Of the equations.
+
+    Returns:
+        What should be none, over the largest part: beams that are as much stiffer as heavier move alike, so that the
+        derivatives by stiffness and mass, each times its number, add up to zero.
+    """
+    import dataclasses
+
+    import jax
+    import numpy as np
+
+    import flexmb as fm
+
+    def height(parameters):
+        moved = fm.simulate(dataclasses.replace(model, parameters=parameters), [0.0, END], rtol=rtol, form=form)
+        return moved.at(f"{cells},{cells}")[-1, 1]
+
+    by = jax.grad(height, allow_int=True)(model.parameters)
+    parts = []
+    for own, numbers in zip(by.properties, model.parameters.properties, strict=True):
+        for name in ("EA", "EIy", "mass", "Jy"):
+            parts.append(np.sum(getattr(own["section"], name) * getattr(numbers["section"], name)))
+    return abs(sum(parts)) / max(map(abs, parts))
 
 
 def solved(cells: int):
@@ -135,8 +167,18 @@ def main() -> int:
             wrong += not error < WRONG
             found[name], timed[name] = {"error": error}, processor_times({name: call}, 1)[name]
             print(f"{name:<40} error {error:.1e}, {timed[name]['min']:7.3f} s", flush=True)
+    slopes_left, slopes_timed = {}, {}
+    for cells, form in ((SIZES[0], "coordinates"), *((cells, "chain") for cells in SIZES), (SIZES[1], "coordinates")):
+        model, name = net(cells), f"{form}, {2 * cells * (cells + 1)} beams"
+        moves = functools.partial(lower_edge, model, cells, TOLERANCES[1], form)
+        calls = {"motion": moves, "gradient": functools.partial(slopes, model, cells, TOLERANCES[1], form)}
+        slopes_left[name], _ = float(calls["gradient"]()), moves()
+        slopes_timed[name] = {what: timing["min"] for what, timing in processor_times(calls, 1).items()}
+        wrong += not slopes_left[name] < UNBALANCED
+        print(f"{name:<40} left {slopes_left[name]:.1e}, {slopes_timed[name]}", flush=True)
     packages = (*PACKAGES, "diffrax", *(("exudyn",) if with_peer else ()))
-    save("nets", {"modified Newton method of Exudyn": modified, "found": found, "times": timed}, packages)
+    gradients = {"left of gradients": slopes_left, "times of gradients": slopes_timed}
+    save("nets", {"modified Newton method of Exudyn": modified, "found": found, "times": timed, **gradients}, packages)
     title = f"Nets of 40 to 1012 beams let go, {END} s"
     chart("nets", found, timed, title, "time of the processor", "error of the lower edge at the end, over the length")
     return wrong

@@ -177,12 +177,12 @@ def test_a_tape_finds_its_places(monkeypatch):
     np.testing.assert_array_equal(own.ends[: most + 1], np.arange(most + 1) + 0.5)
     kept = [step for step in range(most + 1) if step < 4 or (step - 4) % own.apart == 0]
     assert own.apart == 5
-    assert len(own.z) == 4 + len(kept[4:]) + 1 + own.apart
+    assert len(own.carried) == 4 + len(kept[4:]) + 1 + own.apart
     for step in kept:
         assert own.at(own.place(step))[0].u[0] == step
     rest = [int(own.place(step)) for step in range(most + 1) if step not in kept]
     assert min(rest) > own.room
-    assert max(rest) < len(own.z)
+    assert max(rest) < len(own.carried)
 
 
 def test_failures_are_raised_under_grad_too():
