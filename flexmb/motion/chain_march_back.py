@@ -67,10 +67,10 @@ def stepped(
     Source:
         Implicit function theorem, THEORY.md 10, eq. (10.6).
     """
-    own, *rest = jax.tree.map(lax.stop_gradient, (equations, times, state, last, near))
-    found, rate = _stages(own, *rest, allowed)
+    fixed: Any = jax.tree.map(lax.stop_gradient, (equations, times, state, last, near))
+    found, rate = _stages(*fixed, allowed)
     n, (begin, end) = state.u.shape[0], times
-    h, linear = end - begin, _linear(own, rest[0], rest[1], found)
+    h, linear = end - begin, _linear(*fixed[:3], found)
 
     def residuals(z: Float[Array, "3 r"]):
         return jax.vmap(equations.residual)(times_of_stages(begin, h, end), states_at(state, h, z), z)

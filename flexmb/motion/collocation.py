@@ -161,9 +161,7 @@ def turned_stages(equations: ChainForm, times: Float[Array, "3"], states: Motion
     return jax.vmap(since)(times, states.u)
 
 
-def _by_parts(
-    order: Any, matrices: StepMatrices, right: Float[Array, "3 r"], into: np.ndarray, back: np.ndarray, transposed: bool
-):
+def _by_parts(order: Any, matrices: StepMatrices, right: Float[Array, "3 r"], into: Any, back: Any, transposed: bool):
     """The three stages, or their transposed equations, by the real system and the complex one."""
     parts = jnp.asarray(into) @ right.astype(complex)
     first = order.solved(matrices.real, parts[0].real, transposed)
