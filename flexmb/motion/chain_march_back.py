@@ -67,10 +67,10 @@ def stepped(
     Source:
         Implicit function theorem, THEORY.md 10, eq. (10.6).
     """
-    fixed: Any = jax.tree.map(lax.stop_gradient, (equations, times, state, last, near))
-    found, rate = _stages(*fixed, allowed)
+    own, at, begun, before, known = _constant(equations, times, state, last, near)
+    found, rate = _stages(own, at, begun, before, known, allowed)
     n, (begin, end) = state.u.shape[0], times
-    h, linear = end - begin, _linear(*fixed[:3], found)
+    h, linear = end - begin, _linear(own, at, begun, found)
 
     def residuals(z: Float[Array, "3 r"]):
         return jax.vmap(equations.residual)(times_of_stages(begin, h, end), states_at(state, h, z), z)
@@ -88,6 +88,11 @@ def stepped(
     reached = states_at(state, h, z)
     after = equations.settle(end, MotionState(reached.u[2], reached.w[2], state.memory))
     return after, Carried(z, lax.stop_gradient(h), rate)
+
+
+def _constant(*arguments: Any) -> Any:
+    """The same without derivatives."""
+    return jax.tree.map(lax.stop_gradient, arguments)
 
 
 def _stages(
