@@ -132,7 +132,8 @@ def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
     found = _levels(key, topology.x.free.shape[0], count, widest)
     if found is None:
         return None
-    place, back, table, empty, unknowns = found
+    # What is found within a trace would be of that trace alone.
+    place, back, table, empty, unknowns = jax.device_put(found)
     return Levels(place, back, table, empty, unknowns, turning_of(topology, moving), holds)
 
 
@@ -176,7 +177,7 @@ def _levels(key: tuple[tuple[tuple[int, ...], bytes], ...], n: int, count: int, 
     table = _table(unknowns, np.append(level, -9), np.append(within, 0), wide, many, count)
     empty = np.eye(wide)[:, :, None] * (place == count)
     back = within * many + level
-    return *jax.device_put((place, back, table, empty)), tuple(jax.device_put(unknowns))
+    return place, back, table, empty, tuple(unknowns)
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:

@@ -340,6 +340,8 @@ def _in_its_form(
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
     times, start, jumps = numbers
+    if why is None and not is_concrete(top):
+        why = "its connections are traced (a model that is an argument of jax.jit, jax.grad or jax.vmap)"
     if why is None and not (jumps is None and integrator.event is None):
         # These are left to diffrax's loop, whose derivatives do not pass through Newton's method.
         if not is_concrete((model, driven, times, start, jumps, integrator)):

@@ -122,6 +122,21 @@ def test_jumps_are_refused_by_name():
         jax.grad(last)(1.0)
 
 
+def test_what_is_found_of_a_chain_within_a_trace_serves_others():
+    """The first program of a structure does not keep what belongs to it alone; traced connections are refused."""
+    model = arm(1)
+
+    @jax.jit
+    def within(number):
+        order_of(model.topology)
+        return number
+
+    within(1.0)
+    assert not any(isinstance(one, jax.core.Tracer) for one in jax.tree.leaves(order_of(model.topology)))
+    with pytest.raises(fm.ModelError, match="its connections are traced"):
+        jax.jit(lambda model: fm.simulate(model, TIMES, form="chain").x)(model)
+
+
 @pytest.mark.parametrize("kind", [arm, pendulum])
 def test_solutions_and_their_derivatives_are_those_of_the_dense_matrix(kind):
     """Of a chain, which is eliminated level by level, and of what the host factors."""
