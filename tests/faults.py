@@ -1176,6 +1176,12 @@ FAULTS = [
         "motion/test_chain_march_back.py -k jumps",
     ),
     Fault(
+        "motion/chain_march_back.py",
+        "jnp.where(lost, jnp.nan, one)",
+        "one",
+        "motion/test_chain_march_back.py -k reach",
+    ),
+    Fault(
         "motion/simulate.py",
         "if why is None and not is_concrete(top):",
         "if False:",

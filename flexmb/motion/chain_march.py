@@ -157,4 +157,4 @@ def march_chain(
     m = _ChainMarch(t0, end, start, carried, matrices, zero, yes, before, ~yes, none, found, tape)
     m = whole_loop(unfinished, turn, m) if taped else jax.lax.while_loop(unfinished, turn, m)
     found, still = ended(m.found, m.t, span, start)
-    return found, None if m.tape is None else m.tape._replace(saved=m.saved, still=still)
+    return found, None if m.tape is None else m.tape._replace(last=m.carried, saved=m.saved, still=still)

@@ -1,5 +1,6 @@
 """Steps of Radau's method taken anew on the way back over the motion of a chain or a net, with their derivatives."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -13,6 +14,7 @@ from .collocation import (
     ONCE,
     TWICE,
     Carried,
+    Stages,
     between_steps,
     carried_from,
     correction,
@@ -27,11 +29,14 @@ from .collocation import (
 )
 from .march_back import Method
 from .protocol import MotionState
+from .tape import Tape
 
 # Linear equations of a step are solved once what they change becomes this share; what stalls at round-off below the
 # second number counts as solved too.
 CHANGE, ROUND_OFF = 1e-10, 1e-7
 MOST = 1000
+# So often Newton's method is tried for a step.
+TRIES = 5
 
 
 def radau(allowed: tuple[Any, Any]) -> Method:
@@ -45,6 +50,23 @@ def radau(allowed: tuple[Any, Any]) -> Method:
         return stepped(of, times, state, last, near, allowed)
 
     return Method(step, between_steps, lambda carried: carried.z, carried_from, False)
+
+
+def unless_missed(derivatives: Any, tape: Tape, asked: MotionState) -> Any:
+    """Derivatives, NaN where the states that they are asked by were not reached when the steps were taken once more.
+
+    Newton's method ends within a tolerance, so that steps that are taken twice do not end alike to the last digit; of a
+    motion that loose tolerances let go astray one may be lost.
+
+    Args:
+        derivatives: Pytree of numbers.
+        tape: Of the steps.
+        asked: Derivatives by the states, in rows.
+    """
+    saved, still = jnp.asarray(tape.saved), jnp.asarray(tape.still)
+    missed = (jnp.arange(asked.u.shape[0], dtype=saved.dtype) >= saved) & ~still
+    lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed[:, None]) for rows in asked])
+    return jax.tree.map(lambda one: jnp.where(lost, jnp.nan, one), derivatives)
 
 
 def stepped(
@@ -103,14 +125,29 @@ def _stages(
     near: Carried,
     allowed: tuple[Any, Any],
 ) -> tuple[Float[Array, "3 r"], Float[Array, ""]]:
-    """Stages of a step, and the rate at which Newton's method converged: as they are known, or found anew."""
+    """Stages of a step, and the rate at which Newton's method converged: as they are known, or found anew.
+
+    On the way there matrices may have been those of an earlier step, which here are not at hand. Where those at what
+    was foretold do not serve, others are taken: where nothing changes in the step, then where these have led.
+    """
+    begin, end = times
+    h = end - begin
+
+    def unsolved(at: tuple[Array, Stages]):
+        return ~at[1].solved & (at[0] < TRIES)
+
+    def once_more(at: tuple[Array, Stages]):
+        count, before = at
+        still = jnp.broadcast_to(last.z, before.z.shape)
+        led = jnp.where((count > 1) & jnp.all(jnp.isfinite(before.z)), before.z, still)
+        guess = jnp.where(count == 0, foretold(last, h), led)
+        pieces, x = pieces_of_step(equations, begin, h, state, guess)
+        matrices, at_stages = matrices_of_step(equations, pieces, h, x), times_of_stages(begin, h, end)
+        return count + 1, solved_stages(equations, at_stages, h, state, last.rate, guess, matrices, allowed)
 
     def anew():
-        begin, end = times
-        h, guess = end - begin, foretold(last, end - begin)
-        pieces, x = pieces_of_step(equations, begin, h, state, guess)
-        matrices, at = matrices_of_step(equations, pieces, h, x), times_of_stages(begin, h, end)
-        found = solved_stages(equations, at, h, state, last.rate, guess, matrices, allowed)
+        none, zero = jnp.array(False), jnp.array(0)
+        found = lax.while_loop(unsolved, once_more, (zero, Stages(near.stages, jnp.ones(()), zero, none)))[1]
         return jnp.where(found.solved, found.z, jnp.nan), found.rate
 
     return lax.cond(near.length > 0, lambda: (near.stages, near.rate), anew)

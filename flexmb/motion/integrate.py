@@ -21,7 +21,7 @@ from ..model.model import Model
 from ..results import RESULTS
 from .chain_form import chain_form
 from .chain_march import march_chain
-from .chain_march_back import radau
+from .chain_march_back import radau, unless_missed
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -160,9 +160,12 @@ def _solved(
         equations, span, start, *rest = parts
         by: Integrator = rest[0].whole(rest[0].numbers)
         method = None if problem.order is None else radau((by.rtol, by.atol))
+        found = march_back(equations, span, start, tape, changes, method)
+        if problem.order is not None:
+            found = unless_missed(found, tape, changes.states)
         # The tolerances and what came before choose the steps, which are as they are.
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
-        return refusing_derivatives((*march_back(equations, span, start, tape, changes, method), *none), ONCE)
+        return refusing_derivatives((*found, *none), ONCE)
 
     return with_derivative(plain, functools.partial(marched, taped=True, derived=True), back, *own)
 

@@ -243,4 +243,4 @@ def march(
     else:
         m = jax.lax.while_loop(unfinished, turn, m)
     found, still = ended(m.found, m.t, span, start)
-    return found, None if m.tape is None else m.tape._replace(saved=m.saved, still=still)
+    return found, None if m.tape is None else m.tape._replace(last=m.z, saved=m.saved, still=still)

@@ -201,8 +201,8 @@ def march_back(
     nothing, none = jax.tree.map(jnp.zeros_like, (tape.at(jnp.zeros((), jnp.int32)), equations.numbers))
     by_span = jax.tree.map(jnp.zeros_like, times) if span.numbers else None
     ready = jnp.zeros((), jnp.int32)
-    m = _Back(tape.steps - 1, ready, saved - 1, nothing, nothing[1], nothing, none, by_span, None)
-    m = _about_to(m, tape)
+    m = _Back(tape.steps - 1, ready, saved - 1, nothing, tape.last, nothing, none, by_span, None)
+    m = _about_to(m, tape._replace(last=None))
     m = whole_loop(lambda m: m.step >= 0, _WayBack(equations, method, times, changes.states).turn, m)
     (by_start, by_carried), numbers, by_span = m.end, m.numbers, m.span
     if not method.still:

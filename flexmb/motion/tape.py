@@ -44,6 +44,7 @@ class Tape(NamedTuple):
             those from one that is kept to the next.
         carried: What was carried over from the step before: accelerations and multipliers, or more.
         steps: Number of steps.
+        last: What is carried over from the last step.
         saved: Number of rows that were saved.
         still: Which rows are the start itself, (n_t,).
     """
@@ -52,6 +53,7 @@ class Tape(NamedTuple):
     states: MotionState
     carried: Any
     steps: Int[Array, ""]
+    last: Any = None
     saved: Int[Array, ""] | None = None
     still: Bool[Array, "n_t"] | None = None
 
