@@ -3640,8 +3640,8 @@ FAULTS = [
     ),
     Fault(
         "motion/march_back.py",
-        "jax.tree.map(jnp.add, m.end, (by_after, by_carried_on))",
-        "m.end",
+        "jax.tree.map(jnp.add, asked, (by_after, by_carried_on))",
+        "asked",
         "motion/test_march_back.py -k by_hand",
     ),
     Fault(

@@ -25,7 +25,7 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax.interpreters import batching, mlir
+from jax.interpreters import ad, batching, mlir
 
 # The name by which programs call the host.
 TARGET = "flexmb_host"
@@ -128,8 +128,16 @@ def _called() -> Any:
     called.def_abstract_eval(_shapes)
     called.def_impl(_at_once)
     batching.primitive_batchers[called] = _one_by_one
+    ad.primitive_jvps[called] = _refused
     mlir.register_lowering(called, _lowered)
     return called
+
+
+def _refused(*_: Any, **__: Any):
+    raise TypeError(
+        "What was found on the host by sparse factors has no further derivative here: a motion is differentiated in"
+        ' reverse once. Give form="coordinates", or sparse=False to other analyses.'
+    )
 
 
 def _shapes(*_: Any, like: tuple[tuple[tuple[int, ...], np.dtype], ...], **__: Any):

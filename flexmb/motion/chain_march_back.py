@@ -14,14 +14,13 @@ from .collocation import (
     ONCE,
     TWICE,
     Carried,
-    Stages,
     between_steps,
     carried_from,
     correction,
     foretold,
     matrices_of_step,
     pieces_of_step,
-    solved_stages,
+    share_of,
     states_at,
     times_of_stages,
     transposed_correction,
@@ -35,8 +34,9 @@ from .tape import Tape
 # second number counts as solved too.
 CHANGE, ROUND_OFF = 1e-10, 1e-7
 MOST = 1000
-# So often Newton's method is tried for a step.
-TRIES = 5
+# A step that is taken anew is solved once a turn of Newton's method changes this share of what may be left, and lost
+# after so many turns.
+SOLVED, TURNS = 0.1, 50
 
 
 def radau(allowed: tuple[Any, Any]) -> Method:
@@ -125,30 +125,31 @@ def _stages(
     near: Carried,
     allowed: tuple[Any, Any],
 ) -> tuple[Float[Array, "3 r"], Float[Array, ""]]:
-    """Stages of a step, and the rate at which Newton's method converged: as they are known, or found anew.
+    """Stages of a step, and a rate at which Newton's method converges: as they are known, or found anew.
 
-    On the way there matrices may have been those of an earlier step, which here are not at hand. Where those at what
-    was foretold do not serve, others are taken: where nothing changes in the step, then where these have led.
+    On the way there matrices may have been those of an earlier step, which here are not at hand: each turn takes those
+    of where it has come to.
     """
     begin, end = times
-    h = end - begin
+    h, n, (rtol, atol) = end - begin, equations.size, allowed
+    at = times_of_stages(begin, h, end)
 
-    def unsolved(at: tuple[Array, Stages]):
-        return ~at[1].solved & (at[0] < TRIES)
+    def unsolved(found: tuple[Array, Array, Array]):
+        return (found[1] > SOLVED) & (found[2] < TURNS)
 
-    def once_more(at: tuple[Array, Stages]):
-        count, before = at
-        still = jnp.broadcast_to(last.z, before.z.shape)
-        led = jnp.where((count > 1) & jnp.all(jnp.isfinite(before.z)), before.z, still)
-        guess = jnp.where(count == 0, foretold(last, h), led)
-        pieces, x = pieces_of_step(equations, begin, h, state, guess)
-        matrices, at_stages = matrices_of_step(equations, pieces, h, x), times_of_stages(begin, h, end)
-        return count + 1, solved_stages(equations, at_stages, h, state, last.rate, guess, matrices, allowed)
+    def once_more(found: tuple[Array, Array, Array]):
+        z, _, count = found
+        pieces, x = pieces_of_step(equations, begin, h, state, z)
+        reached = states_at(state, h, z)
+        turns = turned_stages(equations, at, reached, x)
+        residuals = jax.vmap(equations.residual)(at, reached, z)
+        change = correction(equations, matrices_of_step(equations, pieces, h, x), turns, residuals)
+        return z - change, share_of(change[:, :n], h, reached, rtol, atol), count + 1
 
     def anew():
-        none, zero = jnp.array(False), jnp.array(0)
-        found = lax.while_loop(unsolved, once_more, (zero, Stages(near.stages, jnp.ones(()), zero, none)))[1]
-        return jnp.where(found.solved, found.z, jnp.nan), found.rate
+        start = (foretold(last, h), jnp.array(jnp.inf), jnp.array(0))
+        z, share, _ = lax.while_loop(unsolved, once_more, start)
+        return jnp.where(share <= SOLVED, z, jnp.nan), jnp.array(SOLVED)
 
     return lax.cond(near.length > 0, lambda: (near.stages, near.rate), anew)
 

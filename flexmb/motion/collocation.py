@@ -198,6 +198,22 @@ def transposed_correction(equations: ChainForm, matrices: StepMatrices, turns: T
     return jax.vmap(turning.turned)(turns, right)
 
 
+def share_of(
+    change: Float[Array, "3 n"], h: Float[Array, ""], reached: MotionState, rtol: Any, atol: Any
+) -> Float[Array, ""]:
+    """Change of the positions at the stages over what Newton's method may leave.
+
+    Args:
+        change: Of the accelerations at the stages.
+        h: Length of the step [s].
+        reached: States at the stages.
+        rtol, atol: Relative and absolute tolerance.
+    """
+    size = h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change))
+    scale = jnp.minimum(jnp.max(jnp.abs(reached.u)), LARGE)
+    return size / (LEFT * (rtol * scale + atol) + ROUND_OFF)
+
+
 def solved_stages(
     equations: ChainForm,
     times: Float[Array, "3"],
@@ -234,8 +250,7 @@ def solved_stages(
         change = correction(equations, matrices, turns, residuals)
         z = z - change
         size = h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change[:, :n]))
-        scale = jnp.minimum(jnp.max(jnp.abs(reached.u)), LARGE)
-        share = size / (LEFT * (rtol * scale + atol) + ROUND_OFF)
+        share = share_of(change[:, :n], h, reached, rtol, atol)
         # Of three and more turns the mean of two rates.
         rate = jnp.where(count == 0, rate, jnp.where(count == 1, size / before, jnp.sqrt(rate * size / before)))
         # What is still to come, were all later changes smaller at this rate.

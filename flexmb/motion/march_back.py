@@ -140,7 +140,9 @@ class _WayBack(NamedTuple):
         by = jax.tree.map(jnp.zeros_like, ends), None if m.span is None else m.span.times
         row, (by_ends, by_rows) = self.over_rows(ends, jnp.where(filling, -1, m.row), by)
         (by_t0, by_t1), (by_state, by_after), (by_carried, by_carried_on) = by_ends
-        numbers, by_begin, by_last, *by_times = pull(jax.tree.map(jnp.add, m.end, (by_after, by_carried_on)))
+        # Where it goes on nothing is asked, and equations are solved at once.
+        asked = jax.tree.map(lambda one: jnp.where(filling, 0.0, one), m.end)
+        numbers, by_begin, by_last, *by_times = pull(jax.tree.map(jnp.add, asked, (by_after, by_carried_on)))
         span = m.span
         if span is not None:
             span = _added(span._replace(times=by_rows), self.times, t0, by_times[0] + by_t0)

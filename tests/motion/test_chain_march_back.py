@@ -124,6 +124,11 @@ def test_jumps_are_refused_by_name():
         jax.grad(last)(1.0)
 
 
+def test_a_second_derivative_in_reverse_is_refused_by_name():
+    with pytest.raises(TypeError, match="differentiated in reverse once"):
+        jax.grad(lambda factors: jnp.sum(jax.grad(places)(factors)))(AS_THEY_ARE)
+
+
 def test_what_the_way_back_does_not_reach_gives_no_number():
     state = MotionState(jnp.zeros((3, 1)), jnp.array([[0.0], [0.0], [2.0]]), jnp.zeros((3, 0)))
     own = tape.blank_tape(2, jax.tree.map(lambda rows: rows[0], state), jnp.zeros(1))
