@@ -21,6 +21,7 @@ from .collocation import (
     matrices_of_step,
     pieces_of_step,
     share_of,
+    size_of,
     states_at,
     times_of_stages,
     transposed_correction,
@@ -45,10 +46,7 @@ def radau(allowed: tuple[Any, Any]) -> Method:
     Args:
         allowed: Relative and absolute tolerance.
     """
-
-    def step(of: ChainForm, times: tuple[Array, Array], state: MotionState, last: Carried, _: Any, near: Carried):
-        return stepped(of, times, state, last, near, allowed)
-
+    step = functools.partial(stepped, allowed=allowed)
     return Method(step, between_steps, lambda carried: carried.z, carried_from, False)
 
 
@@ -74,7 +72,9 @@ def stepped(
     times: tuple[Array, Array],
     state: MotionState,
     last: Carried,
+    _: Any,
     near: Carried,
+    *,
     allowed: tuple[Any, Any],
 ) -> tuple[MotionState, Carried]:
     """State at the end of a step and what is carried over to the next; differentiable in equations, times and state.
@@ -90,7 +90,7 @@ def stepped(
         Implicit function theorem, THEORY.md 10, eq. (10.6).
     """
     own, at, begun, before, known = _constant(equations, times, state, last, near)
-    found, rate = _stages(own, at, begun, before, known, allowed)
+    found = lax.cond(known.length > 0, lambda: known.stages, lambda: _anew(own, at, begun, before, allowed))
     n, (begin, end) = state.u.shape[0], times
     h, linear = end - begin, _linear(own, at, begun, found)
 
@@ -109,7 +109,7 @@ def stepped(
     z: Any = lax.custom_root(residuals, found, lambda _, z: z, tangent)
     reached = states_at(state, h, z)
     after = equations.settle(end, MotionState(reached.u[2], reached.w[2], state.memory))
-    return after, Carried(z, lax.stop_gradient(h), rate)
+    return after, Carried(z, lax.stop_gradient(h), before.rate)
 
 
 def _constant(*arguments: Any) -> Any:
@@ -117,21 +117,16 @@ def _constant(*arguments: Any) -> Any:
     return jax.tree.map(lax.stop_gradient, arguments)
 
 
-def _stages(
-    equations: ChainForm,
-    times: tuple[Array, Array],
-    state: MotionState,
-    last: Carried,
-    near: Carried,
-    allowed: tuple[Any, Any],
-) -> tuple[Float[Array, "3 r"], Float[Array, ""]]:
-    """Stages of a step, and a rate at which Newton's method converges: as they are known, or found anew.
+def _anew(
+    equations: ChainForm, times: tuple[Array, Array], state: MotionState, last: Carried, allowed: tuple[Any, Any]
+) -> Float[Array, "3 r"]:
+    """Stages of a step by Newton's method, NaN where it fails.
 
     On the way there matrices may have been those of an earlier step, which here are not at hand: each turn takes those
     of where it has come to.
     """
     begin, end = times
-    h, n, (rtol, atol) = end - begin, equations.size, allowed
+    h, n = end - begin, equations.size
     at = times_of_stages(begin, h, end)
 
     def unsolved(found: tuple[Array, Array, Array]):
@@ -144,14 +139,10 @@ def _stages(
         turns = turned_stages(equations, at, reached, x)
         residuals = jax.vmap(equations.residual)(at, reached, z)
         change = correction(equations, matrices_of_step(equations, pieces, h, x), turns, residuals)
-        return z - change, share_of(change[:, :n], h, reached, rtol, atol), count + 1
+        return z - change, share_of(size_of(change[:, :n], h), reached, allowed), count + 1
 
-    def anew():
-        start = (foretold(last, h), jnp.array(jnp.inf), jnp.array(0))
-        z, share, _ = lax.while_loop(unsolved, once_more, start)
-        return jnp.where(share <= SOLVED, z, jnp.nan), jnp.array(SOLVED)
-
-    return lax.cond(near.length > 0, lambda: (near.stages, near.rate), anew)
+    z, share, _ = lax.while_loop(unsolved, once_more, (foretold(last, h), jnp.array(jnp.inf), jnp.array(0)))
+    return jnp.where(share <= SOLVED, z, jnp.nan)
 
 
 class _Linear(NamedTuple):

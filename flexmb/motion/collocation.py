@@ -198,18 +198,20 @@ def transposed_correction(equations: ChainForm, matrices: StepMatrices, turns: T
     return jax.vmap(turning.turned)(turns, right)
 
 
-def share_of(
-    change: Float[Array, "3 n"], h: Float[Array, ""], reached: MotionState, rtol: Any, atol: Any
-) -> Float[Array, ""]:
-    """Change of the positions at the stages over what Newton's method may leave.
+def size_of(change: Float[Array, "3 n"], h: Float[Array, ""]) -> Float[Array, ""]:
+    """Greatest change of a position at the stages, of changes of the accelerations there, in a step of length h [s]."""
+    return h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change))
+
+
+def share_of(size: Float[Array, ""], reached: MotionState, allowed: tuple[Any, Any]) -> Float[Array, ""]:
+    """Size of a change over what Newton's method may leave.
 
     Args:
-        change: Of the accelerations at the stages.
-        h: Length of the step [s].
-        reached: States at the stages.
-        rtol, atol: Relative and absolute tolerance.
+        size: See :func:`size_of`.
+        reached: States at the stages, in rows.
+        allowed: Relative and absolute tolerance.
     """
-    size = h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change))
+    rtol, atol = allowed
     scale = jnp.minimum(jnp.max(jnp.abs(reached.u)), LARGE)
     return size / (LEFT * (rtol * scale + atol) + ROUND_OFF)
 
@@ -236,7 +238,6 @@ def solved_stages(
         allowed: Relative and absolute tolerance.
     """
     n = state.u.shape[0]
-    rtol, atol = allowed
     turns = turned_stages(equations, times, states_at(state, h, z), matrices.at)
 
     def unsolved(carry: tuple[Any, ...]):
@@ -249,8 +250,8 @@ def solved_stages(
         residuals = jax.vmap(equations.residual)(times, reached, z)
         change = correction(equations, matrices, turns, residuals)
         z = z - change
-        size = h**2 * jnp.max(jnp.abs(jnp.asarray(TWICE) @ change[:, :n]))
-        share = share_of(change[:, :n], h, reached, rtol, atol)
+        size = size_of(change[:, :n], h)
+        share = share_of(size, reached, allowed)
         # Of three and more turns the mean of two rates.
         rate = jnp.where(count == 0, rate, jnp.where(count == 1, size / before, jnp.sqrt(rate * size / before)))
         # What is still to come, were all later changes smaller at this rate.

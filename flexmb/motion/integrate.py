@@ -157,25 +157,18 @@ def _solved(
         return marched(*own, taped=False, derived=derived)[0]
 
     def back(parts: list[Varied], tape: Tape, changes: Marched):
-        if problem.order is not None:
-            parts = [part._replace(numbers=refusing_derivatives(part.numbers, ONCE)) for part in parts]
-            tape, changes = refusing_derivatives((tape, changes), ONCE)
         equations, span, start, *rest = parts
-        by: Integrator = rest[0].whole(rest[0].numbers)
-        method = None if problem.order is None else radau((by.rtol, by.atol))
-        found = march_back(equations, span, start, tape, changes, method)
-        if problem.order is not None:
+        if problem.order is None:
+            found = march_back(equations, span, start, tape, changes)
+        else:
+            by: Integrator = rest[0].whole(rest[0].numbers)
+            found = march_back(equations, span, start, tape, changes, radau((by.rtol, by.atol)))
             found = unless_missed(found, tape, changes.states)
         # The tolerances and what came before choose the steps, which are as they are.
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
         return refusing_derivatives((*found, *none), ONCE)
 
-    def ahead(*own: Any):
-        # Calls of the host have no derivatives that would tell of what has none.
-        given = own if problem.order is None else refusing_derivatives(own, ONCE)
-        return marched(*given, taped=True, derived=True)
-
-    return with_derivative(plain, ahead, back, *own)
+    return with_derivative(plain, functools.partial(marched, taped=True, derived=True), back, *own)
 
 
 def _by_diffrax(

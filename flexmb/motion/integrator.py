@@ -29,8 +29,8 @@ class Integrator(Record):
             loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
             but it fails at a dead point. "chain": all coordinates of many elements, chains and nets alike, by
             Radau's method and without matrices of the size squared; it is differentiated in reverse mode, but where
-            loads jump or an event ends the motion. Where a loose tolerance loses the way back, above 0.1,
-            derivatives are NaN. None: "chain" where there are many beams and it applies; "tree"
+            loads jump or an event ends the motion. Where a loose tolerance loses the way back, derivatives are NaN.
+            None: "chain" where there are many beams and it applies; "tree"
             where there are such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or
             "coordinates".
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the

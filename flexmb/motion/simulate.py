@@ -216,7 +216,7 @@ def _problem(
     start: Start,
 ) -> tuple[Problem, Integrator]:
     """What is integrated, and the integrator with the form that is taken."""
-    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start, jumps))
+    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start), jumps)
     tree = None
     if order is None and integrator.form in (None, "tree"):
         tree = tree_of(model.topology, acted_on(model, driven))
@@ -333,19 +333,19 @@ def _in_its_form(
     driven: tuple[Driven, ...],
     feedback: Feedback | Sampled | None,
     numbers: tuple[Any, ...],
+    jumps: Any,
 ) -> tuple[Integrator, Levels | SparseOrder | None]:
     """The integrator with the form that is taken, and the order of the unknowns where it is that of chains and nets."""
     if integrator.form not in (None, "chain"):
         return integrator, None
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
-    times, start, jumps = numbers
     if why is None and not is_concrete(top):
         why = "its connections are traced (a model that is an argument of jax.jit, jax.grad or jax.vmap)"
-    if why is None and not (jumps is None and integrator.event is None):
-        # These are left to diffrax's loop, whose derivatives do not pass through Newton's method.
-        if not is_concrete((model, driven, times, start, jumps, integrator)):
-            why = "numbers are traced (jax.jit, jax.grad, jax.vmap) of a motion with jumps or an event"
+    # These are left to diffrax's loop, whose derivatives do not pass through Newton's method.
+    by_diffrax = jumps is not None or integrator.event is not None
+    if why is None and by_diffrax and not is_concrete((model, driven, numbers, jumps, integrator)):
+        why = "numbers are traced (jax.jit, jax.grad, jax.vmap) of a motion with jumps or an event"
     if asked and why is not None:
         raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
     own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)

@@ -166,8 +166,11 @@ def test_what_is_not_reached_gives_no_derivative():
     np.testing.assert_array_equal(slopes[~reached], 0.0)
 
 
-def test_a_tape_finds_its_places(monkeypatch):
-    monkeypatch.setattr(tape, "KEPT", 4)
+@pytest.mark.parametrize("bounds", [{"KEPT": 4}, {"NUMBERS": 16, "FEWEST": 1}, {"NUMBERS": 1, "FEWEST": 4}])
+def test_a_tape_finds_its_places(monkeypatch, bounds):
+    """Of four steps that are kept: so many, or the 16 numbers of these, or so many at least."""
+    for name, value in bounds.items():
+        monkeypatch.setattr(tape, name, value)
     most, like = 20, MotionState(jnp.zeros(1), jnp.zeros(1), jnp.zeros(0))
     own = tape.blank_tape(most, like, jnp.zeros(2))
     for step in range(most + 1):
