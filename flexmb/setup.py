@@ -32,7 +32,7 @@ def _prepared(path: Path) -> None:
         if state.st_mode & 0o022:
             raise PermissionError(f"Others may write into '{path}', whose code would be run: take chmod 700 first.")
     files = []
-    for folder in (path, path / "traces", path / "constants"):
+    for folder in (path, path / "programs", path / "constants"):
         if folder.is_dir():
             with os.scandir(folder) as found:
                 for file in found:
@@ -75,7 +75,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
 
     path = Path(folder) if folder is not None else cache_folder()
     _prepared(path)
-    compile_thoroughly(thorough, keep_traces=True)
+    compile_thoroughly(thorough, keep=True)
     # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
     # checked for finiteness here. Equinox reads this once, when it is imported, which may have been before.
     on_error = os.environ.setdefault("EQX_ON_ERROR", "nan")

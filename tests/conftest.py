@@ -39,7 +39,7 @@ fm.enable_cache(CACHE, thorough=False)
 
 def use_cache():
     """Switch to the cache of the tests, without counting again what lies in it."""
-    compile_thoroughly(False, keep_traces=True)
+    compile_thoroughly(False, keep=True)
     jax.config.update("jax_compilation_cache_dir", str(CACHE))
 
 

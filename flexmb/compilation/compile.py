@@ -14,7 +14,8 @@ import numpy as np
 
 from ..lazy import no_garbage_looked_for
 from .host import Run, forget
-from .kept import kept, kept_number
+from .kept import kept_number
+from .programs import Programs, let_go, named
 from .threads import one_thread
 
 _folding: Any = contextlib.nullcontext
@@ -57,20 +58,20 @@ MAPS_OF_PROGRAM = 2000
 
 
 _thorough = False
-_keeps_traces = False
+_keeps_programs = False
 # How many more programs may be compiled before memory maps are counted again.
 _programs_left = 0
 
 
-def compile_thoroughly(thorough: bool, keep_traces: bool = False) -> None:
+def compile_thoroughly(thorough: bool, keep: bool = False) -> None:
     """Whether compiled functions should run quickly rather than compile quickly, from now on.
 
     Args:
         thorough: True takes twice the compile time for half the time of a run.
-        keep_traces: Whether traces are kept on disk beside the compiled code.
+        keep: Whether compiled programs are kept on disk, where JAX keeps its own.
     """
-    global _thorough, _keeps_traces
-    _thorough, _keeps_traces = thorough, keep_traces
+    global _thorough, _keeps_programs
+    _thorough, _keeps_programs = thorough, keep
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -142,34 +143,32 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         with no_garbage_looked_for():
             return jax.tree.map(_strong, function(structure, fixed, *leaves))
 
-    taken = kept(whole)
-
     @functools.lru_cache(MOST)
-    def variant(structure: Any, fixed: tuple[Any, ...], mode: str, _: Any):
-        def program(*leaves: Any):
-            return (taken if _keeps_traces and mode != "nested" else whole)(structure, fixed, *leaves)
-
-        program.__name__ = name
+    def variant(structure: Any, fixed: tuple[Any, ...], mode: str, kept: bool, _: Any):
+        own = functools.partial(whole, structure, fixed)
+        if mode == "nested":
+            return named(own, name, None), [False]
         # Beside it, whether a program of it has been found to call the host.
-        return jax.jit(program, compiler_options=OPTIONS[mode]), [False]
+        return Programs(own, name, OPTIONS[mode], (whole, structure, fixed) if kept else None), [False]
 
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         global _programs_left
         leaves, traced = _as_taken(leaves)
         if traced:
-            return variant(structure, fixed, "nested", exact(fixed))[0](*leaves)
+            return variant(structure, fixed, "nested", False, exact(fixed))[0](*leaves)
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
         # Within jax.ensure_compile_time_eval, each operation of a trace that known numbers go into would be a program.
         with one_thread(), jax.core.eval_context(), _folding(False):
             known = variant.cache_info().misses
             own: Any
-            own, calls_host = variant(structure, fixed, "thorough" if _thorough else "quick", exact(fixed))
-            programs = own._cache_size()
+            mode = "thorough" if _thorough else "quick"
+            own, calls_host = variant(structure, fixed, mode, _keeps_programs, exact(fixed))
+            programs = len(own)
             with Run(calls_host) as running:
                 with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
                     results = own(*leaves)
                 results = running.finished(results)
-            if own._cache_size() > programs:
+            if len(own) > programs:
                 _programs_left -= 1
                 if _programs_left < 0:
                     make_room()
@@ -199,6 +198,7 @@ def make_room(share: float = FULL) -> bool:
     if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()
+        let_go()
         forget()
         return True
     return False
@@ -220,7 +220,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
 
     @functools.lru_cache(1000)
     def found(*things: Any):
-        return kept_number(function, things) if _keeps_traces else function(*things)
+        return kept_number(function, things) if _keeps_programs else function(*things)
 
     return functools.wraps(function)(found)
 

@@ -1,4 +1,9 @@
-"""Traces on disk of what is made of plain values and this package's own functions: nothing of a user's is kept."""
+"""Compiled programs on disk, of what is made of plain values and this package's own functions.
+
+JAX keeps compiled code too, by a number of the program that it was compiled from: to find it, a process has to trace
+and to write down that program again, which takes as long as to read the code. Here it is found by what would be traced:
+by the text of this package, what a function was made with, and the types of its arguments. Nothing of a user's is kept.
+"""
 
 import ast
 import contextlib
@@ -14,14 +19,17 @@ import os
 import re
 import sys
 import types
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+from jax.experimental.serialize_executable import deserialize_and_load, serialize
+from jaxlib import xla_client
 
-from .host import TARGET, program_on_disk
+from .host import program_on_disk
 
 PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
 LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
@@ -30,7 +38,13 @@ PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
 # Names that libraries give to a function beside its own.
 ALIASES = {"ds", "swish", "hard_swish", "permute_dims", "random_gamma_grad", "checking_leaks"}
 # What these hold chooses how code is compiled or written, not what is traced.
-UNTRACED = ("flexmb.compilation.compile", "flexmb.cli", "flexmb.fmu.primitives")
+UNTRACED = (
+    "flexmb.compilation.compile",
+    "flexmb.compilation.kept",
+    "flexmb.compilation.programs",
+    "flexmb.cli",
+    "flexmb.fmu.primitives",
+)
 _RIGHT: set[str] = set()
 
 
@@ -49,23 +63,36 @@ _NOTHING = _Seen([], [], [], [], [])
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
-def kept(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function ``(structure, fixed, *leaves)`` to be compiled, whose trace is kept beside the compiler's cache."""
+def read_program(things: tuple, leaves: tuple[Any, ...]) -> tuple[Path | None, Any]:
+    """Where the program of a function is kept, and the program itself if it is there.
 
-    def call(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
-        try:
-            path = _path(function, structure, fixed, [str(jax.typeof(leaf)) for leaf in leaves])
-            if not path.exists():
-                _write_trace(path, lambda *leaves: function(structure, fixed, *leaves), leaves)
-            names, program = _read(path)
-            program_on_disk(program)
-            results = jax.tree.structure(_built(json.loads(names)))
-            return jax.tree.unflatten(results, jax.export.deserialize(bytearray(program)).call(*leaves))
-        except Exception as reason:  # A fault of the function itself is raised again where it is traced.
-            logging.getLogger("flexmb").debug("%s is traced: %s", function, reason)
-            return function(structure, fixed, *leaves)
+    Args:
+        things: What the function follows from, options of the compiler among them.
+        leaves: Its arguments.
 
-    return call
+    Returns:
+        Path, or None where the function cannot be known in another process; program, or None.
+    """
+    log = logging.getLogger("flexmb")
+    try:
+        path = _path(*things, [str(jax.typeof(leaf)) for leaf in leaves])
+    except Exception as reason:
+        log.debug("%s is kept by JAX alone: %s", things[0], reason)
+        return None, None
+    try:
+        names, program = _read(path)
+        return path, _loaded(names, program, len(leaves))
+    except Exception as reason:
+        log.debug("%s is compiled: %s", things[0], reason)
+        return path, None
+
+
+def _loaded(names: bytes, program: bytes, count: int) -> Callable[..., Any]:
+    """A program that was kept."""
+    program = zlib.decompress(program)
+    program_on_disk(program)
+    taken = jax.tree.structure(((0,) * count, {}))
+    return deserialize_and_load(program, taken, jax.tree.structure(_built(json.loads(names))))
 
 
 def kept_number(function: Callable[..., int], things: tuple) -> int:
@@ -91,7 +118,7 @@ def kept_number(function: Callable[..., int], things: tuple) -> int:
 def _path(*things: Any) -> Path:
     """Where what follows from things is kept; an error where they, or what they are used in, cannot be known."""
     name = _check(repr((_surroundings(), described(things))).encode()).decode()
-    return Path(str(jax.config.values["jax_compilation_cache_dir"]), f"traces/{name}.trace")
+    return Path(str(jax.config.values["jax_compilation_cache_dir"]), f"programs/{name}")
 
 
 def _read(path: Path) -> list[bytes]:
@@ -109,19 +136,25 @@ def _write(path: Path, *parts: bytes) -> None:
     part.replace(path)
 
 
-def _write_trace(path: Path, function: Callable[..., Any], leaves: Any) -> None:
-    found: Any = []
+def write_program(path: Path, program: jax.stages.Compiled) -> None:
+    """Keep a program; nothing is written where it cannot be.
 
-    def flat(*leaves: Any):
-        found[:] = jax.tree.flatten(function(*leaves))
-        return found[0]
+    Args:
+        path: Of :func:`read_program`.
+        program: As it was compiled in this process: what was read from a disk cannot be written.
+    """
+    try:
+        _write_program(path, program)
+    except Exception as reason:
+        logging.getLogger("flexmb").debug("%s is not kept: %s", program, reason)
 
-    allowed = [jax.export.DisabledSafetyCheck.custom_call(TARGET)]
-    program = bytes(jax.export.export(jax.jit(flat), disabled_checks=allowed)(*map(jax.typeof, leaves)).serialize())
-    names = json.dumps(_named(jax.tree.unflatten(found[1], range(len(found[0]))))).encode()
-    if jax.tree.structure(_built(json.loads(names))) != found[1]:
+
+def _write_program(path: Path, program: jax.stages.Compiled) -> None:
+    code, _, results = serialize(program)
+    names = json.dumps(_named(jax.tree.unflatten(results, range(results.num_leaves)))).encode()
+    if jax.tree.structure(_built(json.loads(names))) != results:
         raise TypeError("its result holds what cannot be written down")
-    _write(path, names, program)
+    _write(path, names, zlib.compress(code, 1))
 
 
 def _check(*parts: bytes) -> bytes:
@@ -199,7 +232,17 @@ def _surroundings() -> Any:
         arrays = list(_arrays_in([constants, methods]))
         _SEEN[module.__name__] = _Seen(values, kinds, methods, arrays, _numbers_of(arrays))
     settings = [(k, getattr(jax.config, k, None)) for k in sorted(jax.config.values) if "cache" not in k]
-    return _text(), settings, os.environ.get("EQX_ON_ERROR"), jax.default_backend()
+    around = [os.environ.get(name) for name in ("EQX_ON_ERROR", "XLA_FLAGS")]
+    return _text(), settings, around, jax.default_backend(), _machine(jax.config.values["jax_default_device"])
+
+
+@functools.cache
+def _machine(chosen: Any) -> int:
+    """A number of what compiled code runs on, instructions of the processor included; an error where that is chosen."""
+    if chosen is not None:
+        raise TypeError("a device was chosen")
+    (device,) = jax.devices()
+    return xla_client.get_topology_for_devices([device]).fingerprint()
 
 
 def _arrays_in(thing: Any) -> Iterator[np.ndarray]:
