@@ -7,9 +7,13 @@ import functools
 import gc
 import importlib
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+# When this package began to be imported [ns].
+begun = time.time_ns()
 
 
 @functools.cache

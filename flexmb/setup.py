@@ -26,13 +26,17 @@ def _prepared(path: Path) -> None:
     """Make the folder; refuse one that others may have written code into; drop the oldest files beyond the limit."""
     path.mkdir(parents=True, exist_ok=True, mode=0o700)
     if hasattr(os, "getuid"):
-        state = path.stat()
-        if state.st_uid != os.getuid():
-            raise PermissionError(f"The folder '{path}' belongs to another user: compiled code in it could be theirs.")
-        if state.st_mode & 0o022:
-            raise PermissionError(f"Others may write into '{path}', whose code would be run: take chmod 700 first.")
+        for folder in filter(Path.exists, (path, path / "programs")):
+            state = folder.stat()
+            if state.st_uid != os.getuid():
+                raise PermissionError(f"The folder '{folder}' is another user's: compiled code in it could be theirs.")
+            if state.st_mode & 0o022:
+                raise PermissionError(
+                    f"Others may write into '{folder}', whose code would be run: take chmod 700 first."
+                )
     files = []
-    for folder in (path, path / "programs", path / "constants"):
+    # Former versions had traces.
+    for folder in (path, path / "programs", path / "constants", path / "traces"):
         if folder.is_dir():
             with os.scandir(folder) as found:
                 for file in found:
@@ -51,7 +55,7 @@ def _prepared(path: Path) -> None:
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
-    Traced programs are kept too, except where functions or objects of yours take part in them.
+    Programs of this package are found there without being traced, except where functions or objects of yours take part.
 
     What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
     environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Files beyond 2 GB in all are

@@ -27,6 +27,7 @@ import jax
 import pytest
 
 import flexmb as fm
+from flexmb.compilation import executables
 from flexmb.compilation.compile import OPTIONS, compile_thoroughly, make_room
 from flexmb.lazy import end_quickly
 from flexmb.setup import cache_folder
@@ -153,3 +154,26 @@ def _compiled_code_is_given_back():
     yield
     if make_room(0.3):
         gc.collect()
+
+
+@pytest.fixture
+def compilations():
+    """Names of the programs that are compiled, or read from disk."""
+    count, own, found = [], set(), executables.Executables._program
+
+    def program(self, leaves):
+        count.append(self._by_jax.__name__)
+        own.add(f"jit({self._by_jax.__name__})")
+        return found(self, leaves)
+
+    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
+        name = str(kwargs.get("fun_name"))
+        # Those of functions of the package are counted above.
+        if event == "/jax/core/compile/backend_compile_duration" and name.replace(".kept)", ")") not in own:
+            count.append(name)
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(executables.Executables, "_program", program)
+        yield count
+    jax.monitoring.unregister_event_duration_listener(listen)

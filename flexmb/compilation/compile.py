@@ -13,9 +13,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..lazy import no_garbage_looked_for
+from .executables import Executables, named
 from .host import Run, forget
 from .kept import kept_number
-from .programs import Programs, let_go, named
 from .threads import one_thread
 
 _folding: Any = contextlib.nullcontext
@@ -149,7 +149,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         if mode == "nested":
             return named(own, name, None), [False]
         # Beside it, whether a program of it has been found to call the host.
-        return Programs(own, name, OPTIONS[mode], (whole, structure, fixed) if kept else None), [False]
+        return Executables(own, name, OPTIONS[mode], (whole, structure, fixed) if kept else None), [False]
 
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         global _programs_left
@@ -198,7 +198,6 @@ def make_room(share: float = FULL) -> bool:
     if used > share * most:
         logging.getLogger("flexmb").info("compiled code is given back: it took %d of %d memory maps", used, most)
         jax.clear_caches()
-        let_go()
         forget()
         return True
     return False
@@ -212,7 +211,7 @@ def exact(thing: Any) -> Any:
 
 
 def remembered(function: Callable[..., int]) -> Callable[..., int]:
-    """A whole number that a function of this package finds by tracing, remembered and, with traces, kept on disk.
+    """A whole number that a function of this package finds by tracing, remembered and, with programs, kept on disk.
 
     Args:
         function: Of hashable arguments.

@@ -209,7 +209,7 @@ def _registered() -> bool:
 
 
 def program_on_disk(program: bytes) -> None:
-    """Make ready to run a program that was traced in another process, which may call the host.
+    """Make ready to run a program that was compiled in another process, which may call the host.
 
     Args:
         program: As it was written.

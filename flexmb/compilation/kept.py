@@ -26,9 +26,8 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
-from jax.experimental.serialize_executable import deserialize_and_load, serialize
-from jaxlib import xla_client
 
+from ..lazy import begun
 from .host import program_on_disk
 
 PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
@@ -89,6 +88,8 @@ def read_program(things: tuple, leaves: tuple[Any, ...]) -> tuple[Path | None, A
 
 def _loaded(names: bytes, program: bytes, count: int) -> Callable[..., Any]:
     """A program that was kept."""
+    from jax.experimental.serialize_executable import deserialize_and_load
+
     program = zlib.decompress(program)
     program_on_disk(program)
     taken = jax.tree.structure(((0,) * count, {}))
@@ -96,7 +97,7 @@ def _loaded(names: bytes, program: bytes, count: int) -> Callable[..., Any]:
 
 
 def kept_number(function: Callable[..., int], things: tuple) -> int:
-    """A whole number that follows from plain things, kept beside the traces.
+    """A whole number that follows from plain things, kept beside the programs.
 
     Args:
         function: Of this package; what it raises is not kept.
@@ -118,7 +119,10 @@ def kept_number(function: Callable[..., int], things: tuple) -> int:
 def _path(*things: Any) -> Path:
     """Where what follows from things is kept; an error where they, or what they are used in, cannot be known."""
     name = _check(repr((_surroundings(), described(things))).encode()).decode()
-    return Path(str(jax.config.values["jax_compilation_cache_dir"]), f"programs/{name}")
+    folder = jax.config.values["jax_compilation_cache_dir"]
+    if folder is None or not jax.config.values["jax_enable_compilation_cache"]:
+        raise ValueError("compiled code is not kept on disk")
+    return Path(folder, f"programs/{name}")
 
 
 def _read(path: Path) -> list[bytes]:
@@ -130,7 +134,7 @@ def _read(path: Path) -> list[bytes]:
 
 
 def _write(path: Path, *parts: bytes) -> None:
-    path.parent.mkdir(exist_ok=True)
+    path.parent.mkdir(mode=0o700, exist_ok=True)
     part = path.with_suffix(f".{os.getpid()}-{id(parts)}")
     part.write_bytes(b"\n".join([_check(path.name.encode(), *parts), *parts]))
     part.replace(path)
@@ -150,6 +154,8 @@ def write_program(path: Path, program: jax.stages.Compiled) -> None:
 
 
 def _write_program(path: Path, program: jax.stages.Compiled) -> None:
+    from jax.experimental.serialize_executable import serialize
+
     code, _, results = serialize(program)
     names = json.dumps(_named(jax.tree.unflatten(results, range(results.num_leaves)))).encode()
     if jax.tree.structure(_built(json.loads(names))) != results:
@@ -222,6 +228,9 @@ def _surroundings() -> Any:
         # An array may be written into.
         if seen and _are_same(methods, before.methods) and _numbers_of(before.arrays) == before.numbers:
             continue
+        # A folder without code of its own has no file.
+        if before is _NOTHING and module.__file__ and os.stat(module.__file__).st_mtime_ns > begun:
+            raise TypeError(f"the text of {module.__name__} changed, maybe after it was read")
         for name, value in list(vars(module).items()):
             _refuse_replaced(module, name, value)
         for one in methods:
@@ -237,12 +246,14 @@ def _surroundings() -> Any:
 
 
 @functools.cache
-def _machine(chosen: Any) -> int:
-    """A number of what compiled code runs on, instructions of the processor included; an error where that is chosen."""
+def _machine(chosen: Any) -> tuple[int, str]:
+    """What compiled code runs on, instructions of the processor included; an error where that is chosen."""
     if chosen is not None:
         raise TypeError("a device was chosen")
+    from jaxlib.xla_client import get_topology_for_devices
+
     (device,) = jax.devices()
-    return xla_client.get_topology_for_devices([device]).fingerprint()
+    return get_topology_for_devices([device]).fingerprint(), device.client.platform_version
 
 
 def _arrays_in(thing: Any) -> Iterator[np.ndarray]:

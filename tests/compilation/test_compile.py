@@ -9,7 +9,6 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation import programs
 from flexmb.compilation.compile import _known, jit
 
 
@@ -117,7 +116,6 @@ def test_each_kernel_is_compiled_once(analysis, compilations):
     """On a fresh model each program of the package is compiled once, and asking again compiles nothing."""
     model = guide()
     jax.clear_caches()
-    programs.let_go()
     compilations.clear()
     ANALYSES[analysis](model)
     # Those of jax's own, one operation each, repeat with shapes.

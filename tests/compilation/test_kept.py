@@ -22,7 +22,7 @@ import scipy.interpolate
 import flexmb as fm
 from flexmb import planar, setup, spatial
 from flexmb.build import clamps
-from flexmb.compilation import host, kept, programs
+from flexmb.compilation import host, kept
 from flexmb.compilation.compile import compile_thoroughly, jit
 from flexmb.compilation.program import of_time
 from flexmb.elements import beams, profile
@@ -63,7 +63,6 @@ def cantilever(element) -> fm.Model:
 def fresh() -> None:
     """What a new process starts with."""
     jax.clear_caches()
-    programs.let_go()
 
 
 def names(folder) -> set[str]:
@@ -357,7 +356,7 @@ def test_there_are_fifty_ways():
     assert len(REFUSED) + len(UNLIKE) >= 50
 
 
-def test_settings_are_part_of_the_key():
+def test_settings_are_part_of_the_key(monkeypatch):
     before = repr(kept._surroundings())
     for name, value in {
         "jax_default_prng_impl": "rbg",
@@ -375,6 +374,11 @@ def test_settings_are_part_of_the_key():
     assert repr(kept._surroundings()) == before
     with jax.default_matmul_precision("float32"):
         assert repr(kept._surroundings()) != before
+    with monkeypatch.context() as patch:
+        patch.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_math=true")
+        assert repr(kept._surroundings()) != before
+    monkeypatch.setattr(kept, "_machine", lambda chosen: "another processor")
+    assert repr(kept._surroundings()) != before
 
 
 def test_the_text_of_the_package_is_part_of_the_key(monkeypatch, tmp_path):
@@ -390,6 +394,15 @@ def test_the_text_of_the_package_is_part_of_the_key(monkeypatch, tmp_path):
         texts.append(kept._text.__wrapped__())
     assert len(set(texts[:3])) == 3
     assert texts[3] == texts[2]
+
+
+def test_a_text_that_may_have_changed_since_it_was_read_is_not_known(monkeypatch):
+    monkeypatch.setattr(kept, "_SEEN", {})
+    kept._surroundings()
+    monkeypatch.setattr(kept, "_SEEN", {})
+    monkeypatch.setattr(kept, "begun", 0)
+    with pytest.raises(TypeError, match=r"the text of flexmb\..* changed"):
+        kept._surroundings()
 
 
 def test_versions_of_libraries_are_part_of_the_key(monkeypatch, tmp_path):
@@ -519,11 +532,14 @@ def test_a_foreign_file_is_no_program(folder, content):
     product(A, B)
     (file,) = folder.iterdir()
     file.unlink()
-    product(A[:1], B)
+    # A program for arguments of the same types.
+    jit(linear.solved_by_factor)(A, B)
     (other,) = folder.iterdir()
     file.write_bytes(other.read_bytes() if content is None else content)
+    foreign = file.read_bytes()
     fresh()
     np.testing.assert_array_equal(product(A, B), A @ B)
+    assert file.read_bytes() != foreign
 
 
 @pytest.mark.filterwarnings("ignore:Error writing persistent compilation cache")
@@ -578,9 +594,23 @@ def test_a_folder_that_others_can_write_into_is_refused(tmp_path, settings_resto
     fm.enable_cache(tmp_path)
 
 
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="owners and modes are those of POSIX")
+def test_a_folder_of_programs_that_others_can_write_into_is_refused(tmp_path, settings_restored):
+    tmp_path.chmod(0o700)
+    (tmp_path / "programs").mkdir()
+    (tmp_path / "programs").chmod(0o777)
+    with pytest.raises(PermissionError, match=r"Others may write into '.*programs'"):
+        fm.enable_cache(tmp_path)
+
+
+def test_the_folder_of_programs_is_the_users_alone(folder):
+    product(A, B)
+    assert folder.stat().st_mode & 0o077 == 0
+
+
 def test_a_folder_of_another_user_is_refused(tmp_path, settings_restored, monkeypatch):
     monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1, raising=False)
-    with pytest.raises(PermissionError, match="belongs to another user"):
+    with pytest.raises(PermissionError, match="is another user's"):
         fm.enable_cache(tmp_path)
 
 

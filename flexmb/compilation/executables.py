@@ -1,7 +1,6 @@
 """Compiled programs of one function, one for each kind of arguments, from disk where they are kept."""
 
 import contextlib
-import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -11,24 +10,24 @@ import numpy as np
 from .kept import read_program, write_program
 
 _config: Any = None
+_caches: Any = None
 _passes: Any = None
-# Where JAX has them elsewhere, it does all that is done here, in more time.
+# Where JAX has one of them elsewhere, it does all that is done here, in more time.
 with contextlib.suppress(ImportError):
     from jax._src import config as _config
+    from jax._src import util as _caches
     from jaxlib.mlir import passmanager as _passes
 
-_EVERY: Any = weakref.WeakSet()
 
+class Executables:
+    """A function of arrays to be compiled, as by ``jax.jit``; ``jax.clear_caches`` lets its programs go.
 
-class Programs:
-    """A function of arrays to be compiled, as by ``jax.jit``.
-
-    Its programs do not hold where in Python each operation was written, under which names: to compile them took a
-    fifteenth longer with that, and to read them from disk a quarter.
+    Its programs do not hold where in Python each operation was written, nor under which names: with that they take a
+    quarter longer to be read from disk, and a twentieth to be compiled.
 
     Args:
         function: Of arrays.
-        name: Under which it is listed.
+        name: Under which it is listed; what is kept on disk has ".kept" behind it.
         options: Of the compiler.
         things: What the function follows from if its programs are to be kept on disk.
     """
@@ -37,42 +36,48 @@ class Programs:
         self, function: Callable[..., Any], name: str, options: dict[str, Any] | None, things: tuple | None = None
     ):
         self._by_jax = named(function, name, options)
-        # By a name of its own it is never found in JAX's cache: what was read from there cannot be written once more.
+        # Never found in JAX's cache, for its name: XLA writes what it has read without the code of its loops.
         self._apart = named(function, f"{name}.kept", options)
         self._things = None if things is None else (*things, options)
-        self.let_go()
-        _EVERY.add(self)
+        self.cache_clear()
+        if _caches is not None:
+            _caches.register_cache(self, name)
 
-    def let_go(self) -> None:
-        """Forget the programs."""
-        self._last: Any = None
+    def cache_clear(self) -> None:
+        """Let the programs go."""
         self._found: dict[Any, Callable[..., Any]] = {}
+        self._only: Any = None
 
     def __len__(self) -> int:
-        """Number of programs."""
+        """Number of programs, those included that JAX compiled by itself."""
         return len(self._found) + self._by_jax._cache_size()
 
     def __call__(self, *leaves: Any):
         """Result for arrays."""
-        if _config is None or _passes is None or jax.config.jax_disable_jit:
+        # What looks for NaN in results runs a function anew, operation by operation.
+        if _passes is None or any(one.value for one in (_config.disable_jit, _config.debug_nans, _config.debug_infs)):
             return self._by_jax(*leaves)
-        settings, last = _config.trace_context(), self._last
-        if last is not None and last[0] == settings:
-            # A program refuses what it was not compiled for before it runs.
+        settings, only = _config.trace_context(), self._only
+        # A program refuses what it was not compiled for before it runs, but takes long to say why.
+        if only is not None and only[0] == settings:
             with contextlib.suppress(TypeError, ValueError):
-                return last[1](*leaves)
-        kind = settings, tuple(map(jax.typeof, leaves))
+                return only[1](*leaves)
+        kind = settings, tuple([(leaf.shape, leaf.dtype) for leaf in leaves])
         program = self._found.get(kind)
         if program is None:
-            program = self._found[kind] = self._program(leaves)
-        self._last = settings, program
+            program = self._program(leaves)
+            self._only = (settings, program) if not self._found else None
+            self._found[kind] = program
         try:
             return program(*leaves)
         except (TypeError, ValueError):
-            # Numbers that lie on another device.
+            # It refuses them too where they lie on another device.
             return self._by_jax(*leaves)
 
     def _program(self, leaves: tuple[Any, ...]) -> Callable[..., Any]:
+        if any(getattr(leaf, "committed", False) for leaf in leaves):
+            # A device that was chosen is not to be that of other numbers.
+            return self._by_jax
         path, program = (None, None) if self._things is None else read_program(self._things, leaves)
         if program is not None:
             return program
@@ -100,9 +105,3 @@ def named(function: Callable[..., Any], name: str, options: dict[str, Any] | Non
 
     program.__name__ = name
     return jax.jit(program, compiler_options=options)
-
-
-def let_go() -> None:
-    """Forget all programs that were compiled or read."""
-    for programs in list(_EVERY):
-        programs.let_go()

@@ -1,15 +1,28 @@
 """Each kind of arguments has a program of its own, and a setting of JAX another."""
 
+import contextlib
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.experimental.serialize_executable import serialize
 
-from flexmb.compilation import kept, programs
+from flexmb.compilation import executables, kept
 from flexmb.compilation.compile import compile_thoroughly, jit
 from flexmb.math import linear
 
 A, B = np.arange(4.0).reshape(2, 2), np.array([[1.0, 2.0], [3.0, 5.0]])
+
+
+@contextlib.contextmanager
+def setting(name, value):
+    """Within, JAX has another setting."""
+    before = jax.config.values[name]
+    jax.config.update(name, value)
+    yield
+    jax.config.update(name, before)
+    compile_thoroughly(False, keep=True)
 
 
 def test_arguments_of_several_kinds_in_turn(compilations):
@@ -21,9 +34,25 @@ def test_arguments_of_several_kinds_in_turn(compilations):
     assert len([name for name in compilations if "lambda" in name]) == 3
 
 
+def test_programs_from_disk_are_those_of_their_arguments(tmp_path):
+    product = jit(linear.multiplied)
+    with setting("jax_compilation_cache_dir", str(tmp_path)):
+        for _ in range(2):
+            jax.clear_caches()
+            for one, other in ((A, B), (A[:1], B), (A, B[:, :1]), (A.astype(np.float32), B.astype(np.float32))):
+                found = product(one, other)
+                assert found.dtype == one.dtype
+                np.testing.assert_array_equal(found, one @ other)
+            assert len(list(tmp_path.glob("programs/*"))) == 4
+
+
 def test_where_operations_were_written_is_not_in_a_program():
-    program = programs._compiled(programs.named(lambda x: jnp.sin(x) + 1, "sine", None), (A,))
-    assert "metadata=" not in str(program.as_text())
+    def sine(x):
+        with jax.named_scope("in a place of its own"):
+            return jnp.sin(x) + 1
+
+    program = executables._compiled(executables.named(sine, "sine", None), (A,))
+    assert b"in a place of its own" not in serialize(program)[0]
 
 
 @pytest.mark.parametrize("error", [TypeError, ValueError])
@@ -64,6 +93,22 @@ def test_settings_make_another_program(compilations):
     assert len(traced) == 3
 
 
+def test_a_number_that_is_none_is_told_as_jax_tells_it():
+    own, x = jit(lambda x: jnp.log(x)), np.array([-1.0])
+    assert np.isnan(own(x)[0])
+    with jax.debug_nans(True), pytest.raises(FloatingPointError, match="log"):
+        own(x)
+    with jax.debug_infs(True), pytest.raises(FloatingPointError, match="log"):
+        own(0 * x)
+
+
+def test_a_device_that_was_chosen_is_not_that_of_other_numbers():
+    own = jit(lambda x: 2 * x)
+    assert own(jax.device_put(A, jax.devices()[0])).committed
+    assert not own(A).committed
+    assert own(jax.device_put(A, jax.devices()[0])).committed
+
+
 def test_what_jax_has_in_its_cache_is_compiled_for_this_one(tmp_path):
     """XLA writes what it has read without the code of its loops, which then is not found."""
     product = jit(linear.multiplied)
@@ -74,13 +119,29 @@ def test_what_jax_has_in_its_cache_is_compiled_for_this_one(tmp_path):
             kept_now = list(tmp_path.glob("programs/*"))
             compile_thoroughly(False, keep=keep)
             jax.clear_caches()
-            programs.let_go()
+            jax.clear_caches()
             np.testing.assert_array_equal(product(A, B), A @ B)
         assert kept_now
         assert kept_now == list(tmp_path.glob("programs/*"))
     finally:
         jax.config.update("jax_compilation_cache_dir", before)
         compile_thoroughly(False, keep=True)
+
+
+def test_options_of_the_compiler_make_another_program(tmp_path):
+    with setting("jax_compilation_cache_dir", str(tmp_path)):
+        for options in (None, {"xla_backend_optimization_level": 1}):
+            executables.Executables(linear.multiplied, "product", options, (linear.multiplied,))(A, B)
+    assert len(list(tmp_path.glob("programs/*"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("jax_compilation_cache_dir", None), ("jax_enable_compilation_cache", False)]
+)
+def test_nothing_is_kept_where_jax_is_to_keep_nothing(caplog, name, value):
+    with setting(name, value), caplog.at_level("DEBUG", "flexmb"):
+        assert kept.read_program((linear.multiplied, None, (), None), (A, B)) == (None, None)
+    assert "not kept on disk" in caplog.text
 
 
 def test_programs_for_a_chosen_device_are_kept_by_jax_alone(caplog):
@@ -91,7 +152,8 @@ def test_programs_for_a_chosen_device_are_kept_by_jax_alone(caplog):
 
 
 def test_another_version_of_jax_compiles_by_itself(monkeypatch):
+    for name in ("_config", "_caches", "_passes"):
+        monkeypatch.setattr(executables, name, None)
     own = jit(lambda x: 3 * x)
-    monkeypatch.setattr(programs, "_config", None)
     np.testing.assert_array_equal(own(A), 3 * A)
     np.testing.assert_array_equal(own(A[0]), 3 * A[0])
