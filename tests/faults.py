@@ -1137,8 +1137,19 @@ FAULTS = [
     Fault("compilation/executables.py", 'f"{name}.kept"', "name", "compilation/test_executables.py -k in_its_cache"),
     Fault("compilation/executables.py", "only[0] == settings", "True", "compilation/test_executables.py -k settings"),
     Fault("compilation/executables.py", "_config.disable_jit, ", "", "compilation/test_executables.py -k settings"),
-    Fault("compilation/executables.py", "_config.debug_nans, ", "", "compilation/test_executables.py -k none"),
-    Fault("compilation/executables.py", ", _config.debug_infs)", ")", "compilation/test_executables.py -k none"),
+    Fault(
+        "compilation/executables.py",
+        "_config.debug_nans, _config.debug_infs)",
+        "_config.debug_infs,)",
+        "compilation/test_executables.py -k none",
+    ),
+    Fault("compilation/executables.py", ", _config.debug_infs))", ",))", "compilation/test_executables.py -k none"),
+    Fault(
+        "compilation/executables.py",
+        "others = _config.debug_nans, ",
+        "others = ",
+        "compilation/test_executables.py -k none",
+    ),
     Fault(
         "compilation/executables.py",
         "settings, tuple([(leaf.shape, leaf.dtype) for leaf in leaves])",
@@ -1147,8 +1158,8 @@ FAULTS = [
     ),
     Fault(
         "compilation/executables.py",
-        "if any(getattr(leaf,",
-        "if False and any(getattr(leaf,",
+        "or any(getattr(leaf,",
+        "or False and any(getattr(leaf,",
         "compilation/test_executables.py -k device_that_was_chosen",
     ),
     Fault("compilation/executables.py", "(*things, options)", "things", "compilation/test_executables.py -k options"),

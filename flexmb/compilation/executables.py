@@ -54,29 +54,33 @@ class Executables:
 
     def __call__(self, *leaves: Any):
         """Result for arrays."""
-        # What looks for NaN in results runs a function anew, operation by operation.
-        if _passes is None or any(one.value for one in (_config.disable_jit, _config.debug_nans, _config.debug_infs)):
+        if _passes is None:
             return self._by_jax(*leaves)
-        settings, only = _config.trace_context(), self._only
-        # A program refuses what it was not compiled for before it runs, but takes long to say why.
+        settings, only = _settings(), self._only
         if only is not None and only[0] == settings:
-            with contextlib.suppress(TypeError, ValueError):
+            # A program refuses what it was not compiled for before it runs, but takes long to say why.
+            try:
                 return only[1](*leaves)
+            except (TypeError, ValueError):
+                pass
         kind = settings, tuple([(leaf.shape, leaf.dtype) for leaf in leaves])
         program = self._found.get(kind)
         if program is None:
-            program = self._program(leaves)
-            self._only = (settings, program) if not self._found else None
-            self._found[kind] = program
+            program = self._found[kind] = self._program(leaves)
+            self._only = (settings, program) if len(self._found) == 1 and program is not self._by_jax else None
         try:
             return program(*leaves)
         except (TypeError, ValueError):
+            if program is self._by_jax:
+                raise
             # It refuses them too where they lie on another device.
             return self._by_jax(*leaves)
 
     def _program(self, leaves: tuple[Any, ...]) -> Callable[..., Any]:
-        if any(getattr(leaf, "committed", False) for leaf in leaves):
-            # A device that was chosen is not to be that of other numbers.
+        # What looks for NaN in results runs a function anew, operation by operation.
+        by_operations = any(one.value for one in (_config.disable_jit, _config.debug_nans, _config.debug_infs))
+        # A device that was chosen is not to be that of other numbers.
+        if by_operations or any(getattr(leaf, "committed", False) for leaf in leaves):
             return self._by_jax
         path, program = (None, None) if self._things is None else read_program(self._things, leaves)
         if program is not None:
@@ -87,6 +91,12 @@ class Executables:
             program = _compiled(self._apart, leaves)
         write_program(path, program)
         return program
+
+
+def _settings() -> tuple[Any, ...]:
+    """Settings of JAX that its programs depend on."""
+    others = _config.debug_nans, _config.debug_infs, _config.optimization_level, _config.memory_fitting_level
+    return (_config.trace_context(), *[one.value for one in others])
 
 
 def _compiled(own: Any, leaves: tuple[Any, ...]) -> jax.stages.Compiled:
