@@ -34,6 +34,7 @@ PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
 LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
 KNOWN = {"flexmb", *LIBRARIES, *sys.stdlib_module_names}
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
+WITHOUT_ARRAYS = {*PLAIN, types.FunctionType, property, classmethod, staticmethod}
 # Names that libraries give to a function beside its own.
 ALIASES = {"ds", "swish", "hard_swish", "permute_dims", "random_gamma_grad", "checking_leaks"}
 # What these hold chooses how code is compiled or written, not what is traced.
@@ -258,6 +259,9 @@ def _machine(chosen: Any) -> tuple[int, str]:
 
 def _arrays_in(thing: Any) -> Iterator[np.ndarray]:
     """Arrays within what can be described."""
+    if type(thing) in WITHOUT_ARRAYS:
+        # Most of what a module holds, which is soon said.
+        return
     if isinstance(thing, np.ndarray):
         yield thing
     elif isinstance(thing, list | tuple):
