@@ -1146,8 +1146,8 @@ FAULTS = [
     Fault("compilation/executables.py", ", _config.debug_infs))", ",))", "compilation/test_executables.py -k none"),
     Fault(
         "compilation/executables.py",
-        "others = _config.debug_nans, ",
-        "others = ",
+        'SETTINGS = ("debug_nans", ',
+        "SETTINGS = (",
         "compilation/test_executables.py -k none",
     ),
     Fault(

@@ -12,11 +12,14 @@ from .kept import read_program, write_program
 _config: Any = None
 _caches: Any = None
 _passes: Any = None
-# Where JAX has one of them elsewhere, it does all that is done here, in more time.
 with contextlib.suppress(ImportError):
     from jax._src import config as _config
     from jax._src import util as _caches
     from jaxlib.mlir import passmanager as _passes
+SETTINGS = ("debug_nans", "debug_infs", "optimization_level", "memory_fitting_level")
+_USED = ("trace_context", "disable_jit", "persistent_cache_min_compile_time_secs", *SETTINGS)
+# A JAX that has one of them elsewhere does all that is done here by itself, in more time.
+_is_known = hasattr(_caches, "register_cache") and _passes is not None and all(hasattr(_config, of) for of in _USED)
 
 
 class Executables:
@@ -40,7 +43,7 @@ class Executables:
         self._apart = named(function, f"{name}.kept", options)
         self._things = None if things is None else (*things, options)
         self.cache_clear()
-        if _caches is not None:
+        if _is_known:
             _caches.register_cache(self, name)
 
     def cache_clear(self) -> None:
@@ -54,7 +57,7 @@ class Executables:
 
     def __call__(self, *leaves: Any):
         """Result for arrays."""
-        if _passes is None:
+        if not _is_known:
             return self._by_jax(*leaves)
         settings, only = _settings(), self._only
         if only is not None and only[0] == settings:
@@ -95,8 +98,7 @@ class Executables:
 
 def _settings() -> tuple[Any, ...]:
     """Settings of JAX that its programs depend on."""
-    others = _config.debug_nans, _config.debug_infs, _config.optimization_level, _config.memory_fitting_level
-    return (_config.trace_context(), *[one.value for one in others])
+    return (_config.trace_context(), *[getattr(_config, name).value for name in SETTINGS])
 
 
 def _compiled(own: Any, leaves: tuple[Any, ...]) -> jax.stages.Compiled:
