@@ -40,8 +40,8 @@ ALIASES = {"ds", "swish", "hard_swish", "permute_dims", "random_gamma_grad", "ch
 # What these hold chooses how code is compiled or written, not what is traced.
 UNTRACED = (
     "flexmb.compilation.compile",
+    "flexmb.compilation.executables",
     "flexmb.compilation.kept",
-    "flexmb.compilation.programs",
     "flexmb.cli",
     "flexmb.fmu.primitives",
 )
