@@ -1162,6 +1162,13 @@ FAULTS = [
         "or False and any(getattr(leaf,",
         "compilation/test_executables.py -k device_that_was_chosen",
     ),
+    Fault("compilation/executables.py", "if not _is_known:", "if False:", "compilation/test_executables.py -k another"),
+    Fault(
+        "compilation/executables.py",
+        "            if program is self._by_jax:\n                raise\n",
+        "",
+        "compilation/test_executables.py -k traced_once",
+    ),
     Fault("compilation/executables.py", "(*things, options)", "things", "compilation/test_executables.py -k options"),
     Fault("compilation/executables.py", "_caches.register_cache(self, name)", "pass", "compilation/test_room.py"),
     Fault(

@@ -148,20 +148,16 @@ def write_program(path: Path, program: jax.stages.Compiled) -> None:
         path: Of :func:`read_program`.
         program: As it was compiled in this process: what was read from a disk cannot be written.
     """
-    try:
-        _write_program(path, program)
-    except Exception as reason:
-        logging.getLogger("flexmb").debug("%s is not kept: %s", program, reason)
-
-
-def _write_program(path: Path, program: jax.stages.Compiled) -> None:
     from jax.experimental.serialize_executable import serialize
 
-    code, _, results = serialize(program)
-    names = json.dumps(_named(jax.tree.unflatten(results, range(results.num_leaves)))).encode()
-    if jax.tree.structure(_built(json.loads(names))) != results:
-        raise TypeError("its result holds what cannot be written down")
-    _write(path, names, zlib.compress(code, 1))
+    try:
+        code, _, results = serialize(program)
+        names = json.dumps(_named(jax.tree.unflatten(results, range(results.num_leaves)))).encode()
+        if jax.tree.structure(_built(json.loads(names))) != results:
+            raise TypeError("its result holds what cannot be written down")
+        _write(path, names, zlib.compress(code, 1))
+    except Exception as reason:
+        logging.getLogger("flexmb").debug("%s is not kept: %s", program, reason)
 
 
 def _check(*parts: bytes) -> bytes:
