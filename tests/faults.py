@@ -1123,6 +1123,31 @@ FAULTS = [
         '"always"',
         "compilation/test_host.py -k beyond",
     ),
+    Fault(
+        "compilation/slim.py",
+        'b"parameter":\n        return instruction',
+        'b"parameter":\n        return None',
+        "compilation/test_slim.py -k same",
+    ),
+    Fault("compilation/slim.py", "not any(_all(whole, IS_BODY))", "True", "compilation/test_slim.py -k same"),
+    Fault(
+        "compilation/slim.py", "(NAME, SHAPE, INSTRUCTION)", "(NAME, INSTRUCTION)", "compilation/test_slim.py -k same"
+    ),
+    Fault(
+        "compilation/slim.py", "_all(instruction, INSTRUCTION) != [root]", "False", "compilation/test_slim.py -k same"
+    ),
+    Fault(
+        "compilation/slim.py",
+        "__version__ not in KNOWN or",
+        "__version__ is None or",
+        "compilation/test_slim.py -k known",
+    ),
+    Fault("compilation/slim.py", 'or jax.default_backend() != "cpu":', ":", "compilation/test_slim.py -k known"),
+    Fault("compilation/slim.py", "if end > len(message):", "if False:", "compilation/test_slim.py -k cut_off"),
+    Fault("compilation/slim.py", "if not count:", "if False:", "compilation/test_slim.py -k cut_off"),
+    Fault(
+        "compilation/kept.py", "        return slim(code)", "        return code", "compilation/test_slim.py -k on_disk"
+    ),
     Fault("compilation/kept.py", "    program_on_disk(program)\n", "", "compilation/test_kept.py -k calls_the_host"),
     Fault("compilation/kept.py", "if chosen is not None:", "if False:", "compilation/test_executables.py -k chosen"),
     Fault(

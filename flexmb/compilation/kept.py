@@ -42,6 +42,7 @@ UNTRACED = (
     "flexmb.compilation.compile",
     "flexmb.compilation.executables",
     "flexmb.compilation.kept",
+    "flexmb.compilation.slim",
     "flexmb.cli",
     "flexmb.fmu.primitives",
 )
@@ -155,9 +156,20 @@ def write_program(path: Path, program: jax.stages.Compiled) -> None:
         names = json.dumps(_named(jax.tree.unflatten(results, range(results.num_leaves)))).encode()
         if jax.tree.structure(_built(json.loads(names))) != results:
             raise TypeError("its result holds what cannot be written down")
-        _write(path, names, zlib.compress(code, 1))
+        _write(path, names, zlib.compress(_as_kept(code), 1))
     except Exception as reason:
         logging.getLogger("flexmb").debug("%s is not kept: %s", program, reason)
+
+
+def _as_kept(code: bytes) -> bytes:
+    """A program without what only takes time to load, or whole where it is written as is not known."""
+    from .slim import slim
+
+    try:
+        return slim(code)
+    except ValueError as reason:
+        logging.getLogger("flexmb").debug("a program is kept whole: %s", reason)
+        return code
 
 
 def _check(*parts: bytes) -> bytes:

@@ -1,0 +1,125 @@
+"""Programs without the bodies of their fusions are the same programs."""
+
+import io
+import pickle
+import zlib
+
+import jax
+import jax.numpy as jnp
+import jaxlib.version
+import numpy as np
+import pytest
+from jax.experimental.serialize_executable import deserialize_and_load, serialize
+
+from flexmb.compilation import kept, slim
+from flexmb.compilation.compile import jit
+from flexmb.compilation.executables import _config, named
+from flexmb.compilation.slim import slim as without_bodies
+from flexmb.math import linear
+
+X = np.linspace(0.1, 2.0, 12)
+
+
+def compiled_here(function):
+    """What JAX finds in its cache cannot be written again."""
+    with _config.persistent_cache_min_compile_time_secs(np.inf):
+        return named(function, f"{function.__name__}.kept", None).lower(X).compile()
+
+
+def chained(x):
+    return jnp.sin(x) * jnp.exp(-x) + 2.0
+
+
+def several(x):
+    # Results of one kernel, a sum and what it is made of.
+    y = jnp.cos(x) ** 2 + x
+    return y, jnp.sum(y), y[::-1] > 1.5
+
+
+def loop(x):
+    def body(state):
+        count, y = state
+        return count + 1, jnp.where(y > 1.0, jnp.sqrt(y) + 0.1, y * 1.7 - 0.2)
+
+    return jax.lax.while_loop(lambda state: state[0] < 20, body, (0, x))
+
+
+def choice(x):
+    return jax.lax.cond(x[0] > 0.0, lambda y: jnp.tanh(y) * y, lambda y: y - 3.0 * y**2, x)
+
+
+def factored(x):
+    matrix = jnp.outer(x, x) + jnp.diag(x + 1.0)
+    return jnp.linalg.cholesky(matrix) @ jnp.sort(x * 3.0 % 1.0)
+
+
+def placed(x):
+    return jnp.zeros(20).at[3:15].add(x * x).at[jnp.array([0, 2, 19])].set(x[:3] + 1.0)
+
+
+def turned(x):
+    return jax.vmap(lambda y: jax.lax.associative_scan(jnp.multiply, y * 1.1))(x.reshape(3, 4))
+
+
+@pytest.mark.parametrize("function", [chained, several, loop, choice, factored, placed, turned])
+def test_it_says_bit_by_bit_the_same(function):
+    compiled = compiled_here(function)
+    code, arguments, results = serialize(compiled)
+    quick = without_bodies(code)
+    own = deserialize_and_load(quick, arguments, results)
+    for one, other in zip(jax.tree.leaves(own(X)), jax.tree.leaves(compiled(X)), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert len(quick) < len(code)
+    # In the text of a program each kernel has its parameters, and one operation that stands for all of its own.
+    whole, text = compiled.as_text(), own.as_text()
+    bodies = [part.splitlines()[1:-1] for part in text.split("\n\n") if part.startswith("%fused")]
+    assert bodies
+    for body in bodies:
+        assert [" parameter(" in line for line in body].count(False) == 1
+        assert ["custom-call()" in line for line in body].count(True) == 1
+    assert text.count(" parameter(") == whole.count(" parameter(")
+    assert text.count("fusion(") == whole.count("fusion(")
+
+
+@pytest.mark.parametrize(("version", "platform"), [("0.11.0", "cpu"), (slim.KNOWN[0], "gpu")])
+def test_what_is_not_known_stays_whole(monkeypatch, version, platform):
+    code = serialize(compiled_here(chained))[0]
+    monkeypatch.setattr(jaxlib.version, "__version__", version)
+    monkeypatch.setattr(jax, "default_backend", lambda: platform)
+    with pytest.raises(ValueError, match="is not known"):
+        without_bodies(code)
+    assert kept._as_kept(code) == code
+
+
+def code_of(program: bytes) -> bytes:
+    """What XLA wrote of it."""
+    found = []
+
+    class Reader(pickle.Unpickler):
+        def persistent_load(self, pid):
+            found.extend(pid[1:] if pid[0] == "exec" else [])
+            raise pickle.UnpicklingError
+
+    with pytest.raises(pickle.UnpicklingError):
+        Reader(io.BytesIO(program)).load()
+    return found[0]
+
+
+def test_what_is_cut_off_is_refused():
+    code = code_of(serialize(compiled_here(several))[0])
+    assert slim._slim(code) != code
+    for end in [*range(0, len(code), 97), len(code) - 1]:
+        with pytest.raises(ValueError, match=r"ends within|goes beyond|is missing|unpack"):
+            slim._slim(code[:end])
+
+
+def test_so_are_programs_on_disk(tmp_path):
+    product = jit(linear.multiplied)
+    before = jax.config.values["jax_compilation_cache_dir"]
+    jax.clear_caches()
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    np.testing.assert_array_equal(product(X[None, :, None], X[None, None]), np.outer(X, X)[None])
+    jax.config.update("jax_compilation_cache_dir", before)
+    (file,) = tmp_path.glob("programs/*")
+    code = code_of(zlib.decompress(file.read_bytes().split(b"\n", 2)[2]))
+    assert slim._slim(code) == code
