@@ -6,6 +6,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
+from jax.scipy.linalg import block_diag
 from jaxtyping import Array, Float
 
 from ..math.quadrature import gauss, legendre_coefficients
@@ -222,19 +223,25 @@ def _inertia(
     shear: bool = False,
     curvature: float | None = None,
 ):
-    """Position of end p, then stretched directions and directions at the nodes of the quadrature.
+    """Position of end p and stretched directions at the nodes of the quadrature; turn of end p and curvature, by zeros.
 
-    Positions are sums of the former, so that what varies is done place by place, and the sums are in H.
+    Positions and angles at the nodes are sums of these, which are in H: what varies is done place by place, and angles
+    are linear in what they are sums of.
     """
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
-    directions, stretched = _stretched(rot_p[0] - ref.rot_p[0], c, ref, length, rule, curvature)
+    turn = rot_p - ref.rot_p
+    _, stretched = _stretched(turn[0], c, ref, length, rule, curvature)
+    turns = jnp.concatenate([turn, _fields_of(c, rule)[CURVATURE]])
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
-    positions = jnp.concatenate([jnp.ones((len(rule.nodes), 1)), jnp.asarray(rule.along)], axis=1)
-    own = (positions.T * masses[:, 0]) @ positions
-    n, k = own.shape[0], len(rule.nodes)
-    h = jnp.zeros((n + k, n + k)).at[:n, :n].set(own).at[n:, n:].set(jnp.diag(masses[:, 1]))
-    return jnp.concatenate([p[None], stretched, directions]), h
+    sums = [(of.T * masses[:, k]) @ of for k, of in enumerate((_beside_one(rule.along), _beside_one(rule.angles)))]
+    vectors = jnp.concatenate([p[None], stretched, jnp.stack([turns, jnp.zeros_like(turns)], axis=1)])
+    return vectors, block_diag(*sums)
+
+
+def _beside_one(integrals: Float[Array, "n k"] | np.ndarray) -> Float[Array, "n 1+k"]:
+    """What makes positions or angles at the nodes: that of end p, and integrals from there."""
+    return jnp.concatenate([jnp.ones((integrals.shape[0], 1)), jnp.asarray(integrals)], axis=1)
 
 
 def _turn(lever: Float[Array, "*n 2"], force: Float[Array, "*n 2"]):
@@ -259,7 +266,7 @@ def _resultants(
     curvature: float | None = None,
 ):
     """Statics of the part beyond the place."""
-    length, axes, directions, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
+    length, axes, _, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
     # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
     force, moment = jnp.split(sigma[:3], (2,))
@@ -268,8 +275,8 @@ def _resultants(
         masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * length
         n = masses.shape[0] + 1
         pulls = masses[:, :1] * ((fall[0] + rule.along @ fall[1:n]) @ axes)
-        turning = masses[:, 1:] * (fall[n:] @ axes)
-        moments = _turn(rule.along @ stretched, pulls) + _turn(directions, turning)
+        turning = masses[:, 1] * (_beside_one(rule.angles) @ fall[n:, 0])
+        moments = _turn(rule.along @ stretched, pulls) + turning
         loads = jnp.concatenate([pulls, moments[:, None]], axis=1).reshape(-1, len(rule.inner), 3)
         wrench = wrench + rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
     (x, y), bending = wrench[:2], wrench[2] - _turn(reached, wrench[:2])
