@@ -414,7 +414,7 @@ def test_heavy_cubic_beams_converge_with_order_two():
     assert np.all(errors[-1] < 1e-3 * abs(z[2]))
 
 
-def hinged(element, released):
+def hinged(element, released, section=THICK):
     """A bar from a hinge at the origin, under gravity across."""
     space = len(element.nodes["p"].start) == 3
     b = fm.Builder()
@@ -425,25 +425,46 @@ def hinged(element, released):
         b.add(spatial.hinge, "axle", "pivot", axis=(0, 0, 1))
         b.fix("axle")
     b.fix("pivot", "position")
-    b.add(element, "pivot", "tip", name="bar", section=THICK, released=released, **({"y": (0, 0, -1)} if space else {}))
+    b.add(
+        element, "pivot", "tip", name="bar", section=section, released=released, **({"y": (0, 0, -1)} if space else {})
+    )
     b.gravity((0, -LIGHT, 0) if space else (0, -LIGHT))
     return b.build()
 
 
-def falling(s):
-    """Shear force over w L and bending moment over w L^2 of a bar that starts to fall from the horizontal."""
-    return -(1 - s) * (1 - 3 * s) / 4, -s * (1 - s) ** 2 / 4
+def falling(s, rotary=0.0):
+    """Shear force over w L and bending moment over w L^2 of a bar that starts to fall from the horizontal.
+
+    Args:
+        s: Places, over the length.
+        rotary: Rotary inertia over mass, and over the length squared.
+    """
+    # Acceleration of the tip, over g.
+    a = -1 / (2 / 3 + 2 * rotary)
+    moment = (1 - s) ** 2 / 2 + a * (1 / 3 - s / 2 + s**3 / 6 + rotary * (1 - s))
+    return -(1 - s) - a * (1 - s**2) / 2, moment
 
 
-def test_bar_that_falls_about_a_hinge():
-    """M = w L^2 s (1 - s)^2/4 as it starts from rest: weight less inertia, that of a falling chimney. Closed form."""
+@pytest.mark.parametrize("rotary", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("element", "released"),
+    [(planar.beam, (1,)), (planar.spectral_beam(2), (4, 5))],
+    ids=["beam", "spectral"],
+)
+def test_bar_that_falls_about_a_hinge(element, released, rotary):
+    """M = w L^2 s (1 - s)^2/4 as it starts from rest: weight less inertia, that of a falling chimney. Closed form.
+
+    Rotary inertia of its sections adds to its moment of inertia, and to the bending moment what turns each section.
+    """
     # It stretches alone, so that it turns as a rigid bar and the bending moments are multipliers.
-    model = hinged(planar.beam, released=(1,))
+    mass = WEIGHT / LIGHT
+    section = fm.Rigidity(EA=1e6, EIy=1.0, mass=mass, Jy=rotary * mass * L**2)
+    model = hinged(element, released, section)
     along = fm.motion.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
     found = fm.linear.section_resultants(model, at=along.instant(0))
     s, scale = np.asarray(found.places), WEIGHT * L
     # Local z is the global y, and local y points into the plane.
-    shear, moment = falling(s)
+    shear, moment = falling(s, rotary)
     np.testing.assert_allclose(found.values[0, :, 2] / scale, shear, rtol=0, atol=1e-5)
     np.testing.assert_allclose(found.values[0, :, 4] / scale / L, moment, rtol=0, atol=1e-5)
 
