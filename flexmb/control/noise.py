@@ -334,8 +334,8 @@ def _band(band: Any) -> tuple[float, float]:
     return low, high
 
 
-def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "n_f"]:
-    """Density of a source at all frequencies."""
+def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "*n_f"]:
+    """Density of a source at all frequencies, or one for all of them."""
     found: Any = given(grid) if callable(given) else given
     check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
     if is_concrete(found) and np.any(np.asarray(found) < 0):

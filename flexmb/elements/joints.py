@@ -64,7 +64,7 @@ def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:
 
 
 def _hinge(
-    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "3"], axis: Float[Array, "3"]
+    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "n_e"], axis: Float[Array, "3"]
 ) -> Float[Array, "3"]:
     """Rotation about the hinge axis, and the two tilts of the axis [rad]."""
     return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
@@ -121,7 +121,7 @@ def _screw(
     rot_q: Rotation3,
     *,
     ref: Reference,
-    near: Float[Array, "6"],
+    near: Float[Array, "n_e"],
     axis: Float[Array, "3"],
     pitch: float,
 ) -> Float[Array, "6"]:
@@ -145,7 +145,7 @@ def _gear(
     rot_q: Rotation3,
     *,
     ref: Reference,
-    near: Float[Array, "2"],
+    near: Float[Array, "n_e"],
     axis_p: Float[Array, "3"],
     axis_q: Float[Array, "3"],
     ratio: float,

@@ -104,7 +104,7 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     return _by_series(width, thickness)
 
 
-def _by_series(width: Scalar, thickness: Scalar) -> Scalar:
+def _by_series(width: float | Float[Array, "*n"], thickness: float | Float[Array, "*n"]) -> float | Float[Array, "*n"]:
     """Torsion constant of sides that are positive, of one section or of many."""
     xp = _library(width, thickness)
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)

@@ -465,7 +465,7 @@ element type of its own, ``spring_damper(law)``.
 
 
 def _rotary_spring_damper(
-    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "1"], axis: Float[Array, "3"]
+    rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "n_e"], axis: Float[Array, "3"]
 ) -> Float[Array, "1"]:
     """Rotation of the body q about an axis of the body p, counted past full turns [rad]."""
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]

@@ -323,8 +323,8 @@ def _check(
     ref: Reference,
     shear: bool,
     section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
+    y: Float[Array, "*n 3"] | None = None,
+    curvature: Float[Array, "*n 3"] | None = None,
 ) -> list[str]:
     size = None if curvature is None else np.linalg.norm(np.asarray(curvature), axis=-1)
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)

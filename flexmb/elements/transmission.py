@@ -18,7 +18,7 @@ from .sections import Damping, Scalar, Section
 
 
 def _gear(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, near: Float[Array, "2"], ratio: float
+    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, near: Float[Array, "n_e"], ratio: float
 ) -> Float[Array, "2"]:
     """Rotation mismatch of two meshing gears, seen at gear p, and turn of gear p relative to the line of centres."""
     turn = rot_p[0] - ref.rot_p[0]
@@ -92,7 +92,7 @@ def _belt(
     rot_q: Angle,
     *,
     ref: Reference,
-    near: Float[Array, "3"],
+    near: Float[Array, "n_e"],
     radius_p: float,
     radius_q: float,
 ) -> Float[Array, "3"]:
@@ -116,7 +116,13 @@ def _belt_energy(
 
 
 def _belt_dissipation(
-    e: Float[Array, "3"], ed: Float[Array, "3"], *, ref: Reference, damping: Damping, radius_p: float, radius_q: float
+    e: Float[Array, "n_e"],
+    ed: Float[Array, "n_e"],
+    *,
+    ref: Reference,
+    damping: Damping,
+    radius_p: float,
+    radius_q: float,
 ) -> Float[Array, ""]:
     return damping.EA * ed[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
@@ -170,7 +176,7 @@ negative to the right), section (EA), damping (EA). Without a section it does no
 
 
 def _belt_to_point(
-    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, near: Float[Array, "2"], radius_p: float
+    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, near: Float[Array, "n_e"], radius_p: float
 ) -> Float[Array, "2"]:
     """Elongation, and turn of the pulley relative to the belt."""
     stretch, turn_p = _turns(p, rot_p, q, ref=ref, near=near[1], radius_p=radius_p, radius_q=0.0)

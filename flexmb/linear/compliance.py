@@ -165,7 +165,7 @@ def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local:
 @jit
 def _unit_forces(
     x: Float[Array, "n_x"], parts: tuple[Any, ...], free: Int[Array, "n"], held: Int[Array, "h"], *, local: bool
-) -> Float[Array, "r n"]:
+) -> Float[Array, "n_and_h r"]:
     """Unit forces along displacements and about rotations, on the coordinates that move, and none on multipliers."""
     rows = _directions(x, parts, local)
     along = jnp.zeros((sum(row.shape[0] for row in rows), x.shape[0]))

@@ -101,7 +101,7 @@ class Matrices(Result, Record):
     turning: Float[Array, "n_x n_x"] | None = None
 
     @property
-    def K(self) -> Float[Array, "n_q n_q"]:
+    def K(self) -> Float[Array, "*states n_q n_q"]:
         """Whole stiffness K0 + N0 + G0."""
         return computed(lambda _, *parts: sum(parts), self.K0, self.N0, self.G0)
 

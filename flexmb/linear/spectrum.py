@@ -131,8 +131,8 @@ def _eigenvalues(
     k: Float[Array, "n n"],
     m: Float[Array, "n n"],
     shift: Float[Array, ""],
-    mu: Float[Array, "n"],
-    w: Float[Array, "n n"],
+    mu: Float[Array, "k"],
+    w: Float[Array, "n k"],
 ) -> tuple[Any, Any, Any]:
     """Eigenvalues, infinite for motions without mass, their vectors, and how far round-off may move them.
 

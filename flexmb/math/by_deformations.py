@@ -9,7 +9,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Inexact
 
 from ..arguments import library_of
 from ..compilation.compile import jit
@@ -44,8 +44,8 @@ def spread(elements: ElementMatrices, moving: Any) -> Any:
 
 @jit
 def product(
-    elements: ElementMatrices, z: Float[Array, "r k"], values: Any = None, s: Any = None
-) -> Float[Array, "r k"]:
+    elements: ElementMatrices, z: Inexact[Array, "r k"], values: Any = None, s: Any = None
+) -> Inexact[Array, "r k"]:
     """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]].
 
     Args:
@@ -87,7 +87,7 @@ def bordered(
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
-def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "n_e k"]:
+def deformed(elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]) -> Inexact[np.ndarray, "n_e k"]:
     """Deformations of motions of all coordinates, on the host."""
     found = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
     for at, columns, own in elements.constraints:
@@ -95,14 +95,14 @@ def deformed(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> 
     return found
 
 
-def pulled(elements: ElementMatrices, sigma: Float[np.ndarray, "n_e k"]) -> Float[np.ndarray, "n_x k"]:
+def pulled(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> Inexact[np.ndarray, "n_x k"]:
     """Forces on all coordinates of stress resultants, on the host."""
     return times_transposed(elements.constraints, sigma, size=len(elements.sizes))
 
 
 def forces(
-    elements: ElementMatrices, z: Float[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
-) -> Float[np.ndarray, "r k"]:
+    elements: ElementMatrices, z: Inexact[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
+) -> Inexact[np.ndarray, "r k"]:
     """As :func:`product`, on the host.
 
     Args:
@@ -119,11 +119,11 @@ def forces(
 
 def forces_of(
     elements: ElementMatrices,
-    v: Float[np.ndarray, "n_x k"],
-    multipliers: Float[np.ndarray, "h k"] | float = 0.0,
+    v: Inexact[np.ndarray, "n_x k"],
+    multipliers: Inexact[np.ndarray, "h k"] | float = 0.0,
     transposed: bool = False,
     s: complex | None = None,
-) -> Float[np.ndarray, "r k"]:
+) -> Inexact[np.ndarray, "r k"]:
     """As :func:`forces`, of motions of all coordinates, also of those that do not move by themselves.
 
     Args:
@@ -182,11 +182,11 @@ def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray,
 def refined(
     product: Callable[[np.ndarray], np.ndarray],
     solve: Callable[[np.ndarray], np.ndarray],
-    right: Float[np.ndarray, "r k"],
+    right: Inexact[np.ndarray, "r k"],
     sizes: Float[np.ndarray, "n"],
     left: float = LEFT,
     soft: float | None = None,
-) -> Float[np.ndarray, "r k"]:
+) -> Inexact[np.ndarray, "r k"]:
     """Solution of A z = right, corrected until it is that of a product which is less spoilt than the factors.
 
     Args:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Inexact
 
 from ..compilation.compile import jit
 from .indices import accumulate
@@ -87,7 +87,7 @@ def _are_known(pieces: Pieces, vectors: Any) -> bool:
 
 
 @jit
-def _times(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+def _times(pieces: Pieces, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
     found: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
         found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns]))
@@ -102,7 +102,7 @@ def times_transposed(pieces: Pieces, vectors: Any, *, size: int) -> Any:
 
 
 @jit
-def _times_transposed(pieces: Pieces, vectors: Float[Array, "n k"], *, size: int) -> Float[Array, "size k"]:
+def _times_transposed(pieces: Pieces, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
     return times(_turned(pieces), vectors, size=size)
 
 

@@ -32,7 +32,7 @@ def uneven(n: int, first: int = 0, xp: Any = np) -> Any:
     return xp.cos(xp.arange(float(first), first + n) ** 2)
 
 
-def multiplied(a: Float[Array, "*n i j"], b: Float[Array, "*n j k"]) -> Float[Array, "*n i k"]:
+def multiplied(a: Float[Array, "*#n i j"], b: Float[Array, "*#n j k"]) -> Float[Array, "*#n i k"]:
     """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them."""
     if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:
         return a @ b

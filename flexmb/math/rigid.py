@@ -90,7 +90,7 @@ def turn_parameters(v: Float[Array, "n 6"]) -> Float[Array, "n 4"]:
     return jnp.concatenate([found[:, :1], found[:, 1:] * half], axis=1)
 
 
-def compose_turns(a: Float[Array, "*n 4"], b: Float[Array, "*n 4"]) -> Float[Array, "*n 4"]:
+def compose_turns(a: Float[Array, "*#n 4"], b: Float[Array, "*#n 4"]) -> Float[Array, "*#n 4"]:
     """Euler parameters of a rotation after which another is made about axes that turn along.
 
     Args:

@@ -125,8 +125,8 @@ def cubic(
 
 def _polyline(
     corners: Float[np.ndarray, "elements n d"], places: Float[np.ndarray, "places"]
-) -> Float[np.ndarray, "elements places d"]:
-    """Straight lines from point to point."""
+) -> Float[np.ndarray, "elements #places d"]:
+    """Straight lines from point to point; of one point it alone."""
     count = corners.shape[1]
     if count == 1:
         return corners

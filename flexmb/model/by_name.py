@@ -51,7 +51,7 @@ class ByName:
         """
         return _picked(self.x, self.labels.known(node))
 
-    def position(self: Any, node: str, component: str | None = None) -> Float[Array, "*states axes"]:
+    def position(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Where a node is.
 
         Args:
@@ -70,7 +70,7 @@ class ByName:
             )
         return self._placed(self.x, node, component)
 
-    def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+    def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How far a node is turned from the global axes.
 
         Args:
@@ -86,7 +86,7 @@ class ByName:
         """
         return self._turned(self.x, node, component, lambda _, own: _vectors(own))
 
-    def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+    def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Velocities of a node's coordinates; of its rotation see :meth:`angular_velocity`.
 
         Args:
@@ -102,7 +102,7 @@ class ByName:
         """
         return self._placed(_held(self, "xd"), node, component)
 
-    def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+    def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Accelerations of a node's coordinates, as :meth:`velocity`.
 
         Args:
@@ -118,7 +118,7 @@ class ByName:
         """
         return self._placed(_held(self, "xdd"), node, component)
 
-    def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+    def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How fast a node turns.
 
         Args:
@@ -134,7 +134,7 @@ class ByName:
         """
         return self._turned(_held(self, "xd"), node, component, _about_axes)
 
-    def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "*states _n"]:
+    def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Rate of :meth:`angular_velocity`.
 
         Args:
@@ -150,7 +150,7 @@ class ByName:
         """
         return self._turned(_held(self, "xdd"), node, component, _about_axes)
 
-    def reaction(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+    def reaction(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Force and moment of the support on the mechanism at a node, zero where nothing is held.
 
         Args:
@@ -167,7 +167,7 @@ class ByName:
         """
         return self._acting(_held(self, "reactions"), node, component)
 
-    def force_needed(self: Any, node: str, component: str | None = None) -> Float[Array, "*states n"]:
+    def force_needed(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """What must act on the mechanism at a node from outside, so that it is in the state that it is in.
 
         Loads and supports together, without weight: where a coordinate is prescribed, what its drive has to give; where
@@ -189,7 +189,7 @@ class ByName:
         """
         return self._acting(_held(self, "external"), node, component)
 
-    def deformation(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
+    def deformation(self: Any, element: str, number: int | None = None) -> Float[Array, "..."]:
         """Deformations of an element.
 
         Args:
@@ -205,7 +205,7 @@ class ByName:
         """
         return _picked(_held(self, "e"), self.labels.deformations(element, number))
 
-    def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "*states n"]:
+    def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "..."]:
         """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
 
         Args:
@@ -247,7 +247,7 @@ class ByName:
         return _along_axes(self.labels, self.x, values, node, component, 0.5)
 
 
-def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "*shapes n"]:
+def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
     """Displacements, then rotations about global axes, of small motions about a state.
 
     Args:

@@ -1,7 +1,7 @@
 """Whether a mechanism is put where its elements stretch though they could as well bend; on the host."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from ..checks.mobility import constraints, motions_of
 from ..display import listed, short
@@ -20,7 +20,7 @@ NAMED = 3
 
 
 def needless_strain(
-    model: Model, e: Float[np.ndarray, "n_e"], kept: Float[np.ndarray, "k"]
+    model: Model, e: Float[np.ndarray, "n_e"], kept: Bool[np.ndarray, "n_q"]
 ) -> tuple[float, float, list[str]] | None:
     """Elastic energy of deformations, the least there is with some of them kept, and which would relax most.
 
