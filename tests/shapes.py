@@ -9,7 +9,9 @@ import collections
 import functools
 import gc
 import inspect
+import os
 import sys
+import tempfile
 import types
 import typing
 from pathlib import Path
@@ -20,6 +22,8 @@ import jaxtyping
 import numpy as np
 import pytest
 
+# What is read from a cache is not traced, and its functions are not called.
+os.environ["FLEXMB_CACHE"] = tempfile.mkdtemp()
 PACKAGE = str(Path(__file__).parents[1] / "flexmb")
 _functions: dict[types.CodeType, types.FunctionType] = {}
 _said: dict[types.CodeType, dict[str, list[Any]]] = {}

@@ -117,7 +117,7 @@ def _belt_energy(
 
 def _belt_dissipation(
     e: Float[Array, "n_e"],
-    ed: Float[Array, "n_e"],
+    ed: Float[Array, "n_d"],
     *,
     ref: Reference,
     damping: Damping,
