@@ -1,17 +1,21 @@
 """What threads of LAPACK are worth: kernels in one thread, as the package runs them, and in as many as there are.
 
 Equilibrium and frequencies of a cantilever of planar beams, on a machine that does nothing else and beside one other
-busy process. ``python benchmarks/threads.py`` prints the table that README quotes and writes results/threads.json.
+busy process. And what XLA's own are, which are as many as there are cores unless ``NPROC`` says otherwise when Python
+starts. ``python benchmarks/threads.py`` prints the tables that README quotes and writes results/threads.json.
 """
 
 import contextlib
 import functools
 import os
+import statistics
 import subprocess
 import sys
+import time
 
 SIZES = (16, 32, 64, 128)
 RUNS = 7
+ASKED = ("pendulum of one spectral beam", "pendulum of sixteen beams, as a chain", "guide in space")
 
 
 def cantilever(beams: int):
@@ -44,6 +48,62 @@ def busy(others: int):
         for one in running:
             one.kill()
             one.wait()
+
+
+def asked(what: str) -> None:
+    """Say how long one of ``ASKED`` takes in this process by the clock and of the processor [s], and a number of it.
+
+    Args:
+        what: Which.
+    """
+    import numpy as np
+    import swing
+    from motion import guide
+
+    import flexmb as fm
+
+    fm.enable_x64()
+    fm.enable_cache()
+    order, rtol, form = (9, 3e-2, None) if "spectral" in what else (None, 1e-3, "chain")
+    model = guide(False) if "guide" in what else swing.pendulum(16 if order is None else 1, order)
+    settings = {"rtol": 1e-6} if "guide" in what else {"rtol": rtol, "form": form}
+    times = np.linspace(0.0, 0.02 if "guide" in what else swing.END, 11)
+
+    def question():
+        return fm.simulate(model, times, **settings).x
+
+    answer = float(np.sum(np.asarray(question())))
+    taken = []
+    for _ in range(RUNS):
+        start = time.perf_counter(), time.process_time()
+        question()
+        taken.append((time.perf_counter() - start[0], time.process_time() - start[1]))
+    print(*[statistics.median(own) for own in zip(*taken, strict=True)], answer)
+
+
+def of_xla() -> dict[str, dict[str, list[float]]]:
+    """Of each of ``ASKED`` and both numbers of threads, medians over processes by the clock and of the processor [s]."""
+    ways = {"all threads": {}, "one thread": {"NPROC": "1"}}
+    found: dict[str, dict[str, list]] = {what: {way: [] for way in ways} for what in ASKED}
+    for _ in range(3):
+        for what in ASKED:
+            for way, around in ways.items():
+                code = f"import threads; threads.asked({what!r})"
+                said = subprocess.run(
+                    [sys.executable, "-c", code],
+                    env={**os.environ, **around},
+                    capture_output=True,
+                    text=True,
+                    check=True,
+                )
+                found[what][way].append([float(word) for word in said.stdout.split()])
+    for what, both in found.items():
+        answers = [answer for own in both.values() for *_, answer in own]
+        assert max(answers) - min(answers) <= 1e-6 * abs(answers[0]), what
+        for way, own in both.items():
+            both[way] = [statistics.median(column) for column in list(zip(*own, strict=True))[:2]]
+            print(f"{what:<40} XLA, {way}: {1e3 * both[way][0]:.1f} ms, {1e3 * both[way][1]:.1f} of the processor")
+    return found
 
 
 def main() -> None:
@@ -86,7 +146,7 @@ def main() -> None:
                     title = f"{name}, {beams} beams ({model.topology.n_x} coordinates), {where}"
                     found[title] = interleaved(variants, RUNS)
                     show(title, found[title])
-    save("threads", {"cores": os.cpu_count(), "times": found})
+    save("threads", {"cores": os.cpu_count(), "times": found, "XLA's, by the clock and of the processor [s]": of_xla()})
 
 
 if __name__ == "__main__":

@@ -23,11 +23,13 @@ import numpy as np
 import pytest
 
 # What is read from a cache is not traced, and its functions are not called.
-os.environ["FLEXMB_CACHE"] = tempfile.mkdtemp()
+_cache = tempfile.TemporaryDirectory()
+os.environ["FLEXMB_CACHE"] = _cache.name
 PACKAGE = str(Path(__file__).parents[1] / "flexmb")
 _functions: dict[types.CodeType, types.FunctionType] = {}
 _said: dict[types.CodeType, dict[str, list[Any]]] = {}
 _running: dict[int, dict[str, Any]] = {}
+_seen: set[types.CodeType] = set()
 _faults: collections.Counter[str] = collections.Counter()
 
 
@@ -76,7 +78,10 @@ def _look(frame: types.FrameType, event: str, given: Any) -> None:
         with jaxtyping.jaxtyped("context"):
             for name, value in (*taken.items(), ("return", given)):
                 own = _said[code].get(name)
-                if own and isinstance(value, jax.Array | np.ndarray) and not any(isinstance(value, one) for one in own):
+                if not own or not isinstance(value, jax.Array | np.ndarray):
+                    continue
+                _seen.add(code)
+                if not any(isinstance(value, one) for one in own):
                     kinds = " or ".join(f"{one.dtype.__name__}[{one.dim_str!r}]" for one in own)
                     where = f"{Path(code.co_filename).stem}.{code.co_qualname}: {name}"
                     _faults[f"{where} is {value.dtype}{list(value.shape)}, which is no {kinds}"] += 1
@@ -102,3 +107,9 @@ def pytest_runtest_teardown():
     found = "\n".join(_faults)
     _faults.clear()
     assert not found, f"annotations say otherwise:\n{found}"
+
+
+def pytest_terminal_summary(terminalreporter):
+    # Workers have their own.
+    if _seen:
+        terminalreporter.write_line(f"Annotations of {len(_seen)} functions were looked at.")
