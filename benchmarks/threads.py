@@ -82,7 +82,7 @@ def asked(what: str) -> None:
 
 
 def of_xla() -> dict[str, dict[str, list[float]]]:
-    """Of each of ``ASKED`` and both numbers of threads, medians over processes by the clock and of the processor [s]."""
+    """Of each of ``ASKED``, both ways, medians over processes by the clock and of the processor [s]."""
     ways = {"all threads": {}, "one thread": {"NPROC": "1"}}
     found: dict[str, dict[str, list]] = {what: {way: [] for way in ways} for what in ASKED}
     for _ in range(3):
