@@ -84,7 +84,7 @@ def of_pendulum(found: dict, run: dict) -> float:
         ("16 beams", 16, None, None, (1e-2, 1e-3, 1e-4, 1e-5)),
         ("16 beams as a chain", 16, None, "chain", (1e-2, 1e-3, 3e-4)),
         ("one spectral beam of order 4", 1, 4, None, (1e-1, 1e-2)),
-        ("one spectral beam of order 8", 1, 8, None, (1e-1, 3e-2)),
+        ("one spectral beam of order 9", 1, 9, None, (6e-2, 3e-2, 2e-2)),
         ("one spectral beam of order 12", 1, 12, None, (3e-2, 1e-2)),
         ("2 spectral beams of order 6", 2, 6, None, (1e-3, 1e-4)),
     ):

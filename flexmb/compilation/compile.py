@@ -40,9 +40,6 @@ THOROUGH = {
     "xla_backend_optimization_level": 1,
     "xla_cpu_use_fusion_emitters": False,
     "xla_llvm_disable_expensive_passes": True,
-    # Small products of matrices become code of their own: to hand each to a library and its threads takes longer. Large
-    # ones go there as before.
-    "xla_cpu_multi_thread_eigen": False,
     "xla_cpu_experimental_ynn_fusion_type": "",
 }
 # Gone since jaxlib 0.11, whose compiler refuses a name that it does not know.
