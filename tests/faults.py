@@ -1158,6 +1158,7 @@ FAULTS = [
     Fault(
         "compilation/kept.py", "        return slim(code)", "        return code", "compilation/test_slim.py -k on_disk"
     ),
+    Fault("math/linear.py", 'b: Float[Array, "*#n j k"]', 'b: Float[Array, "*#n k j"]', "test_shapes.py"),
     Fault("compilation/kept.py", "    program_on_disk(program)\n", "", "compilation/test_kept.py -k calls_the_host"),
     Fault("compilation/kept.py", "if chosen is not None:", "if False:", "compilation/test_executables.py -k chosen"),
     Fault(
