@@ -1139,7 +1139,19 @@ FAULTS = [
         'b"parameter":\n        return None',
         "compilation/test_slim.py -k same",
     ),
-    Fault("compilation/slim.py", "not any(_all(whole, IS_BODY))", "True", "compilation/test_slim.py -k same"),
+    Fault(
+        "compilation/slim.py",
+        "if number in bodies else whole",
+        "if False else whole",
+        "compilation/test_slim.py -k same",
+    ),
+    Fault("compilation/slim.py", ' and _all(one, KIND) == [b"kLoop"]', "", "compilation/test_slim.py -k stay_whole"),
+    Fault(
+        "compilation/kept.py",
+        '    except Exception as reason:\n        logging.getLogger("flexmb").debug("a program is kept whole',
+        '    except ValueError as reason:\n        logging.getLogger("flexmb").debug("a program is kept whole',
+        "compilation/test_slim.py -k cannot_be_read",
+    ),
     Fault(
         "compilation/slim.py", "(NAME, SHAPE, INSTRUCTION)", "(NAME, INSTRUCTION)", "compilation/test_slim.py -k same"
     ),

@@ -81,7 +81,12 @@ def _look(frame: types.FrameType, event: str, given: Any) -> None:
                 if not own or not isinstance(value, jax.Array | np.ndarray):
                     continue
                 _seen.add(code)
-                if not any(isinstance(value, one) for one in own):
+                try:
+                    is_right = any(isinstance(value, one) for one in own)
+                except jaxtyping.AnnotationError:
+                    # A size that is said by another that is not known.
+                    is_right = False
+                if not is_right:
                     kinds = " or ".join(f"{one.dtype.__name__}[{one.dim_str!r}]" for one in own)
                     where = f"{Path(code.co_filename).stem}.{code.co_qualname}: {name}"
                     _faults[f"{where} is {value.dtype}{list(value.shape)}, which is no {kinds}"] += 1

@@ -163,11 +163,11 @@ def write_program(path: Path, program: jax.stages.Compiled) -> None:
 
 def _as_kept(code: bytes) -> bytes:
     """A program without what only takes time to load, or whole where it is written as is not known."""
-    from .slim import slim
-
     try:
+        from .slim import slim
+
         return slim(code)
-    except ValueError as reason:
+    except Exception as reason:
         logging.getLogger("flexmb").debug("a program is kept whole: %s", reason)
         return code
 

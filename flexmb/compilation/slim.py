@@ -1,8 +1,9 @@
 """Compiled programs of XLA for the disk, without the operations that their machine code was compiled from.
 
-Beside its code a program holds its operations. Most are bodies of fusions: what each of its kernels does. To load it,
-XLA makes objects of them three times and asks nothing of them, in two thirds of the time. Here a body is its parameters
-and something of the shape of its result; code, buffers and the order of kernels stay.
+Beside its code a program holds its operations. Most are bodies of loop fusions: what each of its kernels does. To load
+it, XLA makes objects of them three times and asks nothing of them, which is half of the time or more for a motion. Here
+such a body is its parameters and something of the shape of its result; code, buffers and the order of kernels stay.
+Fusions of other kinds keep theirs, of which a library makes its code when the program is loaded or run.
 
 A program is a message of protocol buffers (https://protobuf.dev/programming-guides/encoding); its parts have the
 numbers of XLA's ``hlo.proto`` and of what is around that.
@@ -22,8 +23,8 @@ KNOWN = ("0.10.2",)
 TO_MODULE = (1, 1, 1)
 # Of a module; of a computation; of an instruction.
 COMPUTATIONS = 3
-INSTRUCTIONS, ROOT, IS_BODY = 2, 6, 7
-NAME, OPERATION, SHAPE, TARGET, INSTRUCTION = 1, 2, 3, 28, 35
+INSTRUCTIONS, COMPUTATION, ROOT = 2, 5, 6
+NAME, OPERATION, SHAPE, KIND, TARGET, INSTRUCTION, CALLED = 1, 2, 3, 11, 28, 35, 38
 # Kinds of parts: a number, bytes behind their count, and how many bytes others have.
 NUMBER, BYTES, SIZES = 0, 2, {1: 8, 5: 4}
 # Bytes of a number.
@@ -76,20 +77,25 @@ def _within(message: bytes, *path: int) -> bytes:
 
 
 def _module(module: bytes) -> bytes:
-    return _changed(module, COMPUTATIONS, _computation)
+    instructions = [one for whole in _all(module, COMPUTATIONS) for one in _all(whole, INSTRUCTIONS)]
+    fusions = [one for one in instructions if _operation(one) == b"fusion" and _all(one, KIND) == [b"kLoop"]]
+    called = [number for one in fusions for number in _all(one, CALLED)]
+    bodies = {number if isinstance(number, int) else _number(number, 0)[0] for number in called}
+
+    def computation(whole: bytes) -> bytes:
+        (number,), (root,) = _all(whole, COMPUTATION), _all(whole, ROOT)
+        return _changed(whole, INSTRUCTIONS, lambda one: _of_body(one, root)) if number in bodies else whole
+
+    return _changed(module, COMPUTATIONS, computation)
 
 
-def _computation(whole: bytes) -> bytes:
-    if not any(_all(whole, IS_BODY)):
-        return whole
-    (root,) = _all(whole, ROOT)
-    return _changed(whole, INSTRUCTIONS, lambda one: _of_body(one, root))
+def _operation(instruction: bytes) -> Any:
+    return next((value for number, value, _ in _parts(instruction) if number == OPERATION), None)
 
 
 def _of_body(instruction: bytes, root: int) -> bytes | None:
     """A parameter as it is, the result as an operation without operands, which may have any shape; no other."""
-    operation = next((value for number, value, _ in _parts(instruction) if number == OPERATION), None)
-    if operation == b"parameter":
+    if _operation(instruction) == b"parameter":
         return instruction
     if _all(instruction, INSTRUCTION) != [root]:
         return None

@@ -90,7 +90,7 @@ def _inertia(
     shear: bool,
     clamped: Clamped | None = None,
 ):
-    """As of the spectral beam."""
+    """That of a spectral beam of such a section."""
     own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
     return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, **own)
 

@@ -125,7 +125,7 @@ def _line(
     section: Section | None,
     curvature: Scalar | None,
 ):
-    """Length, axes of end p as columns, directions and stretched directions at the nodes in those axes; the rule."""
+    """Length, axes of end p as columns, stretched directions at the nodes in those axes; the rule."""
     length, tilt = _length(ref, curvature), 0.0
     rule = _rule(order, shear, section, length)
     if curvature is not None:
@@ -133,7 +133,7 @@ def _line(
     x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
     axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    return length, axes, directions, _stretched_along(c, length, rule, directions), rule
+    return length, axes, _stretched_along(c, length, rule, directions), rule
 
 
 def _to_place(
@@ -166,7 +166,7 @@ def _spectral_beam(
     curvature: float | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    _, axes, _, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
+    _, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     displacement = axes.T @ (q - p) - rule.weights @ stretched
     turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ _fields_of(c, rule)[CURVATURE]
     return jnp.concatenate([jnp.concatenate([displacement, turn]), c])
@@ -200,14 +200,14 @@ def _stretched(
     rule: SimpleNamespace,
     curvature: Scalar | None,
 ):
-    """Directions, and these times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
+    """Directions times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
     angle = turn + rule.angles @ _fields_of(c, rule)[CURVATURE]
     if curvature is not None:
         angle = angle + curvature * length * (rule.nodes - 0.5)
     x = (ref.q - ref.p) / beams.beam_length(ref)
     cosine, sine = cosine_and_sine(angle)
     directions = cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]])
-    return directions, _stretched_along(c, length, rule, directions)
+    return _stretched_along(c, length, rule, directions)
 
 
 def _inertia(
@@ -223,15 +223,15 @@ def _inertia(
     shear: bool = False,
     curvature: float | None = None,
 ):
-    """Position of end p and stretched directions at the nodes of the quadrature; turn of end p and curvature, by zeros.
+    """Position of end p, stretched directions at the nodes of the quadrature; turn of end p, coefficients of curvature.
 
-    Positions and angles at the nodes are sums of these, which are in H: what varies is done place by place, and angles
-    are linear in what they are sums of.
+    The last two have zeros beside them. Positions and angles at the nodes are sums of these, which are in H: what
+    varies is done place by place.
     """
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
     turn = rot_p - ref.rot_p
-    _, stretched = _stretched(turn[0], c, ref, length, rule, curvature)
+    stretched = _stretched(turn[0], c, ref, length, rule, curvature)
     turns = jnp.concatenate([turn, _fields_of(c, rule)[CURVATURE]])
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
     sums = [(of.T * masses[:, k]) @ of for k, of in enumerate((_beside_one(rule.along), _beside_one(rule.angles)))]
@@ -266,7 +266,7 @@ def _resultants(
     curvature: float | None = None,
 ):
     """Statics of the part beyond the place."""
-    length, axes, _, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
+    length, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
     # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
     force, moment = jnp.split(sigma[:3], (2,))
@@ -334,7 +334,7 @@ def _passage(
     """End q seen from end p."""
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
-    _, stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
+    stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
     return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ _fields_of(c, rule)[CURVATURE]
 
 

@@ -2,6 +2,7 @@
 
 import io
 import pickle
+import sys
 import zlib
 
 import jax
@@ -12,7 +13,7 @@ import pytest
 from jax.experimental.serialize_executable import deserialize_and_load, serialize
 
 from flexmb.compilation import kept, slim
-from flexmb.compilation.compile import jit
+from flexmb.compilation.compile import QUICK, THOROUGH, jit
 from flexmb.compilation.executables import _config, named
 from flexmb.compilation.slim import slim as without_bodies
 from flexmb.math import linear
@@ -20,10 +21,10 @@ from flexmb.math import linear
 X = np.linspace(0.1, 2.0, 12)
 
 
-def compiled_here(function):
+def compiled_here(function, options=QUICK):
     """What JAX finds in its cache cannot be written again."""
     with _config.persistent_cache_min_compile_time_secs(np.inf):
-        return named(function, f"{function.__name__}.kept", None).lower(X).compile()
+        return named(function, f"{function.__name__}.kept", options).lower(X).compile()
 
 
 def chained(x):
@@ -61,9 +62,10 @@ def turned(x):
     return jax.vmap(lambda y: jax.lax.associative_scan(jnp.multiply, y * 1.1))(x.reshape(3, 4))
 
 
+@pytest.mark.parametrize("options", [QUICK, THOROUGH], ids=["quick", "thorough"])
 @pytest.mark.parametrize("function", [chained, several, loop, choice, factored, placed, turned])
-def test_it_says_bit_by_bit_the_same(function):
-    compiled = compiled_here(function)
+def test_it_says_bit_by_bit_the_same(function, options):
+    compiled = compiled_here(function, options)
     code, arguments, results = serialize(compiled)
     quick = without_bodies(code)
     own = deserialize_and_load(quick, arguments, results)
@@ -79,6 +81,20 @@ def test_it_says_bit_by_bit_the_same(function):
         assert ["custom-call()" in line for line in body].count(True) == 1
     assert text.count(" parameter(") == whole.count(" parameter(")
     assert text.count("fusion(") == whole.count("fusion(")
+
+
+def multiplied(x):
+    x = jnp.tile(x, 6)
+    matrix = jnp.outer(x, jnp.cos(x))
+    return jnp.sum(matrix @ matrix, axis=0) * 2.0 + x
+
+
+def test_kernels_that_a_library_makes_when_they_run_stay_whole():
+    """With options of XLA's own, which the package does not use for its programs."""
+    compiled = compiled_here(multiplied, None)
+    assert "__ynn_fusion" in compiled.as_text()
+    code, arguments, results = serialize(compiled)
+    np.testing.assert_array_equal(deserialize_and_load(without_bodies(code), arguments, results)(X), compiled(X))
 
 
 @pytest.mark.parametrize(("version", "platform"), [("0.11.0", "cpu"), (slim.KNOWN[0], "gpu")])
@@ -123,3 +139,10 @@ def test_so_are_programs_on_disk(tmp_path):
     (file,) = tmp_path.glob("programs/*")
     code = code_of(zlib.decompress(file.read_bytes().split(b"\n", 2)[2]))
     assert slim._slim(code) == code
+
+
+def test_what_cannot_be_read_is_kept_whole(monkeypatch):
+    """As where JAX has its writer elsewhere."""
+    code = serialize(compiled_here(chained))[0]
+    monkeypatch.setitem(sys.modules, "flexmb.compilation.slim", None)
+    assert kept._as_kept(code) == code
