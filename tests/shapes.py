@@ -54,6 +54,9 @@ def _hints(code: types.CodeType) -> dict[str, list[Any]]:
     function = _functions.get(code)
     for one in gc.get_referrers(code) if function is None else ():
         function = one if isinstance(one, types.FunctionType) else function
+    if hasattr(function, "__wrapped__"):
+        # Its annotations are those of what it calls.
+        return {}
     try:
         hints = typing.get_type_hints(function, include_extras=True)
     except NameError:
