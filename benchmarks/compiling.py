@@ -9,13 +9,10 @@ alone, medians of seven. How long one waits for each from nothing is measured on
 
 import dataclasses
 import json
-import os
 import statistics
-import subprocess
 import sys
 import tempfile
 import warnings
-from pathlib import Path
 from typing import Any
 
 # Processor times scatter little: one run each, but where more are asked for.
@@ -149,19 +146,11 @@ def imported() -> tuple[float]:
     return (time.process_time(),)
 
 
-def _said(code: str, *words: str) -> list[float]:
-    """Numbers that a fresh process says."""
-    paths = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
-    # Python's own compiled code lies beside the text of an installed package.
-    around = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    said = subprocess.run(
-        [sys.executable, "-c", f"import sys, compiling; print(*compiling.{code}(*sys.argv[1:]))", *words],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={**around, "PYTHONPATH": paths},
-    )
-    return [float(word) for word in said.stdout.split()]
+def _said(function: str, *words: str) -> list[float]:
+    """Numbers that a fresh process says, which itself imports nothing beside what is measured."""
+    from record import numbers_of
+
+    return numbers_of("compiling", function, *words)
 
 
 def once_of_all(what: str) -> dict[str, float]:

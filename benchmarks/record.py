@@ -6,13 +6,16 @@ import json
 import os
 import platform
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-RESULTS = Path(__file__).parent / "results"
+HERE = Path(__file__).parent
+RESULTS = HERE / "results"
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
 # What takes longer is run once [s].
 SLOW = 1.5
@@ -88,6 +91,24 @@ def side_by_side(function: Callable[[Any], Any], of: Iterable[Any]) -> list[Any]
     """
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return list(pool.map(function, of))
+
+
+def numbers_of(script: str, function: str, *words: str, **around: str) -> list[float]:
+    """Numbers that a function of a script gives in a process of its own.
+
+    Args:
+        script: Name of its module.
+        function: Of texts.
+        words: Its arguments.
+        around: Variables of the environment.
+    """
+    paths = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+    # Python's own compiled code lies beside the text of an installed package.
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    code = f"import sys, {script}; print(*{script}.{function}(*sys.argv[1:]))"
+    environment = {**kept, "PYTHONPATH": paths, **around}
+    run = [sys.executable, "-c", code, *words]
+    return [float(word) for word in subprocess.check_output(run, env=environment, text=True).split()]
 
 
 def peak_memory() -> float:

@@ -11,11 +11,15 @@ import os
 import statistics
 import subprocess
 import sys
-import time
 
 SIZES = (16, 32, 64, 128)
 RUNS = 7
-ASKED = ("pendulum of one spectral beam", "pendulum of sixteen beams, as a chain", "guide in space")
+# Motions, the guide and two pendulums: how they are asked.
+ASKED = {
+    "guide in space": {"rtol": 1e-6},
+    "pendulum of one spectral beam": {"rtol": 3e-2},
+    "pendulum of sixteen beams, as a chain": {"rtol": 1e-3, "form": "chain"},
+}
 
 
 def cantilever(beams: int):
@@ -50,59 +54,46 @@ def busy(others: int):
             one.wait()
 
 
-def asked(what: str) -> None:
-    """Say how long one of ``ASKED`` takes in this process by the clock and of the processor [s], and a number of it.
+def asked(what: str) -> tuple[float, float, float]:
+    """How long a motion takes in this process by the clock and of the processor [s], and a number of it.
 
     Args:
-        what: Which.
+        what: One of ``ASKED``.
     """
     import numpy as np
     import swing
     from motion import guide
+    from record import interleaved, processor_times
 
     import flexmb as fm
 
     fm.enable_x64()
     fm.enable_cache()
-    order, rtol, form = (9, 3e-2, None) if "spectral" in what else (None, 1e-3, "chain")
-    model = guide(False) if "guide" in what else swing.pendulum(16 if order is None else 1, order)
-    settings = {"rtol": 1e-6} if "guide" in what else {"rtol": rtol, "form": form}
-    times = np.linspace(0.0, 0.02 if "guide" in what else swing.END, 11)
+    if "guide" in what:
+        model, end = guide(False), 0.02
+    else:
+        model, end = swing.pendulum(*((1, 9) if "spectral" in what else (16,))), swing.END
 
-    def question():
-        return fm.simulate(model, times, **settings).x
+    def motion():
+        return np.asarray(fm.simulate(model, np.linspace(0.0, end, 11), **ASKED[what]).x)
 
-    answer = float(np.sum(np.asarray(question())))
-    taken = []
-    for _ in range(RUNS):
-        start = time.perf_counter(), time.process_time()
-        question()
-        taken.append((time.perf_counter() - start[0], time.process_time() - start[1]))
-    print(*[statistics.median(own) for own in zip(*taken, strict=True)], answer)
+    by_clock = interleaved({what: motion}, RUNS)
+    return by_clock[what]["median"], processor_times({what: motion}, RUNS)[what]["median"], float(np.sum(motion()))
 
 
 def of_xla() -> dict[str, dict[str, list[float]]]:
     """Of each of ``ASKED``, both ways, medians over processes by the clock and of the processor [s]."""
+    from record import numbers_of
+
     ways = {"all threads": {}, "one thread": {"NPROC": "1"}}
-    found: dict[str, dict[str, list]] = {what: {way: [] for way in ways} for what in ASKED}
-    for _ in range(3):
-        for what in ASKED:
-            for way, around in ways.items():
-                code = f"import threads; threads.asked({what!r})"
-                said = subprocess.run(
-                    [sys.executable, "-c", code],
-                    env={**os.environ, **around},
-                    capture_output=True,
-                    text=True,
-                    check=True,
-                )
-                found[what][way].append([float(word) for word in said.stdout.split()])
-    for what, both in found.items():
-        answers = [answer for own in both.values() for *_, answer in own]
+    found = {}
+    for what in ASKED:
+        every = [{way: numbers_of("threads", "asked", what, **own) for way, own in ways.items()} for _ in range(3)]
+        answers = [one[way][-1] for one in every for way in ways]
         assert max(answers) - min(answers) <= 1e-6 * abs(answers[0]), what
-        for way, own in both.items():
-            both[way] = [statistics.median(column) for column in list(zip(*own, strict=True))[:2]]
-            print(f"{what:<40} XLA, {way}: {1e3 * both[way][0]:.1f} ms, {1e3 * both[way][1]:.1f} of the processor")
+        found[what] = {way: [statistics.median(one[way][k] for one in every) for k in range(2)] for way in ways}
+        for way, (by_clock, used) in found[what].items():
+            print(f"{what:<40} XLA, {way}: {1e3 * by_clock:.1f} ms, {1e3 * used:.1f} of the processor")
     return found
 
 

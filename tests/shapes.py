@@ -1,8 +1,9 @@
 """Arrays held to the shapes and kinds that annotations of the package say, as it runs: `python -m pytest -p shapes`.
 
 Of each function that returns something, arrays that it took and gives are looked at, sizes of the same name together;
-what is no array is left to pyright. NumPy's arrays pass where JAX's are said, as users give them. Functions stay as
-they are, so that nothing else behaves otherwise: Python tells of each call and return (``sys.setprofile``).
+what is no array is left to pyright. What stands within tuples or runs in other threads is not looked at. NumPy's arrays
+pass where JAX's are said, as users give them. Functions stay as they are, so that nothing else behaves otherwise:
+Python tells of each call and return (``sys.setprofile``).
 """
 
 import collections

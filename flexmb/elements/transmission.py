@@ -116,13 +116,7 @@ def _belt_energy(
 
 
 def _belt_dissipation(
-    e: Float[Array, "n_e"],
-    ed: Float[Array, "n_d"],
-    *,
-    ref: Reference,
-    damping: Damping,
-    radius_p: float,
-    radius_q: float,
+    e: Float[Array, "3"], ed: Float[Array, "3"], *, ref: Reference, damping: Damping, radius_p: float, radius_q: float
 ) -> Float[Array, ""]:
     return damping.EA * ed[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
@@ -183,7 +177,7 @@ def _belt_to_point(
     return jnp.stack([stretch + radius_p * turn_p, turn_p])
 
 
-def _with_point(e: Float[Array, "2"]):
+def _with_point(e: Float[Array, "2"]) -> Float[Array, "3"]:
     return jnp.concatenate([e, jnp.zeros(1)])
 
 
@@ -194,7 +188,7 @@ def _point_energy(e: Float[Array, "2"], *, ref: Reference, section: Section, rad
 def _point_dissipation(
     e: Float[Array, "2"], ed: Float[Array, "2"], *, ref: Reference, damping: Damping, radius_p: float
 ) -> Float[Array, ""]:
-    return _belt_dissipation(_with_point(e), ed, ref=ref, damping=damping, radius_p=radius_p, radius_q=0.0)
+    return _belt_dissipation(_with_point(e), _with_point(ed), ref=ref, damping=damping, radius_p=radius_p, radius_q=0.0)
 
 
 def _check_point(*, ref: Reference, radius_p: float, section: Section | None = None) -> list[str]:
