@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from .program import Jaxpr, Literal, Var
+from .program import Jaxpr, Literal, Var, needed
 
 # Operations that are linear in all their operands together, those that are in one while the others are constant, and
 # programs within programs.
@@ -63,11 +63,11 @@ def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array |
         each followed by its derivatives by the entries of x; without these (rates, 1, ...).
     """
     x = motion[0]
-    program, like = jax.make_jaxpr(function, return_shape=True)(jax.typeof(x))
+    jaxpr, constants, like = _traced(function, x)
     parts = [*motion[:2], *(0.5 * rate for rate in motion[2:]), *([] if aside is None else [aside])]
     n = x.shape[0]
     algebra = Algebra(len(motion), jnp.stack(parts), range(n) if directed else range(0))
-    found = algebra.evaluated(program.jaxpr, program.consts, [algebra.chosen(np.arange(n))])
+    found = algebra.evaluated(jaxpr, constants, [algebra.chosen(np.arange(n))])
     factors = np.array([2.0 if 2 <= k < len(motion) else 1.0 for k in range(len(parts))])
     leaves = []
     for one in found:
@@ -83,7 +83,14 @@ def length(function: Callable[..., Any], x: Array) -> int:
         function: ``f(x)``.
         x: Its argument, (n,).
     """
-    return _length(jax.make_jaxpr(function)(jax.typeof(x)).jaxpr)
+    return _length(_traced(function, x)[0])
+
+
+def _traced(function: Callable[..., Any], x: Array) -> tuple[Jaxpr, Any, Any]:
+    """Program of a function, without what no result needs; its constants; what its results are like."""
+    program, like = jax.make_jaxpr(function, return_shape=True)(jax.typeof(x))
+    jaxpr = program.jaxpr
+    return jaxpr.replace(eqns=needed(jaxpr.eqns, jaxpr.outvars)[0]), program.consts, like
 
 
 def _length(jaxpr: Jaxpr) -> int:

@@ -1,6 +1,7 @@
 """Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
 import hashlib
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -233,40 +234,65 @@ def split_together(
     Returns:
         ``early(*constant)``, a tuple of arrays ``kept``, and of each function ``late(*varying, *kept)``.
     """
-    leaves, structure = jax.tree.flatten(([varying for _, varying in functions], constant))
-    count = len(leaves) - len(jax.tree.leaves(constant))
+
+    def every(constant: tuple, *varying: tuple):
+        return (), *[function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
+
+    early, *late = split_in_stages(every, [constant, *[varying for _, varying in functions]])
+    return lambda *constant: early(*constant)[1], [_result_of(one) for one in late]
+
+
+def _result_of(stage: Callable[..., Any]):
+    return lambda *arguments: stage(*arguments)[0]
+
+
+def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tuple]) -> list[Callable[..., Any]]:
+    """Take a function apart by what each of its operations follows from.
+
+    Equal operations are done once, and what no result needs is left out.
+
+    Args:
+        function: Of tuples of arrays, to a result for each of them, which follows from that one and those before it;
+            it must not have side effects.
+        groups: The tuples, or the shapes of what is in them.
+
+    Returns:
+        For each group a stage ``(*own, *kept) -> (result, more)``, of its arguments and of all that stages before it
+        have kept: its result, and what it keeps for those after it, a tuple of arrays.
+    """
+    leaves, structure = jax.tree.flatten(tuple(groups))
 
     def flat(*leaves: Any):
-        varying, constant = jax.tree.unflatten(structure, leaves)
-        return [function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
+        return function(*jax.tree.unflatten(structure, leaves))
 
     program, shapes = jax.make_jaxpr(flat, return_shape=True)(*(jax.typeof(leaf) for leaf in leaves))
     jaxpr = program.jaxpr
     equations, results = _without_repeats(jaxpr, program.consts)
-    moving, given = set(jaxpr.invars[:count]), set(jaxpr.invars[count:])
-    late, early = [], []
+    inputs, outputs = (
+        [list(itertools.islice(left, len(jax.tree.leaves(one)))) for one in parts]
+        for left, parts in ((iter(jaxpr.invars), groups), (iter(results), shapes))
+    )
+    level = {v: i for i, own in enumerate(inputs) for v in own}
+    # What is of literals alone, of no argument, is done where it is asked for: in every stage.
+    steps: list[list] = [[] for _ in groups]
     for equation in equations:
-        inputs = _variables(equation.invars)
-        if moving.intersection(inputs):
-            late.append(equation)
-            moving.update(equation.outvars)
-        elif given.intersection(inputs):
-            early.append(equation)
-            given.update(equation.outvars)
-        else:
-            # Of literals alone: of no argument, and so done where it is asked for.
-            late.append(equation)
-            early.append(equation)
-    kept = [v for v in _needed(late, results)[1] if v in given]
-    first = _program(jaxpr, jaxpr.invars[count:], _needed(early, kept)[0], kept)
-    rest, at = [], 0
-    for (_, varying), shape in zip(functions, shapes, strict=True):
-        own, results = results[: len(jax.tree.leaves(shape))], results[len(jax.tree.leaves(shape)) :]
-        inputs = jaxpr.invars[at : at + len(jax.tree.leaves(varying))]
-        at += len(inputs)
-        then = _program(jaxpr, [*inputs, *kept], _needed(late, own)[0], own)
-        rest.append(_evaluation(then, program.consts, jax.tree.structure(shape)))
-    return lambda *constant: tuple(jax.core.eval_jaxpr(first, program.consts, *jax.tree.leaves(constant))), rest
+        last = max((level[v] for v in _variables(equation.invars) if v in level), default=None)
+        if last is not None:
+            level |= dict.fromkeys(equation.outvars, last)
+        for own in steps if last is None else [steps[last]]:
+            own.append(equation)
+    kept: list[list] = [[] for _ in groups]
+    read: dict = {}
+    for i in reversed(range(len(groups))):
+        kept[i] = [v for v in read if level.get(v) == i]
+        steps[i], more = needed(steps[i], [*outputs[i], *kept[i]])
+        read |= more
+    stages = []
+    for i, (own, shape) in enumerate(zip(inputs, shapes, strict=True)):
+        before = itertools.chain.from_iterable(kept[:i])
+        then = _program(jaxpr, [*own, *before], steps[i], [*outputs[i], *kept[i]])
+        stages.append(_evaluation(then, program.consts, jax.tree.structure((shape, tuple(kept[i])))))
+    return stages
 
 
 def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:
@@ -357,8 +383,13 @@ def _value(parameter: Any, rules: int) -> Any:
     return parameter if callable(parameter) else (parameter, repr(parameter))
 
 
-def _needed(equations: list, results: list) -> tuple[list, dict]:
-    """Equations that lead to results, and all variables that they or the results read, in order."""
+def needed(equations: Sequence[Any], results: Sequence[Any]) -> tuple[list, dict]:
+    """Equations that lead to results, and all variables that they or the results read, in order.
+
+    Args:
+        equations: Of a program, in order.
+        results: Its results, or some of its variables.
+    """
     wanted = dict.fromkeys(_variables(results))
     found = []
     for equation in reversed(equations):

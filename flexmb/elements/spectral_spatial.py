@@ -86,8 +86,8 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
         nodes=masses,
         inner=ends,
         weights=(pieces.sizes[:, None] * weights).ravel(),
-        # Number of the pose, among those at the ends of all steps, of each node.
-        poses=(np.arange(pieces.sizes.shape[0])[:, None] * steps + np.arange(steps + 1)).ravel(),
+        # Numbers of the first and the last pose of each piece, among those at the ends of all steps.
+        spans=[(i * steps, (i + 1) * steps) for i in range(pieces.sizes.shape[0])],
     )
 
 
@@ -202,7 +202,7 @@ def _inertia(
     rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
     poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
-    placed = multiplied(at_p, poses[rule.poses, :3])
+    placed = multiplied(at_p, jnp.concatenate([poses[first : last + 1, :3] for first, last in rule.spans]))
     vectors = jnp.concatenate([p + placed[:, :, 3], jnp.swapaxes(placed[:, :, :3], 1, 2).reshape(-1, 3)])
     mass, moments = _masses(section, rule, length)
     n = rule.weights.size

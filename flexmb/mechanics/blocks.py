@@ -123,9 +123,9 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
         properties: Stacked properties of the block; only which of them are None is looked at.
 
     Returns:
-        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. Where a companion takes no nodes, x_el are
-        the arguments that it takes in their place: deformations, and their rates; changes of temperature; or nothing
-        that matters.
+        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. The coordinates x_el may be a list of those
+        of each node. Where a companion takes no nodes, x_el are the arguments that it takes in their place:
+        deformations, and their rates; changes of temperature; or nothing that matters.
     """
     element = block.element
     chosen = element.arguments(companion, {**dict(block.options), **properties})
@@ -136,7 +136,7 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
 
     def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
-        taken = () if takes_nothing else x if takes_all else jnp.split(x, block.splits)
+        taken = () if takes_nothing else x if takes_all or isinstance(x, list) else jnp.split(x, block.splits)
         return companion(*taken, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 
     return as_primitives(function)

@@ -7,7 +7,7 @@ end, unless that is held, or given by another beam already. What is left are the
 from __future__ import annotations
 
 import collections
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import jax
@@ -16,14 +16,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import is_concrete
-from ..compilation.program import split
-from ..compilation.record import Record, static
+from ..compilation.record import Record
 from ..elements.nodes import unit_norm
 from ..math.rigid import compose_turns
 from ..math.rotation import CONJUGATE, cosine_and_sine, rotation_matrix
-from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-from .blocks import deforming, element_function, with_rigidities
+from .blocks import with_rigidities
 
 
 class Poses(Record):
@@ -32,7 +30,7 @@ class Poses(Record):
     Attributes:
         rows: Of each block the beams that give them.
         ends: Coordinates of the position that each beam gives, (beams, d).
-        turns: Those of the rotation, (beams, r).
+        turns: Those of the rotation, (beams, r); none, (beams, 0), where positions alone are asked for.
         whence: Coordinates of the position that the chain of each beam starts from, (beams, d).
         turned_from: Those of the rotation, (beams, r).
         base: Places of the rotation at the end that each beam starts from, among all coordinates and, behind them, the
@@ -63,7 +61,7 @@ class Tree(Record):
     Attributes:
         rows: Of each block the elements that do without their last end, and those that stay as they are.
         poses: All poses that are computed.
-        felt: Those of them on which something acts or depends; None where there are none.
+        felt: Those of them on which something acts or depends, all of a block or none; None where there are none.
         kept: Free coordinates that are not computed, (n,).
         kept_places: Their places among the free ones, (n,).
         held_places: Places, among the held deformations, of those that do not hold by themselves, (m,).
@@ -114,19 +112,22 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     made: Any = Tree
     kept_places = np.flatnonzero(~np.isin(free, list(computed)))
-    felt = _felt(walked, computed if acted is None else _read(topology, rows) | set(acted))
+    read = computed if acted is None else _read(topology, rows) | set(acted)
+    felt = _felt(walked, read)
+    # What a beam is turned by is read, as that of its first end.
+    turning = any(read.intersection(_at(one, "turns")) for one in felt)
     return made(
         rows,
         poses,
-        _poses(topology, felt) if felt else None,
+        _poses(topology, felt, turning) if felt else None,
         free[kept_places],
         kept_places,
         np.flatnonzero(~np.isin(held, list(closed))),
     )
 
 
-def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
-    """Poses of beams, the beams before them among these."""
+def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> Poses:
+    """Poses of beams, the beams before them among these; positions alone where nothing turns by them."""
     order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
     number = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
@@ -138,6 +139,8 @@ def _poses(topology: Topology, walked: list[_Walked]) -> Poses:
         np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
         for own, before in (("near", after), ("base", turned_after))
     )
+    if not turning:
+        nodes["turns"] = nodes["turns"][:, :0]
     place = np.arange(topology.n_x)
     for name in ("turns", "ends"):
         place[nodes[name]] = place.max() + 1 + np.arange(nodes[name].size).reshape(nodes[name].shape)
@@ -168,12 +171,14 @@ def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -
 
 
 def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
-    """Beams that give what is read, and those before them, numbered anew."""
+    """Beams that give what is read, those before them, and all others of their blocks, numbered anew."""
     needed: set[int] = set()
-    for i in reversed(range(len(walked))):
-        one = walked[i]
-        if i in needed or read.intersection((*_at(one, "ends"), *_at(one, "turns"))):
-            needed |= {i, *(own for own in (one.after, one.turned_after) if own is not None)}
+    more = {i for i, one in enumerate(walked) if read.intersection((*_at(one, "ends"), *_at(one, "turns")))}
+    while not more <= needed:
+        needed |= more
+        blocks = {walked[i].beam.block for i in needed}
+        more = {i for i, one in enumerate(walked) if one.beam.block in blocks}
+        more |= {own for i in needed for own in (walked[i].after, walked[i].turned_after) if own is not None}
     number = {i: k for k, i in enumerate(sorted(needed))} | {None: None}
     return [
         one._replace(after=number[one.after], turned_after=number[one.turned_after])
@@ -274,85 +279,32 @@ def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) ->
     return Block(x=block.x[rows], e=block.e[rows], **parts), own
 
 
-class Passages(Record):
-    """Poses of the last ends of the beams of one block as functions of their coefficients.
-
-    Attributes:
-        function: ``(c, *kept_el) -> (way, turn)`` of one beam.
-        c: Index of the coefficients of each, (beams, coefficients).
-        kept: Constants of each.
-    """
-
-    function: Callable[..., Any] = static()
-    c: Int[Array, "beams coefficients"]
-    kept: tuple[Array, ...]
-
-    def along(self, c: Float[Array, "coefficients"], *kept: Array) -> Float[Array, "way_and_turn"]:
-        """Way and turn of one beam, side by side."""
-        return jnp.concatenate(self.function(c, *kept))
-
-
-def passages(topology: Topology, parameters: Parameters, poses: Poses) -> tuple[Passages, ...]:
-    """Of each block whose beams give poses what these follow from, with what stays worked out."""
-    found = []
-    for block, properties, rows in zip(topology.blocks, parameters.properties, poses.rows, strict=True):
-        if not rows.shape[0]:
-            continue
-        block, properties = some_of(block, properties, rows)
-        own = with_rigidities(deforming(block, properties))
-        passage: Any = element_function(block, block.element.passage, own)
-        first = block.splits[-1]
-        ref = parameters.reference[block.x]
-
-        def function(
-            c: Float[Array, "coefficients"],
-            ref: Float[Array, "x"],
-            own: dict[str, Any],
-            passage: Callable[..., Any] = passage,
-            first: int = first,
-        ):
-            return passage(jnp.concatenate([ref[:first], c]), ref, own)
-
-        like = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), (ref, own))
-        early, late = split(function, (jax.ShapeDtypeStruct(ref[0, first:].shape, ref.dtype),), like)
-        found.append(Passages(late, block.x[:, first:], jax.vmap(early)(ref, own)))
-    return tuple(found)
-
-
-def passed(found: tuple[Passages, ...], x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
-    """Way and turn from the first to the last end of each beam, side by side.
-
-    Args:
-        found: Of :func:`passages`.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-    """
-    return jnp.concatenate([jax.vmap(one.along)(x[one.c], *one.kept) for one in found])
-
-
 def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
     """Nodal coordinates with those computed that beams give.
 
     Args:
         poses: Which.
-        passed: Way and turn of each beam.
+        passed: Way and turn of each beam, or the way alone where no rotation is asked for.
         x: Nodal coordinates, of which those that are computed are not read, (n_x,) [m, rad, -].
 
     Source:
         THEORY.md 9 (d), eq. (9.7).
     """
     ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
-    spatial = turns.shape[1] == 4
+    spatial = ways.shape[1] == 3
     compose, turned = (compose_turns, _turned) if spatial else (jnp.add, _turned_in_plane)
     if poses.back is not None:
         inverse = turns * CONJUGATE if spatial else -turns
         back = poses.back[:, None]
         # A way back starts at the last end.
         ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
-    none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
-    for before in poses.before:
-        turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-    # Gathered, not scattered: of a scatter the compiler makes a loop.
-    known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
+    known = x
+    if turns.shape[1]:
+        none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
+        for before in poses.before:
+            turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
+        # Gathered, not scattered: of a scatter the compiler makes a loop.
+        known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
     ends = x[poses.whence] + poses.along @ turned(known[poses.base], ways)
     return jnp.concatenate([known, ends.reshape(-1)])[poses.place]
 

@@ -101,36 +101,6 @@ def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Ar
     return PreparedBlock(late, block.x, measured, kept, mass, counts)
 
 
-def without_last_end(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
-    """As :func:`prepared_block`, of beams with strain series whose last end follows from the first and the strains.
-
-    Their deformations are their coefficients alone, and what they do depends on the first end and on these.
-
-    Args:
-        properties: Their stacked properties.
-        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
-    """
-    inertia, own = companion_of(block, properties, "inertia")
-    deforms = "deformation" in block.companions
-    if inertia is None and not deforms:
-        return None
-    ends, first = block.splits[1], block.splits[-1]
-    closure = block.e.shape[1] - (block.x.shape[1] - first)
-    ref = reference[block.x]
-
-    def both(near: Float[Array, "c"], ref: Float[Array, "x"], own: dict[str, Any]):
-        x = jnp.concatenate([near[:ends], ref[ends:first], near[ends:]])
-        return near[ends:] if deforms else None, None if inertia is None else inertia(x, ref, own)[0]
-
-    columns = [*range(ends), *range(first, block.x.shape[1])]
-    x = block.x[:, columns]
-    shapes = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
-    early, late = split(both, (jax.ShapeDtypeStruct((len(columns),), ref.dtype),), shapes)
-    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
-    e = block.e[:, closure:] if deforms else block.e[:, :0]
-    return PreparedBlock(late, x, e, jax.vmap(early)(ref, own), mass, False)
-
-
 def _jacobian(f: Callable[..., Any]):
     """Function from coordinates to values and Jacobians; a Jacobian has the coordinates last."""
 
@@ -341,9 +311,9 @@ def _stressed(block: PreparedBlock, sigma: Float[Array, "n_e"]):
     return sigma[block.e] if block.e.shape[1] else None
 
 
-def _own(block: PreparedBlock, matrix: Float[Array, "n_e n_e"]):
-    """What a matrix of all deformations has for each element, (elements, deformations, deformations)."""
-    return matrix[block.e[:, :, None], block.e[:, None, :]]
+def own_of(e: Int[Array, "elements d"], matrix: Float[Array, "n_e n_e"]) -> Float[Array, "elements d d"]:
+    """What a matrix of all deformations has for each element, whose deformations are ``e``."""
+    return matrix[e[:, :, None], e[:, None, :]]
 
 
 def _along(block: PreparedBlock, at: Moving, falling: Float[Array, "n_x"] | None):
@@ -491,12 +461,29 @@ def _of_elements(
         by_x = by_x + multiplied(d.mT, multiplied(damping, dd))
         by_v = multiplied(d.mT, multiplied(damping, d))
     if block.mass is not None:
-        count, k, axes, columns = j.shape
-        lever = (block.mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
-        every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
-        mass, more_v, more_x = jnp.split(lever.mT @ every, 3, axis=2)
+        more_x, more_v, mass = by_inertia(block.mass, j, jd, j2)
         by_x, by_v = by_x + more_x, by_v + more_v
     return OfElements(d, dd, d2, by_x, by_v, mass)
+
+
+def by_inertia(
+    mass: Float[Array, "elements k k"],
+    j: Float[Array, "elements k axes x"],
+    jd: Float[Array, "elements k axes x"],
+    j2: Float[Array, "elements k axes x"],
+):
+    """Derivatives of J^T H s_ddot of every element at constant J, by coordinates, velocities and accelerations.
+
+    Args:
+        mass: H.
+        j: Derivative of the places of inertia by the coordinates: J.
+        jd: Of their rates.
+        j2: Of their second rates.
+    """
+    count, k, axes, columns = j.shape
+    lever = (mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
+    every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
+    return jnp.split(lever.mT @ every, 3, axis=2)[::-1]
 
 
 def force_derivatives(
@@ -544,7 +531,7 @@ def element_derivatives(
     for each in found:
         block, (_, _, (_, sdd)), (jacobians, *_) = each
         forces += _pulled_by(block, sigma, sdd, *jacobians)
-        own = [None if of is None or not block.e.shape[1] else _own(block, of) for of in (stiffness, damping)]
+        own = [None if of is None or not block.e.shape[1] else own_of(block.e, of) for of in (stiffness, damping)]
         of = _of_elements(at, sigma, each, *own)
         derived.append((block, None if of.e is None else (of.e, of.ed, of.edd), (of.by_x, of.by_v, of.mass)))
     return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces)), derived

@@ -12,25 +12,25 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import accumulate, put
+from ..mechanics.blocks import scatter_vector, scatter_vectors
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.tree import Passages, Tree, linked, passages, passed, some_of
+from ..mechanics.tree import Tree, linked, some_of
 from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, solved_twice
 from .element_forces import (
+    Kinematics,
     Moving,
     PreparedBlock,
     acting_forces,
     acting_matrices,
     deformed,
-    derived_rates,
     element_derivatives,
     prepared_block,
-    rates_along,
     second_rate,
     strained,
-    without_last_end,
 )
 from .protocol import MotionState, Tangent, WholeMotion
+from .tree_beams import Bent, TreeBeams, tree_beams
 
 
 class _Carried(NamedTuple):
@@ -45,6 +45,8 @@ class _Carried(NamedTuple):
         a: Derivative of the accelerations by the positions.
         ways: Way and turn of each beam.
         passed: Derivative of these.
+        bent: Of the beams of each block what follows from their coefficients, with rates and second rates.
+        slopes: Derivatives of these.
     """
 
     at: AllCoordinates
@@ -53,6 +55,8 @@ class _Carried(NamedTuple):
     a: Float[Array, "n_x n"] | None
     ways: Float[Array, "beams way_and_turn"] | None
     passed: Float[Array, "beams way_and_turn n"] | None
+    bent: list[tuple[Bent, Bent, Bent]]
+    slopes: list[tuple[Bent, Bent, Bent]]
 
 
 class TreeForm(Record):
@@ -62,17 +66,16 @@ class TreeForm(Record):
     give. The others have theirs, as in all coordinates.
 
     Attributes:
-        form: Equations in all coordinates, but that those alone move by themselves that are not computed.
+        form: Equations in all coordinates, but that those alone move by themselves that are not computed, and that
+            ``beams`` are not among its elements.
         tree: What is computed.
-        passages: By what.
-        felt: By what those are that something acts or depends on.
+        beams: By what.
         mobility: Inverse masses of what moves, (n,).
     """
 
     form: CoordinatesForm
     tree: Tree
-    passages: tuple[Passages, ...]
-    felt: tuple[Passages, ...]
+    beams: tuple[TreeBeams, ...]
     mobility: Float[Array, "n"]
 
     @property
@@ -103,7 +106,9 @@ class TreeForm(Record):
 
     def placed(self, x: Float[Array, "n_x"]):
         """Nodal coordinates with those computed that something acts or depends on, (n_x,)."""
-        return x if self.tree.felt is None else linked(self.tree.felt, passed(self.felt, x), x)
+        if self.tree.felt is None:
+            return x
+        return linked(self.tree.felt, jnp.concatenate([one.felt_ways(x) for one in self.beams if one.felt]), x)
 
     def whole(
         self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
@@ -113,12 +118,7 @@ class TreeForm(Record):
         Arguments as of :meth:`CoordinatesForm.whole`.
         """
         at = self.form.whole(t, u, w, a)
-        if self.tree.felt is None:
-            return at
-
-        ways = _joined([_passage_rates(one, at) for one in self.felt])
-        x, v, acc = self._linked((at.x, at.v, at.a), ways)
-        return at._replace(x=x, v=v, a=acc)
+        return self._with_ends(at, [one.rates(at) for one in self.beams if one.felt])
 
     def along(self, t: Float[Array, ""], u: Float[Array, "n"]) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves."""
@@ -134,6 +134,13 @@ class TreeForm(Record):
             jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
         )
 
+    def _with_ends(self, at: AllCoordinates, bent: list[tuple[Bent, Bent, Bent]]) -> AllCoordinates:
+        """Coordinates and their rates, with those computed that something acts or depends on."""
+        if self.tree.felt is None:
+            return at
+        x, v, a = self._linked((at.x, at.v, at.a), _ways(bent))
+        return at._replace(x=x, v=v, a=a)
+
     def _linked(self, x: tuple[Array, ...], ways: tuple[Array, ...]):
         """Coordinates, rates and second rates of the whole, of the same of what moves and of the beams' ways."""
         poses: Any = self.tree.felt
@@ -146,15 +153,16 @@ class TreeForm(Record):
 
         Of each beam way and turn are differentiated by its own coefficients, and what the tree makes of them by all.
         """
-        poses, places = self.tree.felt, self.places
+        places = self.places
         at = self.form.whole(t, u, w, a)
-        if poses is None:
-            return _Carried(at, places, None, None, None, None)
-        found = [_derived_passage_rates(one, at) for one in self.felt]
-        ways = _joined([ways for ways, _ in found])
-        own = zip(self.felt, [slopes for _, slopes in found], strict=True)
-        slopes = _joined([[slope @ places[one.c] for slope in slopes] for one, slopes in own])
-        none = jnp.zeros(at.x.shape)
+        found = [one.derived(at) for one in self.beams]
+        bent, derived = [own for own, _ in found], [own for _, own in found]
+        if self.tree.felt is None:
+            return _Carried(at, places, None, None, None, None, bent, derived)
+        # Of each block (beams, coefficients, way and turn), by its own coefficients.
+        of = [(one.c, own) for one, own in zip(self.beams, derived, strict=True) if one.felt]
+        slopes = _joined([[_beside(each).mT @ places[c] for each in own] for c, own in of])
+        ways, none = _ways(bent), jnp.zeros(at.x.shape)
 
         def along(place: Float[Array, "n_x"], *slope: Array):
             return jax.jvp(self._linked, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
@@ -162,35 +170,36 @@ class TreeForm(Record):
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
         derivatives: Any = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
         by_x, by_v, by_a = derivatives
-        return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, ways[0], slopes[0])
+        return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, ways[0], slopes[0], bent, derived)
 
-    def turned(self, t: Float[Array, ""], u: Float[Array, "n"], to: _Carried, force: Float[Array, "n_x"]):
-        """Derivative by what moves of what nodal forces, (n_x,) [N, N m], do along it, (n, n)."""
+    def turned(self, to: _Carried, force: Float[Array, "n_x"]):
+        """What nodal forces, (n_x,) [N, N m], do on the ways and turns of beams, and along what moves as that turns.
+
+        Returns:
+            Forces on way and turn of each beam, and the derivative by what moves of those along it, (n, n), but for
+            what beams add whose way and turn bend.
+        """
         poses: Any = self.tree.felt
-        places = self.places
-        x = self.form.whole(t, u, u, u).x
+        places, x = self.places, to.at.x
 
         def pulled(x: Float[Array, "n_x"], y: Float[Array, "beams k"]):
             return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
 
         y: Any = to.ways
         of_x, of_y = jax.vmap(lambda *own: jax.jvp(pulled, (x, y), own)[1], (1, 2), (1, 2))(places, to.passed)
-        found = places.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
-        weights, first = pulled(x, y)[1], 0
-        for one in self.felt:
-            own = weights[first : first + one.c.shape[0]]
-            first += one.c.shape[0]
-            bent = _bent(one, x[one.c], own)
-            found = found + jnp.einsum("bkn,bkl,blm->nm", places[one.c], bent, places[one.c])
-        return found
+        return pulled(x, y)[1], places.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         at = self.form.whole(t, state.u, state.w, jnp.zeros(self.size))
-        x, v = jax.jvp(lambda x: linked(self.tree.poses, passed(self.passages, x), x), (at.x,), (at.v,))
+
+        def everywhere(x: Float[Array, "n_x"]):
+            return linked(self.tree.poses, jnp.concatenate([one.ways(x) for one in self.beams if one.gives]), x)
+
+        x, v = jax.jvp(everywhere, (at.x,), (at.v,))
         near = state.memory
         if not near.shape[0]:
-            near = strained(self.form.elements, x, zero_near(self.form.topology))
+            near = self.strained(x, zero_near(self.form.topology))
         return WholeMotion(x, v, near, jnp.zeros(0))
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
@@ -206,20 +215,23 @@ class TreeForm(Record):
         """What these are held at, of all that are held."""
         return values[self.tree.held_places]
 
-    def forces(
-        self, t: Float[Array, ""], at: AllCoordinates, memory: Float[Array, "k"], multipliers: Float[Array, "m"]
-    ):
-        """Kinematics, and nodal forces out of balance, (n_x,) [N, N m]."""
-        moving = Moving(at.x, at.v, at.a, self.form.near(memory))
-        acting = acting_forces(self.form.elements, moving, self.form.falling, self.stress_of(t, multipliers))
-        return acting.kinematics, acting.force - self.form.applied(t, at.x)
+    def _strains(self, at: AllCoordinates) -> Kinematics:
+        """Deformations of the beams, which are their coefficients, and their rates; zero for all others."""
+        own = [(one.e, (at.x[one.c], at.v[one.c], at.a[one.c])) for one in self.beams if one.e.shape[1]]
+        return Kinematics(*scatter_vectors(self.form.topology.n_e, own, 3))
 
-    def pulled(self, t: Float[Array, ""], u: Float[Array, "n"], force: Float[Array, "n_x"]):
-        """Forces along what moves, (n,) [N m], of nodal forces, (n_x,) [N, N m]."""
-        if self.tree.felt is None:
-            return force[self.form.free] * self.form.sizes
-        none = jnp.zeros(self.size)
-        return jax.vjp(lambda u: self.placed(self.form.whole(t, u, none, none).x), u)[1](force)[0]
+    def strained(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+        """Deformations, (n_e,) [m, rad], but closures; arguments as of :func:`.element_forces.deformed`."""
+        own = [(one.e, x[one.c]) for one in self.beams if one.e.shape[1]]
+        return strained(self.form.elements, x, near) + scatter_vector(near.shape[0], own)
+
+    def deformed(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+        """As :meth:`strained`, and the derivatives by the nodal coordinates, (n_e, n_x)."""
+        jacobian = deformed(self.form.elements, x, near)[1]
+        for one in self.beams:
+            if one.e.shape[1]:
+                jacobian = jacobian.at[one.e, one.c].set(1.0)
+        return self.strained(x, near), jacobian
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance along what moves [N m], second rates of the held deformations.
@@ -227,15 +239,55 @@ class TreeForm(Record):
         Source:
             THEORY.md 9 (d), eq. (9.8).
         """
-        n = self.size
-        at = self.whole(t, state.u, state.w, z[:n])
-        kin, force = self.forces(t, at, state.memory, z[n:])
-        return jnp.concatenate([self.pulled(t, state.u, force), self.held(kin.edd) - self.wanted(at.edd)])
+        n, form = self.size, self.form
+        at = form.whole(t, state.u, state.w, z[:n])
+        bent = [one.rates(at) for one in self.beams]
+        at = self._with_ends(at, bent)
+        strain, stress = self._strains(at), self.stress_of(t, z[n:])
+        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        acting = acting_forces(form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)))
+        pulled = []
+        for one, own in zip(self.beams, bent, strict=True):
+            weights = None if one.mass is None else one.weights(one.moved(at, form.falling, own))
+            pulled.append(one.pulled(at.x, own[0], weights))
+        on_ends = [(one.ends, force) for one, (force, _) in zip(self.beams, pulled, strict=True)]
+        force = acting.force + self._besides(t, at, on_ends)
+        ways: list[tuple[Array, ...]] = [()] * len(self.beams)
+        if self.tree.felt is not None:
+            poses, values = self.tree.felt, _ways(bent)[0]
+            force, on_ways = jax.vjp(lambda x, y: linked(poses, y, x), at.x, values)[1](force)
+            ways = self._apart(on_ways)
+        for one, way, (_, shape) in zip(self.beams, ways, pulled, strict=True):
+            along = one.pulled_along(at.x, Bent(way, shape))
+            if one.e.shape[1]:
+                along = along + acting.sigma[one.e]
+            force = accumulate(force, one.c, along)
+        edd = acting.kinematics.edd + strain.edd
+        return jnp.concatenate([force[form.free] * form.sizes, self.held(edd) - self.wanted(at.edd)])
+
+    def _besides(self, t: Float[Array, ""], at: AllCoordinates, on_ends: list[tuple[Array, Array]]):
+        """Nodal forces, (n_x,) [N, N m], of beams on their first ends, less those that are applied.
+
+        Args:
+            on_ends: Indices and forces of the beams of each block.
+        """
+        return scatter_vector(self.form.topology.n_x, on_ends) - self.form.applied(t, at.x)
+
+    def _apart(self, rows: Float[Array, "beams k"]) -> list[tuple[Array, ...]]:
+        """Of the beams of each block what is theirs of rows of ways and turns, as :class:`Bent` has it."""
+        poses: Any = self.tree.felt
+        found, first = [], 0
+        for one in self.beams:
+            count = one.c.shape[0] if one.felt else 0
+            parts = jnp.split(rows[first : first + count], [poses.ends.shape[1]], axis=1)
+            found.append(tuple(parts[: one.felt]))
+            first += count
+        return found
 
     def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations less what they are held at, (m,) [m, rad]."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        return self.held(strained(self.form.elements, at.x, self.form.near(state.memory))) - self.wanted(at.e)
+        return self.held(self.strained(at.x, self.form.near(state.memory))) - self.wanted(at.e)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of the residual.
@@ -247,22 +299,43 @@ class TreeForm(Record):
         to = self.carried(t, state.u, state.w, z[:n])
         at = to.at
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        strain, stress = self._strains(at), self.stress_of(t, z[n:])
 
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            return [None if of is None else put(of, form.held, 0.0) for of in form.tangents(t, e, ed)]
+            tangents = form.tangents(t, strain.e + e, strain.ed + ed)
+            return [None if of is None else put(of, form.held, 0.0) for of in tangents]
 
-        stress = self.stress_of(t, z[n:])
-        acting, found = element_derivatives(form.elements, moving, form.falling, stress, following)
-        every = sum(_along(to, block.x, squares) for block, _, squares in found)
+        acting, found = element_derivatives(
+            form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)), following
+        )
+        moved = [
+            None if one.mass is None else one.moved_and_derived(at, form.falling, *own)
+            for one, *own in zip(self.beams, to.bent, to.slopes, strict=True)
+        ]
+        weights = [None if own is None else one.weights(own[0]) for one, own in zip(self.beams, moved, strict=True)]
+        ways: list[tuple[Array, ...]] = [()] * len(self.beams)
+        every = sum((_along(to, block.x, squares) for block, _, squares in found), jnp.zeros((n, 3 * n)))
+        if self.tree.felt is not None:
+            on_ends = [
+                (one.ends, jnp.einsum("bka,bkax->bx", own, derived[1].s[..., : one.ends.shape[1]]))
+                for one, own, derived in zip(self.beams, weights, moved, strict=True)
+                if own is not None and derived is not None
+            ]
+            force = acting.force + self._besides(t, at, on_ends)
+            on_ways, bending = self.turned(to, force)
+            ways, every = self._apart(on_ways), every.at[:, :n].add(bending)
+        tangents: Any = following(acting.kinematics.e, acting.kinematics.ed)
+        for one, way, own, derived in zip(self.beams, ways, weights, moved, strict=True):
+            squares = one.derivatives(at.x, own, way, None if derived is None else derived[1], *tangents)
+            every = every + _along(to, one.x, squares)
         by_u, by_w, mass = jnp.split(every, 3, axis=1)
         loads = self.by_loads(t, at.x)
         if loads is not None:
             by_u = by_u - to.x.T @ loads @ to.x
-        if to.v is not None:
-            by_u = by_u + self.turned(t, state.u, to, acting.force - form.applied(t, at.x))
         rows = jnp.zeros((0, n))
         if self.tree.held_places.shape[0]:
             pieces = [(block.e, _rows_along(to, block.x, own)) for block, own, _ in found if own is not None]
+            pieces += [(one.e, _coefficients_along(to, one.c)) for one in self.beams if one.e.shape[1]]
             every = jnp.zeros((form.topology.n_e, 3 * n))
             for e, own in pieces:
                 every = accumulate(every, e, own)
@@ -296,11 +369,11 @@ class TreeForm(Record):
         n, form = self.size, self.form
         at, along = self.whole(t, state.u, state.w, jnp.zeros(n)), self.along(t, state.u)
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
-        stress = self.stress_of(t, jnp.zeros(self.tree.held_places.shape[0]))
-        acting, jacobian, mass = acting_matrices(form.elements, moving, form.falling, stress)
-        mass, rows = along.T @ mass @ along, self.held(jacobian) @ along
-        force = along.T @ (acting.force - form.applied(t, at.x))
-        residual = jnp.concatenate([force, self.held(acting.kinematics.edd) - self.wanted(at.edd)])
+        residual = self.residual(t, state, jnp.zeros(self.unknowns))
+        # Of the elements that are not beams of the tree; what stress they have does not matter.
+        mass = acting_matrices(form.elements, moving, form.falling, lambda e, _: jnp.zeros_like(e))[2]
+        mass = along.T @ mass @ along + sum(one.mass_along(at.x, along) for one in self.beams if one.mass is not None)
+        rows = self.held(self.deformed(at.x, moving.near)[1]) @ along
         z, matrix = solved_twice(mass, rows, self.mobility, residual)
         return z, self.regular(matrix)
 
@@ -309,7 +382,7 @@ class TreeForm(Record):
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
-        return deformed(self.form.elements, at.x, state.memory)[1] @ at.v
+        return self.deformed(at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
@@ -319,19 +392,19 @@ class TreeForm(Record):
             THEORY.md 9, eq. (9.3).
         """
         u, w = state.u, state.w
-        form, near, zero = self.form, self.form.near(state.memory), jnp.zeros_like(state.u)
+        near, zero = self.form.near(state.memory), jnp.zeros_like(state.u)
         if self.tree.held_places.shape[0]:
 
             def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
                 at = self.whole(t, u, w, zero)
-                e, jacobian = deformed(form.elements, at.x, near)
+                e, jacobian = self.deformed(at.x, near)
                 of_both = [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)]
                 return jnp.stack(of_both, axis=1), self.held(jacobian) @ self.along(t, u)
 
             u, w = onto_constraints(u, w, excess, mass, self.mobility)
         memory = state.memory
         if memory.shape[0]:
-            memory = strained(form.elements, self.whole(t, u, w, zero).x, memory)
+            memory = self.strained(self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
 
 
@@ -340,31 +413,14 @@ def _joined(rows: Sequence[Sequence[Array]]):
     return tuple(jnp.concatenate(own) for own in zip(*rows, strict=True))
 
 
-def _passage_rates(one: Passages, at: AllCoordinates):
-    """Way and turn of beams, rates and second rates, (beams, d + r) each."""
-
-    def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):
-        return [y for y, _ in rates_along(lambda c: (one.along(c, *kept), None), c, v, a)]
-
-    return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
+def _ways(bent: Sequence[tuple[Bent, Bent, Bent]]):
+    """Way and turn of all beams, as far as something depends on them, rates and second rates."""
+    return _joined([[_beside(each) for each in own] for own in bent if own[0].way])
 
 
-def _derived_passage_rates(one: Passages, at: AllCoordinates):
-    """As :func:`_passage_rates`, and their derivatives by the coefficients."""
-
-    def rates(c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"], *kept: Array):
-        return [[y for y, _ in rows] for rows in derived_rates(lambda c: (one.along(c, *kept), None), c, v, a)]
-
-    return jax.vmap(rates)(*(of[one.c] for of in (at.x, at.v, at.a)), *one.kept)
-
-
-def _bent(one: Passages, c: Float[Array, "beams c"], weights: Float[Array, "beams k"]):
-    """Second derivatives of way and turn of beams, times weights, (beams, coefficients, coefficients)."""
-
-    def gradient(c: Float[Array, "c"], weights: Float[Array, "k"], *kept: Array):
-        return jax.grad(lambda c: weights @ one.along(c, *kept))(c)
-
-    return jax.vmap(jax.jacfwd(gradient))(c, weights, *one.kept)
+def _beside(bent: Bent) -> Float[Array, "*beams k"]:
+    """Way and turn side by side."""
+    return jnp.concatenate(bent.way, axis=-1)
 
 
 def _along(to: _Carried, x: Int[Array, "elements c"], squares: tuple[Array, Array, Array]):
@@ -389,6 +445,12 @@ def _rows_along(to: _Carried, x: Int[Array, "elements c"], rows: tuple[Array, Ar
     return jnp.concatenate(every, axis=2)
 
 
+def _coefficients_along(to: _Carried, c: Int[Array, "beams c"]):
+    """As :func:`_rows_along`, of deformations that are coordinates which move by themselves."""
+    none = jnp.zeros((*c.shape, 2 * to.x.shape[1]))
+    return jnp.concatenate([none, to.x[c]], axis=2)
+
+
 def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     """Equations of motion of a model in the coordinates that its beams do not give.
 
@@ -398,10 +460,9 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     """
     top, parameters = form.topology, form.parameters
     elements: list[PreparedBlock | None] = []
-    for block, properties, (short, whole) in zip(top.blocks, parameters.properties, tree.rows, strict=True):
-        for rows, prepare in ((short, without_last_end), (whole, prepared_block)):
-            if rows.shape[0]:
-                elements.append(prepare(*some_of(block, properties, rows), parameters.reference))
+    for block, properties, (_, rows) in zip(top.blocks, parameters.properties, tree.rows, strict=True):
+        if rows.shape[0]:
+            elements.append(prepared_block(*some_of(block, properties, rows), parameters.reference))
     own = dataclasses.replace(
         form,
         elements=tuple(one for one in elements if one is not None),
@@ -409,8 +470,7 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
         sizes=form.sizes[tree.kept_places],
         mobility=form.mobility[tree.kept_places],
     )
-    felt = () if tree.felt is None else passages(top, parameters, tree.felt)
-    found = TreeForm(own, tree, passages(top, parameters, tree.poses), felt, own.mobility)
+    found = TreeForm(own, tree, tree_beams(top, parameters, tree), own.mobility)
     return dataclasses.replace(found, mobility=_mobility(found, form)) if tree.held_places.shape[0] else found
 
 

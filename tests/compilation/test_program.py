@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation.program import may_bend, split, split_together
+from flexmb.compilation.program import may_bend, split, split_in_stages, split_together
 
 
 def weighted(weights):
@@ -118,3 +118,24 @@ def test_what_may_bend():
     bent = (jnp.abs, lambda x: jnp.maximum(x, 0), lambda x: jnp.clip(x, -1, 1), jax.jit(jnp.sign), newton)
     assert not any(may_bend(function, 1.0) for function in smooth)
     assert all(may_bend(function, 1.0) for function in bent)
+
+
+def test_stages_do_what_follows_from_their_arguments_and_keep_what_later_ones_need():
+    def function(first, second, third):
+        (a,), (b,), (c,) = first, second, third
+        early = jnp.sin(a)
+        middle = early * jnp.cos(b)
+        return (), (middle, jnp.exp(b)), middle * c + early + jnp.sin(a) + 1.0
+
+    values = [(jnp.array(0.3),), (jnp.array(0.7),), (jnp.array(1.1),)]
+    stages = split_in_stages(function, values)
+    nothing, early = stages[0](*values[0])
+    result, more = stages[1](*values[1], *early)
+    last, none = stages[2](*values[2], *early, *more)
+    assert (nothing, none) == ((), ())
+    # One sine, and one product of it: what is a result alone is not kept.
+    assert (len(early), len(more)) == (1, 1)
+    assert equations(lambda c: stages[2](c, *early, *more), 1.1) == 4
+    expected = function(*values)
+    np.testing.assert_allclose(result, expected[1], rtol=1e-15)
+    np.testing.assert_allclose(last, expected[2], rtol=1e-15)

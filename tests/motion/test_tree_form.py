@@ -12,6 +12,7 @@ from flexmb.math.rigid import compose_turns
 from flexmb.math.rotation import rotation_matrix, rotation_plane
 from flexmb.mechanics.tree import tree_of
 from flexmb.motion.coordinates_form import coordinates_form
+from flexmb.motion.drives_by_name import acted_on
 from flexmb.motion.protocol import MotionState
 from flexmb.motion.tree_form import tree_form
 
@@ -161,3 +162,82 @@ def test_what_needs_all_coordinates_gets_them():
         fm.simulate(model, TIMES, form="tree")
     with pytest.raises(ValueError, match='controller needs form="coordinates"'):
         fm.simulate(model, TIMES, form="tree", control=abs)
+
+
+def rod(places="c", moment=0.0, **held):
+    """A rod in space out of spectral beams, with a force on the last end of the first."""
+    section = fm.Rigidity(EA=1e3, EIy=1.0, EIz=1.3, GIt=0.8, mass=1.0, Jx=0.01, Jy=0.005, Jz=0.006)
+    b = fm.Builder()
+    b.node("a", (0, 0, 0))
+    for number, (p, q) in enumerate(zip(("a", *places), places, strict=False)):
+        b.node(q, (1.0 + number, 0.1, 0.2 * number))
+        b.add(spatial.spectral_beam(2), p, q, section=section, y=(0, 0, 1), **held)
+    b.fix("a")
+    b.force(places[0], (0.3, 0.5, 1.0))
+    if moment:
+        b.moment(places[0], (moment, 0.1, 0.0))
+    return b.build()
+
+
+@pytest.mark.parametrize(
+    ("places", "moment", "computed"),
+    [
+        # Nothing depends on how the last end is turned.
+        ("c", 0.0, (1, 0)),
+        ("c", 0.2, (1, 4)),
+        # The second beam depends on the first, and has no force on its last end.
+        ("cd", 0.0, (2, 4)),
+    ],
+)
+def test_of_last_ends_as_much_is_computed_as_is_asked_for(places, moment, computed):
+    model = rod(places, moment)
+    tree = tree_of(model.topology, acted_on(model, ()))
+    assert tree is not None
+    assert tree.felt is not None
+    assert tree.felt.turns.shape == computed
+
+
+def test_strains_that_are_held_have_multipliers():
+    """A rod that does not stretch; its coefficients are coordinates, of which some are held as deformations.
+
+    Of its last end the position alone is computed.
+    """
+    model = rod(released=tuple(range(9, 15)))
+    tree = tree_of(model.topology)
+    assert tree is not None
+    assert tree.held_places.shape == (2,)
+    other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", "tree"))
+    # As for the frames above.
+    np.testing.assert_allclose(found.x, other.x, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found.xd, other.xd, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.near[:, 6:8], 0, atol=1e-14)
+    assert np.max(np.abs(found.x[-1] - found.x[0])) > 1e-4
+
+
+@pytest.mark.parametrize(
+    "model",
+    [planar_frame(), spatial_frame(), rod(released=tuple(range(9, 15)))],
+    ids=["planar", "spatial", "held"],
+)
+def test_tangent_is_the_derivative_of_the_residual(model):
+    """By everything that moves, its rates, accelerations and multipliers, somewhere."""
+    tree = tree_of(model.topology, acted_on(model, ()))
+
+    @fm.jit
+    def both(u, w, z):
+        form = tree_form(coordinates_form(model.topology, model.parameters), tree)
+        t, memory = jnp.zeros(()), jnp.zeros(0)
+
+        def left(u, w, z):
+            return form.residual(t, MotionState(u, w, memory), z)
+
+        found = form.tangent(t, MotionState(u, w, memory), z)
+        return (found.by_u, found.by_w, found.by_z), jax.jacfwd(left, (0, 1, 2))(u, w, z)
+
+    n, m = len(tree.kept), len(tree.held_places)
+    random = np.random.default_rng(5)
+    found, expected = both(*0.3 * random.standard_normal((2, n)), 0.3 * random.standard_normal(n + m))
+    # A small corner keeps constraints solvable that may be redundant, of which the residual has none.
+    found = [*found[:2], found[2].at[n:, n:].set(0.0)]
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.max(np.abs(other)))
