@@ -153,24 +153,25 @@ def _varied(argument: Any, varies: list[bool]) -> Varied:
     return Varied([leaf for leaf, varied in zip(leaves, varies, strict=True) if varied], whole, varies)
 
 
-def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any] | None = None) -> Callable[..., Any]:
+def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any]) -> Callable[..., Any]:
     """As :func:`jit_beside_options`, of a function whose derivatives are taken in reverse mode alone.
 
     JAX compiles what ``jax.grad`` asks for without options, which takes twice as long. Here the way back is a
-    program of its own, which takes the function once more and is compiled as settings ask for.
+    program of its own, compiled as settings ask for.
 
     Args:
-        function: Function of arguments that may hold what is no array.
-        ahead: What gives the value where a derivative is asked for, if not the function itself.
+        function: Function of arguments that may hold what is no array, and of ``known``: None, or what ``ahead`` found.
+        ahead: What gives the value where a derivative is asked for, and what the way back is to know of it: arrays, or
+            None where it is to take the function once more.
 
     Returns:
         The compiled function.
     """
-    run = jit_beside_options(function)
+    run, there = jit_beside_options(function), jit_beside_options(ahead)
 
-    def pulled(varies: tuple[bool, ...], arguments: tuple[Any, ...], changes: Any):
+    def pulled(varies: tuple[bool, ...], arguments: tuple[Any, ...], known: Any, changes: Any):
         own = _varied(arguments, list(varies))
-        found, pull = jax.vjp(lambda numbers: function(*own.whole(numbers)), own.numbers)
+        found, pull = jax.vjp(lambda numbers: function(*own.whole(numbers), known=known), own.numbers)
         whole_numbers = [np.zeros(one.shape, jax.dtypes.float0) for one in jax.tree.leaves(found)]
         given = [a if b is None else b for a, b in zip(whole_numbers, changes, strict=True)]
         return pull(jax.tree.unflatten(jax.tree.structure(found), given))[0]
@@ -184,21 +185,22 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any] |
         if not any(isinstance(leaf, jax.core.Tracer) for leaf in leaves) or is_staged():
             return run(*arguments)
 
-        def way_back(parts: list[Varied], _: Any, changes: Any):
+        def way_back(parts: list[Varied], known: Any, changes: Any):
             varies = tuple(varied for part in parts for varied in part.varies)
             given = [None if one.dtype == jax.dtypes.float0 else one for one in jax.tree.leaves(changes)]
-            found = iter(back(varies, tuple(part.whole(part.numbers) for part in parts), given))
+            found = iter(back(varies, tuple(part.whole(part.numbers) for part in parts), known, given))
             return [[next(found) for _ in part.numbers] for part in parts]
 
-        known: list[Any] = []
+        values: list[Any] = []
 
         def forward(*given: Any):
-            known.append((ahead or run)(*given))
-            return known[-1], None
+            value, known = there(*given)
+            values.append(value)
+            return value, known
 
         found = with_derivative(run, forward, way_back, *arguments)
         # What has no derivative is a number still, that one may ask.
-        return jax.tree.map(_as_known, found, known[-1]) if known else found
+        return jax.tree.map(_as_known, found, values[-1]) if values else found
 
     return call
 

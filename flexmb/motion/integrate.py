@@ -15,7 +15,6 @@ from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, 
 from ..mechanics.extent import sizes_of
 from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder
-from ..mechanics.stress_resultants import is_nonlinear
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
@@ -126,16 +125,20 @@ def _solved(
     start: MotionState,
     moved: Float[Array, ""],
     derived: bool = False,
-):
-    """States at times between t0 and t1, and what else is found on the way.
+    taped: bool = False,
+    known: tuple[Marched, Tape] | None = None,
+) -> tuple[Marched, Tape | None]:
+    """States at times between t0 and t1, what else is found on the way, and a tape where one is asked for.
 
     Args:
         derived: Whether it is asked for beside a derivative, so that steps across kinks are short.
+        taped: Whether the way back is another program, which needs the tape.
+        known: What this one found, there.
     """
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     if _by_options(problem, integrator):
         onto = problem.jumps, problem.stops
-        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, moved)
+        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, moved), None
 
     def given(*own: Any) -> Any:
         equations, span, start, integrator, moved = own
@@ -153,8 +156,14 @@ def _solved(
             return march_chain(*given(*own), taped=taped)
         return march(*given(*own), taped=taped, kinks=kinks_of(own[0], derived))
 
+    def ahead(*own: Any):
+        return marched(*own, taped=True, derived=True) if known is None else known
+
+    if taped:
+        return ahead(*own)
+
     def plain(*own: Any):
-        return marched(*own, taped=False, derived=derived)[0]
+        return (marched(*own, taped=False, derived=derived) if known is None else known)[0]
 
     def back(parts: list[Varied], tape: Tape, changes: Marched):
         equations, span, start, *rest = parts
@@ -168,7 +177,7 @@ def _solved(
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
         return refusing_derivatives((*found, *none), ONCE)
 
-    return with_derivative(plain, functools.partial(marched, taped=True, derived=True), back, *own)
+    return with_derivative(plain, ahead, back, *own), None
 
 
 def _by_diffrax(
@@ -378,9 +387,7 @@ def integrate(
         times: Times at which to give it, (n_t,) [s].
         given: Where it goes on from.
     """
-    bends = is_nonlinear(problem.model.topology) or problem.feedback is not None
-    asked = _asked if _by_options(problem, integrator) else _with_kinks if bends else _smooth
-    return asked(problem, integrator, span, times, given)
+    return (_asked if _by_options(problem, integrator) else _marched)(problem, integrator, span, times, given)
 
 
 def _integrated(
@@ -389,28 +396,35 @@ def _integrated(
     span: Float[Array, "2"],
     times: Float[Array, "n_t"],
     given: Reached,
-    derived: bool = False,
+    known: tuple[Marched, Tape] | None = None,
 ) -> Integrated:
+    return _with_tape(problem, integrator, span, times, given, False, known)[0]
+
+
+def _with_tape(
+    problem: Problem,
+    integrator: Integrator,
+    span: Float[Array, "2"],
+    times: Float[Array, "n_t"],
+    given: Reached,
+    taped: bool = True,
+    known: tuple[Marched, Tape] | None = None,
+) -> tuple[Integrated, tuple[Marched, Tape | None]]:
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
-    states, moved, steps, result, jumped = _solved(
-        equations, problem, integrator, span[0], span[1], times, start, given.moved, derived
+    found, tape = _solved(
+        equations, problem, integrator, *span, times, start, given.moved, derived=taped, taped=taped, known=known
     )
+    states, moved, steps, result, jumped = found
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
     result = jnp.where(begun == RESULTS.successful, result, begun)
     jumped = jumped & (result == RESULTS.successful)
-    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved), jumped)
-
-
-@jit_beside_options
-def _derived(*given: Any) -> Integrated:
-    return _integrated(*given, derived=True)
+    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved), jumped), (found, tape)
 
 
 _asked = jit_beside_options(_integrated)
-_smooth = jit_beside_reverse(_integrated)
-_with_kinks = jit_beside_reverse(_integrated, _derived)
+_marched = jit_beside_reverse(_integrated, _with_tape)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -442,6 +456,7 @@ def _integrated_sampled(
     times: Float[Array, "n_t"],
     given: Reached,
     derived: bool = False,
+    known: None = None,
 ) -> Integrated:
     sampled: Any = problem.feedback
     undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
@@ -455,7 +470,7 @@ def _integrated_sampled(
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved, derived)
+        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved, derived)[0]
         return Reached(_last(states), (memory, u), moved), (states, u, *found)
 
     first, begun = _started(undriven, problem, grid.begin[0], given.state)
@@ -473,9 +488,9 @@ def _integrated_sampled(
     return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last, jnp.any(jumped))
 
 
-@jit_beside_options
-def _derived_sampled(*given: Any) -> Integrated:
-    return _integrated_sampled(*given, derived=True)
+def _derived_sampled(*given: Any) -> tuple[Integrated, None]:
+    # Tapes of all intervals at once would fill the memory.
+    return _integrated_sampled(*given, derived=True), None
 
 
 _asked_sampled = jit_beside_options(_integrated_sampled)
