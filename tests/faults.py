@@ -1312,10 +1312,10 @@ FAULTS = [
         "motion/test_chain_march_back.py -k second",
     ),
     Fault(
-        "motion/chain_march_back.py",
+        "motion/march_back.py",
         "jnp.where(lost, jnp.nan, one)",
         "one",
-        "motion/test_chain_march_back.py -k reach",
+        "motion/test_march_back.py -k not_reached",
     ),
     Fault(
         "motion/simulate.py",

@@ -29,7 +29,6 @@ from .collocation import (
 )
 from .march_back import Method
 from .protocol import MotionState
-from .tape import Tape
 
 # Linear equations of a step are solved once what they change becomes this share; what stalls at round-off below the
 # second number counts as solved too.
@@ -48,23 +47,6 @@ def radau(allowed: tuple[Any, Any]) -> Method:
     """
     step = functools.partial(stepped, allowed=allowed)
     return Method(step, between_steps, lambda carried: carried.z, carried_from, False)
-
-
-def unless_missed(derivatives: Any, tape: Tape, asked: MotionState) -> Any:
-    """Derivatives, NaN where the states that they are asked by were not reached when the steps were taken once more.
-
-    Newton's method ends within a tolerance, so that steps that are taken twice do not end alike to the last digit; of a
-    motion that loose tolerances let go astray one may be lost.
-
-    Args:
-        derivatives: Pytree of numbers.
-        tape: Of the steps.
-        asked: Derivatives by the states, in rows.
-    """
-    saved, still = jnp.asarray(tape.saved), jnp.asarray(tape.still)
-    missed = (jnp.arange(asked.u.shape[0], dtype=saved.dtype) >= saved) & ~still
-    lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed[:, None]) for rows in asked])
-    return jax.tree.map(lambda one: jnp.where(lost, jnp.nan, one), derivatives)
 
 
 def stepped(

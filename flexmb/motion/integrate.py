@@ -20,7 +20,7 @@ from ..model.model import Model
 from ..results import RESULTS
 from .chain_form import chain_form
 from .chain_march import march_chain
-from .chain_march_back import radau, unless_missed
+from .chain_march_back import radau
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
@@ -172,7 +172,6 @@ def _solved(
         else:
             by: Integrator = rest[0].whole(rest[0].numbers)
             found = march_back(equations, span, start, tape, changes, radau((by.rtol, by.atol)))
-            found = unless_missed(found, tape, changes.states)
         # The tolerances and what came before choose the steps, which are as they are.
         none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
         return refusing_derivatives((*found, *none), ONCE)
@@ -412,9 +411,8 @@ def _with_tape(
 ) -> tuple[Integrated, tuple[Marched, Tape | None]]:
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
-    found, tape = _solved(
-        equations, problem, integrator, *span, times, start, given.moved, derived=taped, taped=taped, known=known
-    )
+    asked: dict[str, Any] = {"derived": taped, "taped": taped, "known": known}
+    found, tape = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved, **asked)
     states, moved, steps, result, jumped = found
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))

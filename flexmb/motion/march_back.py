@@ -7,6 +7,7 @@ begin of a motion, and where it must stop, take the steps behind them along, up 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -190,7 +191,7 @@ def march_back(
         method: How steps are taken anew; None: as those of the default solver.
 
     Returns:
-        Derivatives by the numbers of each that vary.
+        Derivatives by the numbers of each that vary; NaN where a state is asked about that was not reached.
 
     Source:
         THEORY.md 10, eq. (10.5).
@@ -220,7 +221,21 @@ def march_back(
     still: Any = tape.still
     of_still = jax.tree.map(lambda rows: jnp.where(still[:, None], rows, 0.0).sum(axis=0), changes.states)
     by_start = jax.tree.map(jnp.add, by_start, of_still)
-    return numbers, _of(span, by_span), _of(start, by_start)
+    return unless_missed((numbers, _of(span, by_span), _of(start, by_start)), tape, changes.states)
+
+
+def unless_missed(derivatives: Any, tape: Tape, asked: MotionState) -> Any:
+    """Derivatives, NaN where they are asked for by states that the motion did not reach.
+
+    Args:
+        derivatives: Pytree of numbers.
+        tape: Of its steps.
+        asked: Derivatives by the states, in rows.
+    """
+    saved, still = jnp.asarray(tape.saved), jnp.asarray(tape.still)
+    missed = (jnp.arange(asked.u.shape[0], dtype=saved.dtype) >= saved) & ~still
+    lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed[:, None]) for rows in asked])
+    return jax.tree.map(lambda one: jnp.where(lost, jnp.nan, one), derivatives)
 
 
 def _added(by: Span, times: Span, t: Array, change: Array) -> Span:

@@ -11,8 +11,7 @@ import flexmb as fm
 from flexmb.arguments import is_concrete
 from flexmb.mechanics.sparse_order import order_of, solution
 from flexmb.motion import tape
-from flexmb.motion.chain_march_back import _iterated, unless_missed
-from flexmb.motion.protocol import MotionState
+from flexmb.motion.chain_march_back import _iterated
 
 from .test_chain import arm, pendulum
 from .test_net import bob, net
@@ -127,17 +126,6 @@ def test_jumps_are_refused_by_name():
 def test_a_second_derivative_in_reverse_is_refused_by_name():
     with pytest.raises(TypeError, match="differentiated in reverse once"):
         jax.grad(lambda factors: jnp.sum(jax.grad(places)(factors)))(AS_THEY_ARE)
-
-
-def test_what_the_way_back_does_not_reach_gives_no_number():
-    state = MotionState(jnp.zeros((3, 1)), jnp.array([[0.0], [0.0], [2.0]]), jnp.zeros((3, 0)))
-    own = tape.blank_tape(2, jax.tree.map(lambda rows: rows[0], state), jnp.zeros(1))
-    own = own._replace(saved=jnp.array(3), still=jnp.array([True, False, False]))
-    assert unless_missed({"by": jnp.ones(2)}, own, state)["by"][0] == 1.0
-    assert np.isnan(unless_missed({"by": jnp.ones(2)}, own._replace(saved=jnp.array(2)), state)["by"][0])
-    # Nothing is asked by the last.
-    state = jax.tree.map(jnp.zeros_like, state)
-    assert unless_missed({"by": jnp.ones(2)}, own._replace(saved=jnp.array(2)), state)["by"][0] == 1.0
 
 
 def test_what_is_found_of_a_chain_within_a_trace_serves_others():
