@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
-from ..math.indices import accumulate, put
+from ..math.indices import TRUSTED, accumulate, put
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import zero_near
 from ..mechanics.extent import sizes_of
@@ -81,6 +81,7 @@ class CoordinatesForm(Record):
         gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
         falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
         free: Indices of the coordinates that move, DEPENDENT and DOF, (n,).
+        place: Number of each coordinate among these, from 1, or 0, (n_x,).
         sizes: Sizes by which displacements are divided to be pure numbers: the mechanism's extent, or 1 for rotations,
             (n,) [m, -].
         held: Indices of the held deformations, FIXED and PRESCRIBED, (m,).
@@ -96,6 +97,7 @@ class CoordinatesForm(Record):
     gravity: Float[Array, "axes"] | None
     falling: Float[Array, "n_x"] | None
     free: Array
+    place: Int[Array, "n_x"]
     sizes: Float[Array, "n"]
     held: Array
     mobility: Float[Array, "n"]
@@ -172,7 +174,9 @@ class CoordinatesForm(Record):
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
         moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
-        x, v, acc = accumulate(jnp.stack([x, v, acc], axis=1), self.free, moved).T
+        # Gathered, not scattered: of a scatter the compiler makes a loop.
+        moved = jnp.concatenate([jnp.zeros((1, 3)), moved]).at[self.place].get(**TRUSTED)
+        x, v, acc = (jnp.stack([x, v, acc], axis=1) + moved).T
         return AllCoordinates(x, v, acc, e, ed, edd)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
@@ -487,6 +491,15 @@ def onto_constraints(
     return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
+def places_of(topology: Topology, free: Array) -> Int[Array, "n_x"]:
+    """Number of each coordinate among those that move, from 1, or 0.
+
+    Args:
+        free: Indices of these, (n,).
+    """
+    return put(jnp.zeros(topology.n_x, int), free, jnp.arange(1, free.shape[0] + 1))
+
+
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
     """Equations of motion of a model in all its coordinates.
 
@@ -509,6 +522,7 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
         gravity,
         None if gravity is None else uniform_motion(topology, gravity),
         free,
+        places_of(topology, free),
         sizes,
         topology.e.held,
         1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),

@@ -16,7 +16,7 @@ from ..mechanics.blocks import scatter_vector, scatter_vectors
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.tree import Tree, linked, some_of
-from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, solved_twice
+from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, places_of, solved_twice
 from .element_forces import (
     Kinematics,
     Moving,
@@ -467,6 +467,7 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
         form,
         elements=tuple(one for one in elements if one is not None),
         free=tree.kept,
+        place=places_of(top, tree.kept),
         sizes=form.sizes[tree.kept_places],
         mobility=form.mobility[tree.kept_places],
     )
