@@ -1412,6 +1412,13 @@ FAULTS = [
         "motion/test_tree_form.py -k tangent",
     ),
     Fault(
+        "mechanics/blocks.py",
+        "x = jnp.concatenate(x) if isinstance(x, list) else x",
+        "x = x",
+        "motion/test_tree_form.py -k users_own",
+    ),
+    Fault("compilation/program.py", "level.get(v, 0) > i", "level.get(v, 0) > i + 1", "compilation/test_program.py"),
+    Fault(
         "compilation/program.py",
         "kept[i] = [v for v in read if level.get(v) == i]",
         "kept[i] = [v for v in read if level.get(v, i) <= i]",

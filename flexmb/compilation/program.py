@@ -259,6 +259,9 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
     Returns:
         For each group a stage ``(*own, *kept) -> (result, more)``, of its arguments and of all that stages before it
         have kept: its result, and what it keeps for those after it, a tuple of arrays.
+
+    Raises:
+        ValueError: A result follows from a group after its own.
     """
     leaves, structure = jax.tree.flatten(tuple(groups))
 
@@ -268,10 +271,7 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
     program, shapes = jax.make_jaxpr(flat, return_shape=True)(*(jax.typeof(leaf) for leaf in leaves))
     jaxpr = program.jaxpr
     equations, results = _without_repeats(jaxpr, program.consts)
-    inputs, outputs = (
-        [list(itertools.islice(left, len(jax.tree.leaves(one)))) for one in parts]
-        for left, parts in ((iter(jaxpr.invars), groups), (iter(results), shapes))
-    )
+    inputs, outputs = _in_groups(jaxpr.invars, groups), _in_groups(results, shapes)
     level = {v: i for i, own in enumerate(inputs) for v in own}
     # What is of literals alone, of no argument, is done where it is asked for: in every stage.
     steps: list[list] = [[] for _ in groups]
@@ -281,6 +281,8 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
             level |= dict.fromkeys(equation.outvars, last)
         for own in steps if last is None else [steps[last]]:
             own.append(equation)
+    if any(level.get(v, 0) > i for i, own in enumerate(outputs) for v in _variables(own)):
+        raise ValueError("A result follows from arguments of a group that comes after its own.")
     kept: list[list] = [[] for _ in groups]
     read: dict = {}
     for i in reversed(range(len(groups))):
@@ -293,6 +295,12 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
         then = _program(jaxpr, [*own, *before], steps[i], [*outputs[i], *kept[i]])
         stages.append(_evaluation(then, program.consts, jax.tree.structure((shape, tuple(kept[i])))))
     return stages
+
+
+def _in_groups(things: Sequence[Any], like: Sequence[Any]) -> list[list]:
+    """Things in groups of as many as some trees have leaves."""
+    left = iter(things)
+    return [list(itertools.islice(left, len(jax.tree.leaves(one)))) for one in like]
 
 
 def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:

@@ -177,6 +177,9 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
     Args:
         properties: Its stacked properties.
         companion: Field of Element, such as "stiffness".
+
+    Returns:
+        The function, which takes what :func:`element_function` says, and the properties.
     """
     if companion not in block.companions:
         return None, properties
@@ -251,6 +254,7 @@ def _with_numbers(code: Code, companion: str):
 
     def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         known = {name: value for name, value in own.items() if not name.startswith(NUMBERS)}
+        x = jnp.concatenate(x) if isinstance(x, list) else x
         return Captured(code, tuple(own[NUMBERS + companion]))(x, ref, known, extra)
 
     return function

@@ -201,6 +201,16 @@ def heaviness(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near:
     return scatter_vector(x.shape[0], found)
 
 
+def mass_of(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+    """Mass matrix, (n_x, n_x) [kg, kg m, kg m^2]; arguments as for :func:`deformed`."""
+    found = []
+    for block in elements:
+        if block.mass is not None:
+            j = block.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[block.x])
+            found.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
+    return scatter_matrix((x.shape[0], x.shape[0]), found)
+
+
 def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and their derivatives by the nodal coordinates.
 
@@ -231,7 +241,7 @@ def second_rate(function: Callable[..., Any], x: Any, v: Any, a: Any):
     return value, rate, second
 
 
-def rates_along(
+def _rates_along(
     f: Callable[..., Any],
     x: Float[Array, "c"],
     v: Float[Array, "c"],
@@ -255,7 +265,7 @@ def _with_jacobians(
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None,
 ):
-    """As :func:`rates_along`, and the Jacobians of e and s."""
+    """As :func:`_rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
         ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
@@ -268,16 +278,16 @@ def _with_jacobians(
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
-def derived_rates(
+def _derived_rates(
     f: Callable[..., Any],
     x: Float[Array, "c"],
     v: Float[Array, "c"],
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None = None,
 ):
-    """As :func:`rates_along`, and their derivatives by the coordinates."""
+    """As :func:`_rates_along`, and their derivatives by the coordinates."""
     if length(f, x) <= SHORT:
-        return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
+        return _jacobian(lambda x: _rates_along(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
@@ -338,7 +348,7 @@ def acting_forces(
     Source:
         THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
-    found = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, block.over(_rates_along, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics(found, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
@@ -438,7 +448,7 @@ def derivatives_of_elements(
     Source:
         Derivative of :func:`acting_forces`.
     """
-    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
@@ -451,7 +461,7 @@ def _of_elements(
     stiffness: Float[Array, "elements d d"] | None,
     damping: Float[Array, "elements d d"] | None,
 ) -> OfElements:
-    """Derivatives of one block from what :func:`derived_rates` gives, stress resultants, and tangents of its own."""
+    """Derivatives of one block from what :func:`_derived_rates` gives, stress resultants, and tangents of its own."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
     by_v = mass = jnp.zeros_like(by_x)
@@ -523,7 +533,7 @@ def element_derivatives(
         coordinates (None where it does not deform), and those of the forces by coordinates, velocities and
         accelerations.
     """
-    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)

@@ -49,7 +49,7 @@ class TreeBeams(Record):
     """Beams of one block whose last end follows from the first and from their coefficients, prepared for motion.
 
     Attributes:
-        bent: ``(c_el, *kept_el)`` to :class:`Bent` of one beam.
+        bent: ``(c_el, *kept_el)`` to :class:`Bent` of one beam, with all parts of its way.
         placed: ``(ends_el, *kept_el, *shape_el) -> s_el``, its places of inertia; None where it has none.
         ends: Index of the coordinates of the first ends, (beams, ends).
         c: Index of the coefficients, (beams, coefficients).
@@ -57,7 +57,7 @@ class TreeBeams(Record):
         kept: Constants of each beam, for both functions.
         mass: H of each beam, (beams, k, k), or None.
         gives: Whether these give last ends; beams may have their mass in a block of its own.
-        felt: On how much of these something acts or depends: nothing, the way alone, or way and turn.
+        parts: On how many parts of a way something acts or depends: none, the way alone, or way and turn.
     """
 
     bent: Callable[..., Bent] = static()
@@ -68,7 +68,7 @@ class TreeBeams(Record):
     kept: tuple[Array, ...]
     mass: Float[Array, "beams k k"] | None
     gives: bool = static()
-    felt: int = static()
+    parts: int = static()
 
     @property
     def x(self) -> Int[Array, "beams k"]:
@@ -100,7 +100,7 @@ class TreeBeams(Record):
 
         def of(c: Float[Array, "c"]) -> Bent:
             found = self.bent(c, *kept)
-            return found._replace(way=found.way[: self.felt])
+            return found._replace(way=found.way[: self.parts])
 
         return of
 
@@ -149,11 +149,10 @@ class TreeBeams(Record):
             by_ends = jax.jacfwd(lambda x: self._moved(kept, falling, x, *ends[1:], *shapes))(ends[0])
 
             def changed(*changes: Any):
-                return jax.jvp(lambda *shapes: self._moved(kept, falling, *ends, *shapes), shapes, changes)[1]
+                return jax.jvp(lambda *shapes: self._moved(kept, falling, *ends, *shapes), shapes, changes)
 
-            by_c = jax.vmap(changed, 0, -1)(*own)
-            both = jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
-            return self._moved(kept, falling, *ends, *shapes), both
+            found, by_c = jax.vmap(changed, 0, (None, -1))(*own)
+            return found, jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
 
         shapes = [own.shape for own in (*bent, *slopes)]
         return jax.vmap(of)(self.kept, *self._ends(at, falling), *shapes)
@@ -300,10 +299,11 @@ def tree_beams(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[
     return tuple(found)
 
 
-def _prepared(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], felt: int) -> TreeBeams:
+def _prepared(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], parts: int) -> TreeBeams:
     inertia, properties = companion_of(block, with_rigidities(properties), "inertia")
     deforms = "deformation" in block.companions
     passage: Any = element_function(block, block.element.passage, deforming(block, properties)) if deforms else None
+    # Position and rotation of the first end, of the last, and the coefficients.
     ends, first = block.splits[1], block.splits[-1]
     ref = reference[block.x]
 
@@ -336,5 +336,5 @@ def _prepared(block: Block, properties: dict[str, Any], reference: Float[Array, 
         jax.vmap(lambda *constant: early(*constant)[1])(ref, properties),
         mass,
         deforms,
-        felt if deforms else 0,
+        parts if deforms else 0,
     )

@@ -22,9 +22,9 @@ from .element_forces import (
     Moving,
     PreparedBlock,
     acting_forces,
-    acting_matrices,
     deformed,
     element_derivatives,
+    mass_of,
     prepared_block,
     second_rate,
     strained,
@@ -108,7 +108,7 @@ class TreeForm(Record):
         """Nodal coordinates with those computed that something acts or depends on, (n_x,)."""
         if self.tree.felt is None:
             return x
-        return linked(self.tree.felt, jnp.concatenate([one.felt_ways(x) for one in self.beams if one.felt]), x)
+        return linked(self.tree.felt, jnp.concatenate([one.felt_ways(x) for one in self.beams if one.parts]), x)
 
     def whole(
         self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
@@ -118,17 +118,17 @@ class TreeForm(Record):
         Arguments as of :meth:`CoordinatesForm.whole`.
         """
         at = self.form.whole(t, u, w, a)
-        return self._with_ends(at, [one.rates(at) for one in self.beams if one.felt])
+        return self._with_ends(at, [one.rates(at) for one in self.beams if one.parts])
 
     def along(self, t: Float[Array, ""], u: Float[Array, "n"]) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves."""
         if self.tree.felt is None:
-            return self.places
+            return self.selection
         none = jnp.zeros(self.size)
         return jax.jacfwd(lambda u: self.placed(self.form.whole(t, u, none, none).x))(u)
 
     @property
-    def places(self) -> Float[Array, "n_x n"]:
+    def selection(self) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves, where nothing is computed."""
         return (
             jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
@@ -153,22 +153,22 @@ class TreeForm(Record):
 
         Of each beam way and turn are differentiated by its own coefficients, and what the tree makes of them by all.
         """
-        places = self.places
+        selected = self.selection
         at = self.form.whole(t, u, w, a)
         found = [one.derived(at) for one in self.beams]
         bent, derived = [own for own, _ in found], [own for _, own in found]
         if self.tree.felt is None:
-            return _Carried(at, places, None, None, None, None, bent, derived)
+            return _Carried(at, selected, None, None, None, None, bent, derived)
         # Of each block (beams, coefficients, way and turn), by its own coefficients.
-        of = [(one.c, own) for one, own in zip(self.beams, derived, strict=True) if one.felt]
-        slopes = _joined([[_beside(each).mT @ places[c] for each in own] for c, own in of])
+        of = [(one.c, own) for one, own in zip(self.beams, derived, strict=True) if one.parts]
+        slopes = _joined([[_beside(each).mT @ selected[c] for each in own] for c, own in of])
         ways, none = _ways(bent), jnp.zeros(at.x.shape)
 
         def along(place: Float[Array, "n_x"], *slope: Array):
             return jax.jvp(self._linked, ((at.x, at.v, at.a), ways), ((place, none, none), slope))[1]
 
         x, v, acc = self._linked((at.x, at.v, at.a), ways)
-        derivatives: Any = jax.vmap(along, (1, 2, 2, 2), 1)(places, *slopes)
+        derivatives: Any = jax.vmap(along, (1, 2, 2, 2), 1)(selected, *slopes)
         by_x, by_v, by_a = derivatives
         return _Carried(at._replace(x=x, v=v, a=acc), by_x, by_v, by_a, ways[0], slopes[0], bent, derived)
 
@@ -180,14 +180,14 @@ class TreeForm(Record):
             what beams add whose way and turn bend.
         """
         poses: Any = self.tree.felt
-        places, x = self.places, to.at.x
+        selected, x = self.selection, to.at.x
 
         def pulled(x: Float[Array, "n_x"], y: Float[Array, "beams k"]):
             return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
 
         y: Any = to.ways
-        of_x, of_y = jax.vmap(lambda *own: jax.jvp(pulled, (x, y), own)[1], (1, 2), (1, 2))(places, to.passed)
-        return pulled(x, y)[1], places.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
+        of_x, of_y = jax.vmap(lambda *own: jax.jvp(pulled, (x, y), own)[1], (1, 2), (1, 2))(selected, to.passed)
+        return pulled(x, y)[1], selected.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
@@ -278,9 +278,9 @@ class TreeForm(Record):
         poses: Any = self.tree.felt
         found, first = [], 0
         for one in self.beams:
-            count = one.c.shape[0] if one.felt else 0
+            count = one.c.shape[0] if one.parts else 0
             parts = jnp.split(rows[first : first + count], [poses.ends.shape[1]], axis=1)
-            found.append(tuple(parts[: one.felt]))
+            found.append(tuple(parts[: one.parts]))
             first += count
         return found
 
@@ -368,12 +368,11 @@ class TreeForm(Record):
         """
         n, form = self.size, self.form
         at, along = self.whole(t, state.u, state.w, jnp.zeros(n)), self.along(t, state.u)
-        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        near = form.near(state.memory)
         residual = self.residual(t, state, jnp.zeros(self.unknowns))
-        # Of the elements that are not beams of the tree; what stress they have does not matter.
-        mass = acting_matrices(form.elements, moving, form.falling, lambda e, _: jnp.zeros_like(e))[2]
+        mass = mass_of(form.elements, at.x, near)
         mass = along.T @ mass @ along + sum(one.mass_along(at.x, along) for one in self.beams if one.mass is not None)
-        rows = self.held(self.deformed(at.x, moving.near)[1]) @ along
+        rows = self.held(self.deformed(at.x, near)[1]) @ along
         z, matrix = solved_twice(mass, rows, self.mobility, residual)
         return z, self.regular(matrix)
 

@@ -139,3 +139,8 @@ def test_stages_do_what_follows_from_their_arguments_and_keep_what_later_ones_ne
     expected = function(*values)
     np.testing.assert_allclose(result, expected[1], rtol=1e-15)
     np.testing.assert_allclose(last, expected[2], rtol=1e-15)
+
+
+def test_a_result_that_follows_from_a_later_group_is_refused():
+    with pytest.raises(ValueError, match="a group that comes after its own"):
+        split_in_stages(lambda first, second: (first[0] * second[0], second[0]), [(1.0,), (2.0,)])

@@ -1,5 +1,7 @@
 """Motion where the last ends of spectral beams are computed: the same as in all coordinates, without their closures."""
 
+import dataclasses
+
 import diffrax
 import jax
 import jax.numpy as jnp
@@ -148,6 +150,29 @@ def test_derivative_by_a_load():
     step = 0.1
     difference = (place_of_the_frame_above(2.0 + step) - place_of_the_frame_above(2.0 - step)) / (2 * step)
     np.testing.assert_allclose(jax.jacfwd(place)(2.0), difference, atol=1e-9)
+
+
+def test_inertia_of_a_users_own_that_refers_to_a_traced_number():
+    """Its program is of all coordinates together, of which none are seen to follow from the coefficients alone."""
+
+    def place(density, load, form="tree"):
+        def inertia(p, rot_p, q, rot_q, c, *, ref, section, order):
+            found = planar.spectral_beam.inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, order=order)
+            return found[0], density * found[1]
+
+        element = dataclasses.replace(planar.spectral_beam, inertia=inertia)
+        b = fm.Builder()
+        b.node("a", (0, 0))
+        b.node("b", (1, 0))
+        b.add(element(2), "a", "b", section=fm.Rigidity(EA=1e3, EIy=1.0, mass=1.0, Jy=0.01))
+        b.fix("a")
+        b.force("b", (0, load))
+        return fm.simulate(b.build(), TIMES[:2], form=form, rtol=1e-9).x[-1, 3:].sum()
+
+    value, slope = jax.value_and_grad(place)(1.3, 1.0)
+    other, expected = jax.value_and_grad(place)(1.3, 1.0, "coordinates")
+    np.testing.assert_allclose((value, slope), (other, expected), rtol=1e-7)
+    assert abs(slope) > 1e-3
 
 
 def test_what_needs_all_coordinates_gets_them():
