@@ -285,7 +285,7 @@ def _modes_of_large(lin: SparseLinearization, count: Any) -> Modes:
     q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
     values, motions, massless, stable = found.values, found.motions, 0, False
     if is_concrete(found):
-        stable, some = bool(values[0] > 0), int(np.sum(np.isfinite(values)))
+        stable, some = bool(np.all(values[:1] > 0)), int(np.sum(np.isfinite(values)))
         if some < len(values):
             moving, constraints = lin.elements.unknowns
             massless = moving - constraints - some

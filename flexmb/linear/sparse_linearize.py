@@ -20,7 +20,7 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import or_nan, told
+from ..results import RESULTS, collect, or_nan, told
 from ..statics.equilibrium import check_stiffness
 from ..statics.sparse import sparse_equilibrium
 from ..statics.tangent import by_deformations, element_matrices
@@ -158,7 +158,9 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
     Raises:
         AnalysisError: singular_configuration, singular_stiffness or not_converged.
     """
-    found, _ = sparse_equilibrium(model.topology, model.parameters, target)
+    found, unstable = sparse_equilibrium(model.topology, model.parameters, target)
+    if is_concrete(unstable) and unstable:
+        collect(RESULTS.unstable_state)
     check_stiffness(model, found[-1], throw)
     return about_state(model, target, *or_nan(found, found[-1], throw))
 

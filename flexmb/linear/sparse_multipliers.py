@@ -76,6 +76,10 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
         AnalysisError: singular_stiffness, unstable or not_converged.
     """
     own = given.elements
+    n, h = own.unknowns
+    if n <= h:
+        # Nothing moves that could buckle.
+        return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((h, count)), np.zeros(count))
     for pieces in (own.structural, own.constraints, own.elastic, given.preload or [], given.scaled, given.noise):
         if not all(np.all(np.isfinite(matrices)) for *_, matrices in pieces):
             raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)

@@ -134,6 +134,8 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
     """
     at = _regular(whole)
     every = 2 * at.motions
+    if not every:
+        return np.zeros(0, complex)
     if 3 * count >= every > 2 * MANY:
         raise ModelError(
             f"Argument `count` = {count}: sparse matrices give few of the {every} poles, not all. Ask for fewer, or"

@@ -1,5 +1,6 @@
 """Solutions and lowest modes of large mechanisms by sparse factors on the host, with their derivatives."""
 
+import contextlib
 import functools
 from collections.abc import Callable
 from typing import Any
@@ -46,7 +47,10 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 
 def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """As :func:`on_host` inside compiled code; NaN of what is not finite, since something before it has failed."""
+    """As :func:`on_host` inside compiled code, where nothing can be raised: NaN of what fails.
+
+    NaN as well of what is not finite, since something before it has failed.
+    """
     wanted = [(one.shape, np.dtype(one.dtype).str) for one in jax.tree.leaves(like)]
     finite = functools.partial(_of_finite, function, wanted)
     found = call_host(functools.partial(on_host_thread, finite), jax.tree.leaves(like), *arguments)
@@ -54,10 +58,10 @@ def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 
 def _of_finite(function: Callable[..., Any], wanted: list[tuple[Any, str]], *arguments: Any) -> list[np.ndarray]:
-    if not all(np.all(np.isfinite(number)) for number in jax.tree.leaves(arguments)):
-        return [np.full(shape, np.nan, kind) for shape, kind in wanted]
-    with one_thread():
-        return jax.tree.leaves(function(*arguments))
+    if all(np.all(np.isfinite(number)) for number in jax.tree.leaves(arguments)):
+        with contextlib.suppress(AnalysisError), one_thread():
+            return jax.tree.leaves(function(*arguments))
+    return [np.full(shape, np.nan, kind) for shape, kind in wanted]
 
 
 def _false_stiffness(elements: ElementMatrices) -> float:
@@ -100,7 +104,7 @@ def solved(
             see to it, (n, b); None: none.
 
     Raises:
-        AnalysisError: singular_stiffness; under a trace as an error of JAX with its text.
+        AnalysisError: singular_stiffness; under a trace it is NaN.
     """
     if border is None:
         return _bordered_solution(elements, right, np.zeros((elements.unknowns[0], 0)))

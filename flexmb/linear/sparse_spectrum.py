@@ -26,6 +26,9 @@ ROUGH = 1e-4
 # Where one more iteration changes motions by more than this, whose square is the error of an eigenvalue, another shift
 # is tried.
 GOOD = 1e-6
+# Eigenvalues so much above the one before are told apart by the iterations alone: together with it, their round-off
+# would be its error.
+APART = 1e4
 # So many iterations more, at most, make motions good.
 ONCE_MORE = 3
 # A mass is negative below this share of the largest, or of what its own motion has in stiffness.
@@ -275,8 +278,13 @@ def _told_apart(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.nd
     size = np.sqrt(np.einsum("ij,ij->j", ahead, mass @ ahead))
     full, ahead = full / size, ahead / size
     elastic, massive = ahead.T @ (before / (inverse * size)), ahead.T @ (mass @ ahead)
+    # Row by row from the lowest: what is far above, with its round-off, does not come into it.
     roots = np.linalg.inv(np.linalg.cholesky((massive + massive.T) / 2))
-    values, turned = np.linalg.eigh(roots @ (elastic + elastic.T) @ roots.T / 2)
+    elastic = roots @ (elastic + elastic.T) @ roots.T / 2
+    values, turned = np.diagonal(elastic).copy(), np.eye(len(inverse))
+    for near in np.split(np.arange(len(values)), 1 + np.flatnonzero(values[1:] > APART * np.abs(values[:-1]))):
+        own = np.ix_(near, near)
+        values[near], turned[own] = np.linalg.eigh(elastic[own])
     full = full @ (roots.T @ turned)
     left = motions - full[:n] @ (full[:n].T @ before)
     return full[:n], full[n:], 1 / values, changed(left, motions, mass)

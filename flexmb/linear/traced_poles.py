@@ -193,7 +193,10 @@ def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, 
         loads = uneven(whole.n).astype(complex)
         for _ in range(TURNS):
             z = factors.solve(np.pad(loads, (0, rows - whole.n))[:, None], transposed)[:, 0]
-            z = z / np.max(np.abs(z))
+            largest = np.max(np.abs(z))
+            if not largest > 0:
+                return nothing
+            z = z / largest
             loads = by @ z[: whole.n]
         found.append(z)
     left, right = found

@@ -5,6 +5,7 @@ written once; turns follow each other on the host where numbers are known, insid
 there a call of the host answers the linear equations.
 """
 
+import contextlib
 import functools
 from typing import Any, NamedTuple
 
@@ -29,11 +30,11 @@ from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_for
 from ..mechanics.stress_resultants import is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, or_nan
+from ..results import RESULTS, check, collect, collects, or_nan
 from .chain import balanced_chain, chain_of, pivots_tell_unstable_chain
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
-from .stable import has_negative_motion, pivots_tell_unstable
+from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
 
@@ -296,7 +297,27 @@ def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadF
         iterations, result; and whether it is known to be unstable.
     """
     at = _balanced(topology, parameters, target)
+    _collect_unstable(topology, parameters, target, at)
     return (*_quantities(topology, parameters, target, at), at.iterations, at.result), at.unstable
+
+
+def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFactors, at: Balanced) -> None:
+    """Add the code of an unstable state where codes are collected, as of designs that are traced."""
+    if is_concrete((topology, parameters, target)) or not collects():
+        return
+    known: Any = jax.lax.stop_gradient((parameters, target, at))
+    elements = _tangent(topology, *known[:2], known[2].near, known[2])
+    told = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
+    unstable = call_host(functools.partial(on_host_thread, told), (jax.ShapeDtypeStruct((), bool),), elements)[0]
+    collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
+
+
+def _is_unstable(elements: ElementMatrices, *, symmetric: bool) -> tuple[np.ndarray]:
+    """Whether a tangent is negative in some motion, of an equilibrium that was found; NumPy and SciPy alone."""
+    finite = all(np.all(np.isfinite(number)) for number in jax.tree.leaves(elements))
+    with contextlib.suppress(AnalysisError):
+        return (np.array(finite and is_unstable(elements, symmetric)),)
+    return (np.array(False),)
 
 
 @kernel

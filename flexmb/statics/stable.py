@@ -140,6 +140,9 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
         for _ in range(2):
             motion = motion - basis @ (basis.T @ (metric @ motion))
         size = motion @ (metric @ motion)
+        if size < -SHARE * (np.abs(motion) @ (abs(metric) @ np.abs(motion))):
+            # An element has a negative stiffness of its own: no measure of motions, but of what pivots tell.
+            return True
         if not size > 0 or (images.shape[1] and size < DEPENDENT * images[:, -1] @ (metric @ images[:, -1])):
             break
         basis = np.concatenate([basis, motion[:, None] / np.sqrt(size)], axis=1)

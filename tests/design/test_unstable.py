@@ -10,7 +10,7 @@ from flexmb.results import ANSWERED, RESULTS, worst_of
 EULER = np.pi**2 / 4
 
 
-def column(bending):
+def column(bending, check=True):
     """A clamped column of length 1 under a load of 1, which it bears from EI = 4/pi^2 on."""
     b = fm.Builder()
     for i in range(3):
@@ -19,7 +19,7 @@ def column(bending):
         b.add(planar.beam, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=1e4, EIy=bending, mass=1.0))
     b.fix("n0")
     b.force("n2", (0.0, -1.0))
-    return b.build()
+    return b.build(check=check)
 
 
 ANSWERS = {
@@ -45,6 +45,23 @@ def test_a_sweep_says_which_designs_are_unstable(name):
         found = fm.sweep(column, {name: ANSWERS[name]}, {"bending": np.array([1.1, 0.9, 4.0]) / EULER})
     np.testing.assert_array_equal(found.codes, [0, RESULTS.unstable_state, 0])
     assert found.failures() == {}
+    assert np.all(np.isfinite(found[name]))
+
+
+SPARSE = {
+    "equilibrium": lambda m: fm.equilibrium(m, sparse=True).at("n2")[1],
+    "compliance": lambda m: fm.compliance(m, "n2", sparse=True)[0, 0],
+    "frequency": lambda m: fm.frequencies(m, count=2, sparse=True)[1],
+}
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("name", SPARSE)
+def test_a_sweep_by_sparse_factors_says_so(name, compiled):
+    designs = {"bending": np.array([1.1, 0.9, 4.0]) / EULER}
+    with pytest.warns(fm.FlexmbWarning, match="not stable"):
+        found = fm.sweep(lambda bending: column(bending, False), {name: SPARSE[name]}, designs, compiled=compiled)
+    np.testing.assert_array_equal(found.codes, [0, RESULTS.unstable_state, 0])
     assert np.all(np.isfinite(found[name]))
 
 

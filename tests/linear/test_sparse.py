@@ -11,6 +11,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.linear.sparse_solve import on_host
 from flexmb.math.sparse import on_host_thread
+from flexmb.results import RESULTS
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 
@@ -312,6 +313,70 @@ def test_a_negative_mass_is_refused():
     """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
     with pytest.raises(fm.AnalysisError, match="a negative one"):
         fm.frequencies(light_line({40: 1.0}, inertia=-1e-6), count=2, sparse=True)
+
+
+def springs(stiffness=1e14, first=100.0):
+    """Three masses in a row, the first spring and the last of 100 N/m, the second near to rigid."""
+    b = fm.Builder()
+    for i in range(4):
+        b.node(f"n{i}", (0.1 * i, 0.0))
+    b.fix("n0")
+    for i, k in enumerate((first, stiffness, 100.0)):
+        b.add(planar.truss, f"n{i}", f"n{i + 1}", section=fm.Rigidity(EA=0.1 * k))
+        b.fix(f"n{i + 1}", "y")
+        b.mass(f"n{i + 1}", 1.0)
+    b.force("n3", (0.01, 0.0))
+    return b.build(check=False)
+
+
+def test_round_off_of_the_highest_frequency_does_not_come_into_the_lowest():
+    """Two masses as one: (2 m, m) between springs of 100 N/m; the stiff spring gives 1e-12 of the soft ones' way."""
+    found = fm.frequencies(springs(), count=3, sparse=True)
+    squares = 100.0 + np.array([-1.0, 1.0]) * np.sqrt(5000.0)
+    np.testing.assert_allclose(found[:2], np.sqrt(squares) / (2 * np.pi), rtol=2e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [
+        ("compliance", RESULTS.singular_stiffness),
+        ("frequency", RESULTS.singular_stiffness),
+        ("buckling", RESULTS.singular_stiffness),
+        ("pole", RESULTS.singular_stiffness),
+        ("heavy", RESULTS.not_finite),
+    ],
+)
+def test_a_design_that_fails_stops_no_other(name, code):
+    """The first spring has no stiffness; or a rotary inertia is negative."""
+    ask = {
+        "compliance": lambda m: fm.compliance(m, "n3", sparse=True)[0, 0],
+        "frequency": lambda m: fm.frequencies(m, count=2, sparse=True)[0],
+        "buckling": lambda m: 1 / fm.buckling_loads(m, count=1, sparse=True)[0],
+        "pole": lambda m: jnp.abs(fm.poles(m, count=2, sparse=True)[0]),
+        "heavy": lambda m: fm.frequencies(m, count=2, sparse=True)[0],
+    }
+    heavy = name == "heavy"
+
+    def design(value):
+        return light_line({40: 1.0}, inertia=value) if heavy else springs(200.0, first=value)
+
+    found = fm.sweep(design, {name: ask[name]}, {"value": [1e-3, -1.0, 1e-2] if heavy else [100.0, 0.0, 50.0]})
+    np.testing.assert_array_equal(found.codes, [0, code, 0])
+    np.testing.assert_array_equal(np.isfinite(found[name]), [True, False, True])
+
+
+def test_nothing_moves():
+    b = fm.Builder()
+    b.node("A", (0.0, 0.0))
+    b.node("B", (0.0, 0.1))
+    b.add(planar.rigid_body, "A", "B")
+    b.fix("A")
+    b.mass("B", 1.0)
+    b.force("B", (1.0, 2.0))
+    model = b.build(check=False)
+    assert fm.modes(model, count=3, sparse=True).frequencies.shape == (0,)
+    assert fm.poles(model, count=3, sparse=True).shape == (0,)
+    assert np.all(np.isinf(fm.buckling_loads(model, count=3, sparse=True)))
 
 
 def where(_):

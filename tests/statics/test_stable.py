@@ -43,6 +43,27 @@ def columns(count, load, columns=1, star=False, released=None, rigid=()):
     return b.build(check=columns == 1)
 
 
+def pulled(check, load=0.1):
+    """Springs of 100 and of -30 N/m in a row, of which the second pushes whatever pulls at it."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.1 * i, 0.0))
+    b.fix("n0")
+    for i, stiffness in ((1, 100.0), (2, -30.0)):
+        b.fix(f"n{i}", "y")
+        b.add(planar.spring_damper(lambda e, ed, *, k: k * e), f"n{i - 1}", f"n{i}", k=stiffness)
+    b.force("n2", (load, 0.0))
+    return b.build(check=check)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_stiffness_of_an_elements_own_that_is_negative(sparse):
+    with pytest.warns(fm.FlexmbWarning, match="not stable"):
+        found = fm.equilibrium(pulled(not sparse), sparse=sparse)
+    # By each spring's own law.
+    np.testing.assert_allclose(found.at("n2")[0] - 0.2, 0.1 / 100 - 0.1 / 30, rtol=1e-12)
+
+
 def column(count, load, elements=planar, **rigidity):
     b = fm.Builder()
     across = (0.0,) * (1 if elements is planar else 2)
