@@ -369,10 +369,12 @@ def test_nothing_moves():
     b = fm.Builder()
     b.node("A", (0.0, 0.0))
     b.node("B", (0.0, 0.1))
+    b.node("C", (0.1, 0.1))
     b.add(planar.rigid_body, "A", "B")
+    b.add(planar.rigid_body, "B", "C")
     b.fix("A")
-    b.mass("B", 1.0)
-    b.force("B", (1.0, 2.0))
+    b.mass("C", 1.0)
+    b.force("C", (1.0, 2.0))
     model = b.build(check=False)
     assert fm.modes(model, count=3, sparse=True).frequencies.shape == (0,)
     assert fm.poles(model, count=3, sparse=True).shape == (0,)
@@ -387,6 +389,14 @@ def test_the_host_works_for_compiled_code_in_one_thread():
     # SuperLU gives memory back in the thread alone that took it.
     like = jax.ShapeDtypeStruct((), int)
     assert int(jax.jit(lambda a: on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)
+
+
+def never(_):
+    raise AssertionError("asked about what is no number")
+
+
+def test_the_host_is_not_asked_about_what_has_failed_before():
+    assert np.isnan(jax.jit(lambda a: on_host(never, jax.ShapeDtypeStruct((), float), a))(np.nan))
 
 
 def test_frequencies_at_any_size_of_a_net():
