@@ -241,14 +241,17 @@ def second_rate(function: Callable[..., Any], x: Any, v: Any, a: Any):
     return value, rate, second
 
 
-def _rates_along(
+def rates_along(
     f: Callable[..., Any],
     x: Float[Array, "c"],
     v: Float[Array, "c"],
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None = None,
 ):
-    """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist."""
+    """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist.
+
+    Each may be a tree of arrays, or None.
+    """
     if length(f, x) <= SHORT:
         y, yd, (edd, sdd) = second_rate(f, x, v, a)
         if falling is not None and sdd is not None:
@@ -265,7 +268,7 @@ def _with_jacobians(
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None,
 ):
-    """As :func:`_rates_along`, and the Jacobians of e and s."""
+    """As :func:`rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
         ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
@@ -278,26 +281,28 @@ def _with_jacobians(
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
-def _derived_rates(
+def derived_rates(
     f: Callable[..., Any],
     x: Float[Array, "c"],
     v: Float[Array, "c"],
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None = None,
 ):
-    """As :func:`_rates_along`, and their derivatives by the coordinates."""
+    """As :func:`rates_along`, and their derivatives by the coordinates, which are the last axis."""
     if length(f, x) <= SHORT:
-        return _jacobian(lambda x: _rates_along(f, x, v, a, falling))(x)
+        return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
     return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
 
 
-def _of_orders(rows: tuple[Any, Any], orders: int, falling: Float[Array, "c"] | None, chosen: Callable[[Any], Any]):
-    """Pairs of e and s, value and rates, of what is chosen of their rows; the second rate of s less free fall."""
-    e, s = rows
-    second = None if s is None or orders < 3 else s[2] if falling is None else s[2] - s[3]
-    pairs = [(None if e is None else e[k], second if k == 2 else None if s is None else s[k]) for k in range(orders)]
-    return jax.tree.map(chosen, tuple(pairs))
+def _of_orders(rows: Any, orders: int, falling: Float[Array, "c"] | None, chosen: Callable[[Any], Any]):
+    """Pairs of value and rates, of what is chosen of the rows of two trees; the last second rate less free fall."""
+
+    def of(number: int, k: int):
+        falls = number == 1 and k == 2 and falling is not None
+        return jax.tree.map(lambda row: chosen(row[k] - row[3] if falls else row[k]), rows[number])
+
+    return tuple((of(0, k), of(1, k)) for k in range(orders))
 
 
 def _by_directions(rows: Float[Array, "..."]):
@@ -348,7 +353,7 @@ def acting_forces(
     Source:
         THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
     """
-    found = [(block, block.over(_rates_along, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics(found, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
@@ -448,7 +453,7 @@ def derivatives_of_elements(
     Source:
         Derivative of :func:`acting_forces`.
     """
-    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
@@ -461,7 +466,7 @@ def _of_elements(
     stiffness: Float[Array, "elements d d"] | None,
     damping: Float[Array, "elements d d"] | None,
 ) -> OfElements:
-    """Derivatives of one block from what :func:`_derived_rates` gives, stress resultants, and tangents of its own."""
+    """Derivatives of one block from what :func:`derived_rates` gives, stress resultants, and tangents of its own."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
     by_v = mass = jnp.zeros_like(by_x)
@@ -533,7 +538,7 @@ def element_derivatives(
         coordinates (None where it does not deform), and those of the forces by coordinates, velocities and
         accelerations.
     """
-    found = [(block, *block.over(_derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
     kinematics = _kinematics([each[:2] for each in found], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)

@@ -221,10 +221,10 @@ def march_back(
     still: Any = tape.still
     of_still = jax.tree.map(lambda rows: jnp.where(still[:, None], rows, 0.0).sum(axis=0), changes.states)
     by_start = jax.tree.map(jnp.add, by_start, of_still)
-    return unless_missed((numbers, _of(span, by_span), _of(start, by_start)), tape, changes.states)
+    return _unless_missed((numbers, _of(span, by_span), _of(start, by_start)), tape, changes.states)
 
 
-def unless_missed(derivatives: Any, tape: Tape, asked: MotionState) -> Any:
+def _unless_missed(derivatives: Any, tape: Tape, asked: MotionState) -> Any:
     """Derivatives, NaN where they are asked for by states that the motion did not reach.
 
     Args:

@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..compilation.jets import jets, length
 from ..compilation.program import split_in_stages
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
@@ -16,7 +15,7 @@ from ..mechanics.tree import Tree, some_of
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .coordinates_form import AllCoordinates
-from .element_forces import SHORT, by_inertia, own_of, second_rate
+from .element_forces import by_inertia, derived_rates, own_of, rates_along, second_rate
 
 
 class Bent(NamedTuple):
@@ -86,11 +85,13 @@ class TreeBeams(Record):
 
     def rates(self, at: AllCoordinates) -> tuple[Bent, Bent, Bent]:
         """What follows from the coefficients, its rates and second rates."""
-        return jax.vmap(lambda kept, *motion: _rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        found = jax.vmap(lambda kept, *motion: rates_along(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        return _bent_of(found)
 
     def derived(self, at: AllCoordinates) -> tuple[tuple[Bent, Bent, Bent], tuple[Bent, Bent, Bent]]:
-        """As :meth:`rates`, and their derivatives by the coefficients, which are the second axis of each array."""
-        return jax.vmap(lambda kept, *motion: _derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        """As :meth:`rates`, and their derivatives by the coefficients, which are the last axis of each array."""
+        found = jax.vmap(lambda kept, *motion: derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        return _bent_of(found[0]), _bent_of(found[1])
 
     def _motion(self, at: AllCoordinates) -> list[Array]:
         return [own[self.c] for own in (at.x, at.v, at.a)]
@@ -151,7 +152,7 @@ class TreeBeams(Record):
             def changed(*changes: Any):
                 return jax.jvp(lambda *shapes: self._moved(kept, falling, *ends, *shapes), shapes, changes)
 
-            found, by_c = jax.vmap(changed, 0, (None, -1))(*own)
+            found, by_c = jax.vmap(changed, -1, (None, -1))(*own)
             return found, jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
 
         shapes = [own.shape for own in (*bent, *slopes)]
@@ -259,28 +260,9 @@ class TreeBeams(Record):
         return jax.vmap(of)(self.kept, x[self.x], weights, way)
 
 
-def _rates(function: Callable[..., Any], c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"]):
-    """Values of a function of coefficients, rates and second rates."""
-    if length(function, c) <= SHORT:
-        return second_rate(function, c, v, a)
-    rows = jets(function, (c, v, a), None, directed=False)
-    return _orders(rows, lambda row: row[0])
-
-
-def _derived_rates(function: Callable[..., Any], c: Float[Array, "c"], v: Float[Array, "c"], a: Float[Array, "c"]):
-    """As :func:`_rates`, and their derivatives, which come first."""
-    if length(function, c) > SHORT:
-        rows = jets(function, (c, v, a), None, directed=True)
-        return _orders(rows, lambda row: row[0]), _orders(rows, lambda row: row[1:])
-
-    def along(change: Float[Array, "c"]):
-        return jax.jvp(lambda c: second_rate(function, c, v, a), (c,), (change,))
-
-    return jax.vmap(along, out_axes=(None, 0))(jnp.eye(c.shape[0]))
-
-
-def _orders(rows: Any, chosen: Callable[[Array], Array]) -> tuple[Any, ...]:
-    return tuple(jax.tree.map(lambda each, k=k: chosen(each[k]), rows) for k in range(3))
+def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
+    first, second, third = (Bent(*pair) for pair in rates)
+    return first, second, third
 
 
 def tree_beams(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[TreeBeams, ...]:

@@ -159,9 +159,9 @@ class TreeForm(Record):
         bent, derived = [own for own, _ in found], [own for _, own in found]
         if self.tree.felt is None:
             return _Carried(at, selected, None, None, None, None, bent, derived)
-        # Of each block (beams, coefficients, way and turn), by its own coefficients.
+        # Of each block by its own coefficients, (beams, way and turn, coefficients).
         of = [(one.c, own) for one, own in zip(self.beams, derived, strict=True) if one.parts]
-        slopes = _joined([[_beside(each).mT @ selected[c] for each in own] for c, own in of])
+        slopes = _joined([[_beside(each) @ selected[c] for each in own] for c, own in of])
         ways, none = _ways(bent), jnp.zeros(at.x.shape)
 
         def along(place: Float[Array, "n_x"], *slope: Array):
@@ -417,9 +417,9 @@ def _ways(bent: Sequence[tuple[Bent, Bent, Bent]]):
     return _joined([[_beside(each) for each in own] for own in bent if own[0].way])
 
 
-def _beside(bent: Bent) -> Float[Array, "*beams k"]:
+def _beside(bent: Bent) -> Float[Array, "beams k *c"]:
     """Way and turn side by side."""
-    return jnp.concatenate(bent.way, axis=-1)
+    return jnp.concatenate(bent.way, axis=1)
 
 
 def _along(to: _Carried, x: Int[Array, "elements c"], squares: tuple[Array, Array, Array]):
