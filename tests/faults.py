@@ -1746,9 +1746,27 @@ FAULTS = [
     ),
     Fault(
         "build/idle.py",
-        "(without == 0) & (beside != 0)",
-        "(beside != 0)",
+        "(without[chosen] == 0) & (beside[chosen] != 0)",
+        "(beside[chosen] != 0)",
         "build/test_idle.py",
+    ),
+    Fault(
+        "build/idle.py",
+        "not np.any(resisted[list(free)])",
+        "np.any(resisted[list(free)])",
+        "build/test_idle.py",
+    ),
+    Fault(
+        "paths/imperfection.py",
+        "(q + start[0], start[1])",
+        "start",
+        "paths/test_stops.py -k starts_in_its_shape",
+    ),
+    Fault(
+        "statics/strained.py",
+        "is_concrete(strain) and np.any",
+        "is_concrete(strain) and not np.any",
+        "paths/test_stops.py -k start_stressed",
     ),
     Fault(
         "motion/motion.py",

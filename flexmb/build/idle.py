@@ -71,6 +71,17 @@ def _warn_of_other_numbers(builder: Description) -> None:
             if (element, kind) not in used:
                 used[element, kind] = _used(member, key, kind)
             every = used[element, kind]
+            if free and every & given and (resisted := _resisted(builder, member, key, kind, {})) is not None:
+                if np.any(resisted) and not np.any(resisted[list(free)]):
+                    held = ", ".join(str(i + 1) for i in np.flatnonzero(resisted))
+                    warn(
+                        f"{key.capitalize()} of element '{name}' ({element.name}): what is given as"
+                        f" {', '.join(one for one in RESISTING if one in given)} {RESISTS[kind]} deformation {held}"
+                        " alone, which is held, so that it does nothing. Release it, or give what"
+                        f" {RESISTS[kind]} the free ones.",
+                        IdleWarning,
+                    )
+                    continue
             idle, missing = given - every, every - given
             lacking = [one for one in RESISTING if one in missing] if idle else []
             lacking = [one for one in lacking if _is_lacked(builder, member, key, kind, one, free)]
@@ -109,16 +120,21 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
 
 
+def _resisted(builder: Description, member: Member, key: str, kind: str, numbers: dict[str, Any]) -> Any:
+    """Diagonal of a matrix of an element with other numbers, (n_e,); None where its nodes are not known."""
+    starts = [builder.nodes[node].start for node in member.nodes]
+    if not is_concrete(starts):
+        return None
+    places = [np.asarray(start, float) for start in starts]
+    with jax.ensure_compile_time_eval():
+        return np.diag(np.asarray(_matrix(member, key, kind, numbers, places)))
+
+
 def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
     """Whether a number would resist a deformation that is free and that nothing resists."""
-    starts = [builder.nodes[node].start for node in member.nodes]
-    if not is_concrete(starts) or not free:
-        return False
-    places = [np.asarray(start, float) for start in starts]
     own = getattr(member.properties[key], name)
-    with jax.ensure_compile_time_eval():
-        without, beside = (
-            np.diag(np.asarray(_matrix(member, key, kind, {name: own + more}, places)))[list(free)]
-            for more in (0.0, 1.0)
-        )
-    return bool(np.any((without == 0) & (beside != 0)))
+    without, beside = (_resisted(builder, member, key, kind, {name: own + more}) for more in (0.0, 1.0))
+    if without is None or beside is None:
+        return False
+    chosen = list(free)
+    return bool(np.any((without[chosen] == 0) & (beside[chosen] != 0)))

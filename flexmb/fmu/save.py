@@ -14,6 +14,7 @@ from ..errors import warn
 from ..files import check_writable, write_whole
 from ..linear.linearize import Linearization
 from ..model.model import Model
+from ..statics.strained import warn_of_stressed_start
 from ..trajectory.linear_along import TimeVarying
 from . import plant as plants
 from .compiler import compiled, place_of_binary
@@ -134,6 +135,8 @@ def save_fmu(
     if nonlinear:
         if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
             raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")
+        if start is None and system.parameters.start is None:
+            warn_of_stressed_start(system, "Give values of states, `start`, or start values of the builder.")
         plant = plants.nonlinear(system, loads, motion)
     elif loads is not None or motion is not None:
         raise ValueError("`loads` and `motion` are for a nonlinear plant: say nonlinear=True.")

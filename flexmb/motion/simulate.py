@@ -27,7 +27,7 @@ from ..model.model import Model, as_model
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
-from ..statics.strained import warn_of_needless_strain
+from ..statics.strained import warn_of_needless_strain, warn_of_stressed_start
 from .chain_form import obstacle
 from .controlled_form import Feedback
 from .controllers import Sampled
@@ -391,6 +391,12 @@ def _initial(model: Model, initial: Any):
     if initial is None:
         loads = model.parameters.loads
         if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
+            warn_of_stressed_start(
+                model,
+                "Begin from the shape without loads, initial=fm.equilibrium(model, load_factor=0.0), with"
+                " increment=0.0 where there are incremental loads; or give initial=fm.configuration(model) where that"
+                " start is meant.",
+            )
             return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
         initial = configuration(model)
         if model.parameters.start is not None and is_concrete((model, initial)):

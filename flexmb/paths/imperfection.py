@@ -42,11 +42,11 @@ def _deformations(
     e: Float[Array, "n_e"],
     motion: Float[Array, "n_x"],
 ):
-    """Deformations where the undeformed mechanism is moved along a motion of the state x, and a code of RESULTS."""
+    """Deformations and degrees of freedom where the undeformed mechanism is moved along a motion of x, and a code."""
     _, jacobian = deformation_jacobian(topology, parameters, x, e)
     q = jnp.concatenate([motion[topology.x.dof], (jacobian @ motion)[topology.e.dof]])
     _, _, bent, result = configure(topology, parameters, q, jnp.zeros_like(q))
-    return bent, result
+    return bent, q, result
 
 
 def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Array, "n_x"]) -> float:
@@ -110,7 +110,8 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
 
     The modes are those of linear buckling about the state at which a path begins, under the loads that grow along it.
     Stress is that of deformations less those of the bent shape, which are found where the constraints hold. They do not
-    grow with the load.
+    grow with the load. Start values are counted from the bent shape; by sparse factors the mechanism has none of its
+    own, and a motion that is not told where to begin says so.
 
     Args:
         imperfection: Largest displacement of each mode, by its number from 1 [m]; where it is positive, the position
@@ -134,16 +135,18 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     growing = _growing_from_zero(model)
     found = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
     motion = sum(length * _unit_motion(found, int(number)) for number, length in imperfection.items())
+    start = model.parameters.start
     if sparse:
         bent = jnp.asarray(_allowed_deformations(model, np.asarray(model.parameters.reference + motion)))
     else:
         unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
-        bent, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
+        bent, q, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
         check(result, True)
         bent = or_nan(bent, result)
+        start = (q, jnp.zeros_like(q)) if start is None else (q + start[0], start[1])
     before: Any = model.parameters.strain
     strain = bent if before is None else bent + before
-    return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain))
+    return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain, start=start))
 
 
 def _growing_from_zero(model: Model) -> Model:

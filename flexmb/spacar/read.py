@@ -139,7 +139,7 @@ def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -
 
 def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
     """Name and text of what is to be read."""
-    if isinstance(path_or_text, str) and ("\n" in path_or_text or not path_or_text.strip()):
+    if isinstance(path_or_text, str) and (set("\r\n") & set(path_or_text) or not path_or_text.strip()):
         return "text", path_or_text.removeprefix("\ufeff")
     return clean(Path(path_or_text).name), read_text(path_or_text)
 

@@ -1,8 +1,9 @@
-"""Whether a mechanism is put where its elements stretch though they could as well bend; on the host."""
+"""Whether a mechanism is put where its elements are stressed though they need not be; on the host."""
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..arguments import is_concrete
 from ..checks.mobility import constraints, motions_of
 from ..display import listed, short
 from ..errors import warn
@@ -88,4 +89,19 @@ def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: st
         warn(
             f"{where} elements hold {short(energy)} J, of which {short(least)} J would do: degrees of freedom that are"
             f" zero there, as {listed(names)}, make others stretch. {remedy}"
+        )
+
+
+def warn_of_stressed_start(model: Model, remedy: str) -> None:
+    """Warn where elements that are free of stress in another shape are stressed as the nodes were placed.
+
+    Args:
+        model: Mechanism, without start values.
+        remedy: What to do.
+    """
+    strain = model.parameters.strain
+    if strain is not None and is_concrete(strain) and np.any(np.asarray(strain)):
+        warn(
+            "The motion starts where the nodes were placed, where elements are stressed that are free of stress in"
+            f" another shape (strain, imperfection). {remedy}"
         )

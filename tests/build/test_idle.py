@@ -51,6 +51,15 @@ def test_dampers_that_an_element_does_not_use_are_told():
         build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0, GIt=1.0))
 
 
+def test_numbers_that_act_on_held_deformations_alone_are_told():
+    with pytest.warns(
+        fm.FlexmbWarning, match=r"Damping of element 'part' .* EA damps deformation 1 alone, which is held"
+    ):
+        build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0), released=(2, 3))
+    with pytest.warns(fm.FlexmbWarning, match=r"Section of element 'part' .* EIy resists deformation 2, 3 alone"):
+        build(planar.beam, fm.Rigidity(EIy=1.0), released=(1,))
+
+
 def test_what_is_told_of_a_traced_place_is_nothing_that_is_not_known():
     def length(place):
         b = fm.Builder()

@@ -237,3 +237,43 @@ def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
     assert found.load_factor == pytest.approx(expected[2] / np.hypot(1.0, 4.0), rel=1e-9)
     # The load is stationary there: half the digits of the place.
     np.testing.assert_allclose(apex, expected[:2], atol=1e-6)
+
+
+def leaning(start=None):
+    """An upright leaf spring under a mass, which a growing load will press, 0.1 m long."""
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("top", (0.0, 0.1))
+    b.add(planar.beam, "foot", "top", name="leaf", section=fm.Rigidity(EA=1e6, EIy=0.04, mass=0.07))
+    b.fix("foot")
+    b.mass("top", 0.1)
+    b.force("top", (0.0, -1.0), increment=True)
+    for component in ("x", "y", "phi"):
+        b.dof("top", component)
+    if start is not None:
+        b.start("top", "phi", 0.0, velocity=start)
+    return b.build()
+
+
+def test_a_motion_of_an_imperfect_mechanism_starts_in_its_shape():
+    """Nothing acts on it, so that it stays: in the equilibrium without loads, where nothing is stressed."""
+    times, still = np.linspace(0.0, 0.1, 11), {"increment": lambda t: 0.0}
+    bent = fm.path(leaning(), imperfection={1: 1e-3}).model
+    motion = fm.simulate(bent, times, **still)
+    # The mode, and what is of second order of it.
+    np.testing.assert_allclose(motion.at("top")[:, 0], 1e-3, rtol=1e-3)
+    np.testing.assert_allclose(motion.x, fm.equilibrium(bent, increment=0.0).x[None].repeat(11, 0), atol=1e-12)
+    np.testing.assert_allclose(motion.observe().elastic, 0.0, atol=1e-15)
+    # Start values are counted from there.
+    moving = fm.path(leaning(start=1.0), imperfection={1: 1e-3}).model
+    np.testing.assert_allclose(moving.parameters.start[0], bent.parameters.start[0], atol=1e-12)
+    np.testing.assert_allclose(moving.parameters.start[1], [0.0, 0.0, 1.0])
+
+
+def test_a_motion_that_would_start_stressed_says_so():
+    bent = fm.path(leaning(), imperfection={1: 1e-3}, sparse=True).model
+    with pytest.warns(fm.FlexmbWarning, match="starts where the nodes were placed"):
+        fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0)
+    given = fm.equilibrium(bent, increment=0.0)
+    assert float(given.at("top")[0]) == pytest.approx(1e-3, rel=1e-3)
+    fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
