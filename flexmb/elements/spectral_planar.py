@@ -113,7 +113,7 @@ def _bent(
     angle = integrals @ c.reshape(-1, integrals.shape[1])[CURVATURE]
     if curvature is not None:
         angle = angle + curvature * length * s
-    return jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)
+    return jnp.stack(cosine_and_sine(angle), axis=-1)
 
 
 def _line(

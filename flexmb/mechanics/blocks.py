@@ -23,11 +23,14 @@ from ..errors import ModelError
 from ..math.indices import accumulate
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
+from .staged import Staged
 
 # Before the name of a companion: traced numbers that it refers to, among the properties.
 NUMBERS = "numbers of "
 # Companions of series elements that a kernel calls several times.
 REPEATED = ("deformation", "stiffness", "inertia", "energy")
+# Those that take coordinates of nodes.
+OF_NODES = ("deformation", "inertia")
 
 
 class Prepared(Record):
@@ -98,10 +101,20 @@ def _apart(
     x: Any = np.zeros((1, 0), int)
     e: Any = np.zeros((1, n_e), int)
     block = Block(element, names, options, x, e, splits)
-    varying = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
+    sizes = np.diff([0, *splits, *ref.shape])
+    nodes = [jax.ShapeDtypeStruct((int(size),), ref.dtype) for size in sizes]
+    varying: dict[str, tuple] = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
+    varying |= dict.fromkeys(OF_NODES, (nodes,))
     taken = [(_alone(block, own, name), varying.get(name, (ref,))) for name in names]
     early, late = split_together(taken, (ref, own))
-    return early, tuple(zip(names, late, strict=True))
+    found = dict(zip(names, late, strict=True))
+    kinds = list(element.nodes.values())
+    # In the plane it takes too few operations to gain by that.
+    if all(kind.dimension == 3 for kind in kinds):
+        is_inner = [kind.part not in ("position", "rotation") for kind in kinds]
+        numbers = jax.eval_shape(early, ref, own)
+        found |= {name: Staged(found[name], nodes, is_inner, numbers) for name in names if name in OF_NODES}
+    return early, tuple(found.items())
 
 
 def _alone(block: Block, like: dict[str, Any], name: str):
@@ -155,17 +168,21 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
     for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
         rest = dict(prepared.functions).get(companion) if prepared else None
         if prepared and rest:
-            yield block, _called(rest, companion), parameters.reference[block.x], prepared.numbers
+            yield block, _called(rest, companion, block.splits), parameters.reference[block.x], prepared.numbers
             continue
         function, properties = companion_of(block, properties, companion)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
 
 
-def _called(rest: Callable[..., Any], companion: str):
+def _called(rest: Callable[..., Any], companion: str, splits: tuple[int, ...]):
     """What is left of a companion, called as the companion is."""
+    if isinstance(rest, Staged):
+        return rest
 
     def function(x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]):
+        if companion in OF_NODES:
+            x = x if isinstance(x, list) else jnp.split(x, splits)
         return rest(*numbers) if companion == "stiffness" else rest(x, *numbers)
 
     return function

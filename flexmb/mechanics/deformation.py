@@ -12,6 +12,7 @@ from ..compilation.compile import jit, traced_once
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
+from .staged import curvature, derivative
 
 # Of more coordinates, what is found on the host of the undeformed mechanism is sparse: dense, 600 beams take ten
 # seconds, and 10 000 seven gigabytes a matrix.
@@ -80,12 +81,7 @@ def jacobian_pieces(
     """
     values, matrices = [], []
     for block, function, arguments in deformation_functions(topology, parameters, near):
-
-        def with_value(x: Float[Array, "c"], *rest: Any, function: Callable[..., Any] = function):
-            e = function(x, *rest)
-            return e, e
-
-        jacobian, e = jax.vmap(jax.jacfwd(with_value, has_aux=True))(x[block.x], *arguments)
+        jacobian, e = jax.vmap(derivative(function))(x[block.x], *arguments)
         values.append((block.e, e))
         matrices.append((block.e, block.x, jacobian))
     return values, matrices
@@ -192,11 +188,7 @@ def curvature_pieces(
     """
     pieces = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
-
-        def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *rest: Any, function: Callable[..., Any] = function):
-            return sigma @ function(x, *rest)
-
-        hessian = jax.vmap(jax.jacfwd(jax.grad(energy)))(x[block.x], sigma[block.e], *arguments)
+        hessian = jax.vmap(curvature(function))(x[block.x], sigma[block.e], *arguments)
         pieces.append((block.x, block.x, hessian))
     return pieces
 

@@ -12,6 +12,7 @@ from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
+from .staged import derivative
 
 
 class Felt(NamedTuple):
@@ -37,10 +38,7 @@ def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
         def matrix(x: Float[Array, "c"], ref: Float[Array, "c"], own: Any, function: Callable[..., Any] = function):
-            def vectors(x: Float[Array, "c"]):
-                return function(x, ref, own)
-
-            j, h = jax.jacfwd(vectors, has_aux=True)(x)
+            (j, _), (_, h) = derivative(function)(x, ref, own)
             return jnp.einsum("akc,ab,bkd->cd", j, h, j)
 
         pieces.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))

@@ -177,10 +177,10 @@ def equilibrium(
     found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
     check_stiffness(model, solved.result, throw)
-    if is_concrete((model, solved)):
+    if known := is_concrete((model, solved, looked_at)):
         vars(solved)["asked_of"] = model
     solved = or_nan(solved, solved.result, throw)
-    if is_concrete((model, solved, looked_at)) and int(solved.result) == RESULTS.successful:
+    if known and int(solved.result) == RESULTS.successful:
         if sparse and looked_at:
             warn_of_unstable(model)
         elif not sparse:
@@ -202,7 +202,7 @@ def check_stiffness(model: Model, result: Any, throw: bool) -> None:
         result: Code of RESULTS.
         throw: Whether a failure is an error.
     """
-    if throw and is_concrete((model, result)) and int(result) in STIFFNESS_MISSING:
+    if throw and is_concrete(result) and int(result) in STIFFNESS_MISSING and is_concrete(model):
         if about := without_stiffness(model):
             check(RESULTS.singular_stiffness, throw, about)
     check(result, throw)

@@ -14,8 +14,8 @@ from jaxtyping import Array, Float, Int
 
 # A correction smaller than this is made and ends the iteration: the error left is of the order of its square.
 STEP_TOLERANCE = 1e-9
-# At loads that are only passed on the way this suffices, after the first correction.
-LOOSE_TOLERANCE = 0.02
+# So much may be left of the distance to an equilibrium at loads that are only passed on the way.
+LOOSE_TOLERANCE = 0.005
 # Load steps are not shortened below this share of the load.
 SMALLEST_LOAD_STEP = 1e-5
 # The next load step is to begin with a correction of this share of the largest, and to bring it down by this.
@@ -87,8 +87,13 @@ class LoadStep(NamedTuple):
         return AT_LOAD.astray(size, self.before, self.tries)
 
     def near_enough(self, size: Number) -> Any:
-        """Whether the next correction ends the iteration: at the whole load it must be small."""
-        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (size < LOOSE_TOLERANCE) & (self.tries > 0))
+        """Whether the next correction, of this size, ends the iteration: at the whole load it must be small.
+
+        Source:
+            Where corrections contract by theta, the one after contracts by theta^2: Deuflhard 2011, section 2.1.
+        """
+        left = size * (size / self.before) ** 2
+        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (left < LOOSE_TOLERANCE) & (self.tries > 0))
 
     def after(self, size: Number, done: Any, bad: Any) -> tuple["LoadStep", Any]:
         """What follows a correction, and whether load steps are too short to go on.

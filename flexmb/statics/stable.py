@@ -1,5 +1,6 @@
 """Whether an equilibrium is stable, and a word where it is not."""
 
+import contextlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -41,6 +42,11 @@ def unstable_motions(
             a state is not stable, and the motions are those of real negative eigenvalues.
     """
     k, k0 = np.asarray(stiffness), np.asarray(structural)
+    if symmetric:
+        # Of nearly all states, quickly: that a factor exists does not depend on units.
+        with contextlib.suppress(np.linalg.LinAlgError):
+            np.linalg.cholesky(k)
+            return np.zeros((len(k), 0))
     own = np.sqrt(np.maximum(np.abs(np.diag(k)), np.abs(np.diag(k0))))
     scale = 1 / np.where(own > 0, own, 1.0)
     k, k0 = k * np.outer(scale, scale), k0 * np.outer(scale, scale)

@@ -7,6 +7,7 @@ from cases import mechanisms
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.statics.newton import LoadStep
 
 
 def cantilever(beams, force=(0.0, 0.0), moment=0.0, foot=0.0, tip=1.0, dofs=()):
@@ -38,6 +39,21 @@ def test_elastica(load, deflection, shortening, most):
     assert np.all(np.abs(tips[-1] / [1 - shortening, deflection] - 1) < 5e-3)
     # Newton converges in a few iterations a load step; it needed up to 280 where DOF stress came from D(x).
     assert sum(int(f.iterations) for f in found) <= most
+
+
+def test_turns_on_the_way_end_where_little_is_left():
+    """A correction a tenth of the one before leaves a hundredth of itself: Newton's method is of order two."""
+
+    def ends(size, load, before=0.5, tries=1):
+        of = (load - 0.1, 0.1, 0.5, before)
+        return bool(LoadStep(*map(np.float64, of), np.int32(tries)).near_enough(np.float64(size)))
+
+    assert ends(0.05, 0.3)
+    assert not ends(0.15, 0.3)
+    # The first correction tells nothing; at the whole load nothing is to be left.
+    assert not ends(0.05, 0.3, before=np.inf, tries=0)
+    assert not ends(0.05, 1.0)
+    assert ends(1e-10, 1.0)
 
 
 def test_roll_up_converges_with_order_two_and_is_refused_where_it_cannot_be():

@@ -1,0 +1,145 @@
+"""Functions of an element with inner coordinates, in two stages, and their derivatives by the chain rule."""
+
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.program import split_in_stages
+
+
+class Staged:
+    """A function of the coordinates of one element: what follows from inner coordinates alone, and the rest.
+
+    Inner coordinates are coefficients of strains and warpings. What a beam in space makes of them, the poses along it
+    seen from its first end, takes nearly all operations of its deformations and of its places of inertia, and depends
+    on about half of the coordinates. Left to itself JAX carries the directions of all coordinates through it.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        nodes: Sequence[jax.ShapeDtypeStruct],
+        is_inner: Sequence[bool],
+        numbers: tuple[Any, ...],
+    ):
+        """Take a function apart.
+
+        Args:
+            function: ``f(nodes, *numbers)``, where nodes are a list of the coordinates of each.
+            nodes: Their shapes.
+            is_inner: Whether they are inner coordinates.
+            numbers: Shapes of the numbers.
+        """
+
+        def every(numbers: tuple[Any, ...], *coordinates: tuple[Array, ...]):
+            inner, outer = map(iter, coordinates)
+            return (), (), function([next(inner if which else outer) for which in is_inner], *numbers)
+
+        groups = [tuple(itertools.compress(nodes, which)) for which in (is_inner, np.logical_not(is_inner))]
+        self._known, self._bent, self._closed = split_in_stages(every, [numbers, *groups])
+        sizes = [node.shape[0] for node in nodes]
+        self._is_inner = np.repeat(is_inner, sizes)
+        self._splits = [np.cumsum([node.shape[0] for node in group])[:-1] for group in groups]
+        order = np.concatenate([np.flatnonzero(self._is_inner), np.flatnonzero(~self._is_inner)])
+        self._place = np.argsort(order)
+        self._shape = jax.eval_shape(lambda own, *of: self._bent(*own, *self._known(*of)[1])[1], groups[0], *numbers)
+
+    def __call__(self, x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> Any:
+        """Value of the function; coordinates may be a list of those of each node."""
+        x = jnp.concatenate(x) if isinstance(x, list) else x
+        bent, closed = self._stages(numbers)
+        return closed(x[~self._is_inner], bent(x[self._is_inner]))
+
+    def derivative(self, x: Float[Array, "c"], ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> tuple[Any, Any]:
+        """Derivatives by the coordinates, which are the last axis of each array, and the value."""
+        bent, closed = self._stages(numbers)
+        inner, outer = x[self._is_inner], x[~self._is_inner]
+        slopes, shape = jax.jacfwd(lambda inner: 2 * (bent(inner),), has_aux=True)(inner)
+        value, by_all = _along(closed, (outer, shape), slopes)
+        return jax.tree.map(lambda own: own[..., self._place], by_all), value
+
+    def curvature(
+        self, x: Float[Array, "c"], sigma: Float[Array, "n"], ref: Float[Array, "c"], numbers: tuple[Array, ...]
+    ) -> Float[Array, "c c"]:
+        """Second derivatives of sigma . e by the coordinates, where e are the deformations that the function gives."""
+        bent, closed = self._stages(numbers)
+        inner, outer = x[self._is_inner], x[~self._is_inner]
+        shape = bent(inner)
+        gradient = jax.grad(lambda outer, shape: sigma @ closed(outer, shape), (0, 1))
+        weight = gradient(outer, shape)[1]
+
+        def with_pull(inner: Float[Array, "k"]):
+            shape, pull = jax.vjp(bent, inner)
+            return shape, pull(weight)[0]
+
+        slopes, of_inner = jax.jacfwd(with_pull)(inner)
+        _, (of_outer, of_shape) = _along(gradient, (outer, shape), slopes)
+        found = jnp.concatenate([slopes.T @ of_shape, of_outer])
+        found = found.at[: inner.size, : inner.size].add(of_inner)
+        return found[self._place][:, self._place]
+
+    def _stages(self, numbers: tuple[Array, ...]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Both stages, with what follows from inner coordinates side by side."""
+        _, known = self._known(*numbers)
+        of_inner, of_outer = self._splits
+
+        def bent(inner: Float[Array, "k"]):
+            found = self._bent(*jnp.split(inner, of_inner), *known)[1]
+            return jnp.concatenate([jnp.ravel(one) for one in found])
+
+        def closed(outer: Float[Array, "m"], shape: Float[Array, "s"]):
+            parts = jnp.split(shape, np.cumsum([one.size for one in self._shape])[:-1])
+            parts = [jnp.reshape(own, one.shape) for own, one in zip(parts, self._shape, strict=True)]
+            return self._closed(*jnp.split(outer, of_outer), *known, *parts)[0]
+
+        return bent, closed
+
+
+def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[Array, "s k"]) -> tuple[Any, Any]:
+    """Value of a function of outer coordinates and of a shape, and its derivatives by inner and outer coordinates."""
+    outer, shape = at
+    changes = jnp.concatenate([jnp.zeros((outer.size, slopes.shape[1])), jnp.eye(outer.size)], axis=1)
+    along = jnp.concatenate([slopes, jnp.zeros((shape.size, outer.size))], axis=1)
+    return jax.vmap(lambda *change: jax.jvp(function, at, change), (1, 1), (None, -1))(changes, along)
+
+
+def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
+    """Derivatives of a function of one element by its coordinates, and its value.
+
+    Args:
+        function: ``f(x_el, *arguments_el)``, :class:`Staged` or not, to an array or a tree of them.
+
+    Returns:
+        A function of the same arguments: derivatives by the coordinates, the last axis of each array, and the value.
+    """
+    if isinstance(function, Staged):
+        return function.derivative
+
+    def with_value(x: Float[Array, "c"], *arguments: Any):
+        value = function(x, *arguments)
+        return value, value
+
+    return jax.jacfwd(with_value, has_aux=True)
+
+
+def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
+    """Second derivatives of sigma . e of one element by its coordinates.
+
+    Args:
+        function: ``f(x_el, *arguments_el) -> e_el``, :class:`Staged` or not.
+
+    Returns:
+        ``(x_el, sigma_el, *arguments_el) -> (c, c)``, symmetric.
+    """
+    if isinstance(function, Staged):
+        return function.curvature
+
+    def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *arguments: Any):
+        return sigma @ function(x, *arguments)
+
+    return jax.jacfwd(jax.grad(energy))
