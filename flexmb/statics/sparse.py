@@ -27,7 +27,7 @@ from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformations
 from ..mechanics.inertia import Felt, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
-from ..mechanics.stress_resultants import is_nonlinear_at_rest
+from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collect, collects, or_nan
@@ -47,6 +47,8 @@ class Balanced(NamedTuple):
         near: Deformations that angles are counted from, (n_e,) [m, rad].
         iterations: Newton iterations.
         result: Code of RESULTS.
+        strained: Deformations less those that are free of stress, as the search carries them: x tells those of stiff
+            elements to few digits, (n_e,) [m, rad]; None: those of x.
         unstable: Whether the stiffness is known to be negative in some motion; not looked at where numbers are traced.
     """
 
@@ -55,6 +57,7 @@ class Balanced(NamedTuple):
     near: Float[Array, "n_e"]
     iterations: Any = 0
     result: Any = 0
+    strained: Any = None
     unstable: Any = False
 
 
@@ -171,7 +174,7 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
         found = s.result == RESULTS.successful
         s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    balance = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result)
+    balance = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result, s.done.strained)
     if unstable and symmetric:
         elements = _tangent(topology, parameters, target, balance.near, balance)
         unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
@@ -257,7 +260,8 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return solved, Balanced(dx, z[free.shape[0] :], jnp.zeros(topology.n_e), no_change, no_change, no_change)
+    still = jnp.zeros(topology.n_e)
+    return solved, Balanced(dx, z[free.shape[0] :], still, no_change, no_change, still, no_change)
 
 
 def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
@@ -325,7 +329,13 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
     """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
     held = unknowns(topology)[2]
     e = deformations(topology, parameters, at.x, at.near)
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    carried = e
+    if at.strained is not None:
+        free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
+        known = at.strained if free is None else at.strained + free
+        # By x they change as its deformations do.
+        carried = e + jax.lax.stop_gradient(known - e)
+    sigma = put(elastic_stress(topology, parameters, factors, carried), held, at.multipliers)
     return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)
 
 

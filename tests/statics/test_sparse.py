@@ -456,3 +456,30 @@ def test_what_hangs_is_found_inside_compiled_code_too():
         place, weight = asked(9.81)
         np.testing.assert_allclose(place, (0.0, -length), atol=1e-9)
         assert float(weight) == pytest.approx(2 * length * 9.81, rel=1e-9)
+
+
+def test_light_loads_on_stiff_parts_have_all_digits():
+    """A row of bars a hundred million times stiffer than their load, which all of them carry: statics.
+
+    Coordinates of a metre tell their elongations to a few digits.
+    """
+
+    def bars(force):
+        b = fm.Builder()
+        for i in range(6):
+            b.node(f"n{i}", (i / 5, 0.0))
+        for i in range(5):
+            b.add(planar.beam, f"n{i}", f"n{i + 1}", name=f"b{i}", section=fm.Rigidity(EA=1e8, EIy=1.0))
+        b.fix("n0")
+        b.force("n5", (force, 0.0))
+        return b.build(check=False)
+
+    def carried(force):
+        found = fm.equilibrium(bars(force), sparse=True)
+        return jnp.stack([*(found.stress_resultant(f"b{i}", 1) for i in range(5)), -found.reaction("n0")[0]])
+
+    # Round-off of a solution.
+    np.testing.assert_allclose(carried(1e-4), 1e-4, rtol=1e-13)
+    for derivative in (jax.jacfwd, jax.jacrev):
+        np.testing.assert_allclose(derivative(carried)(1e-4), 1.0, rtol=1e-13)
+    np.testing.assert_allclose(jax.jit(carried)(1e-4), 1e-4, rtol=1e-13)
