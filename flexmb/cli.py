@@ -129,7 +129,10 @@ PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as 
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
 ]
-MaxSteps = Annotated[int, typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most.")]
+MaxSteps = Annotated[
+    int | None,
+    typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most, 200 unless given."),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
 
@@ -335,7 +338,7 @@ def _run(
     save: Path | None,
     log: Path | None,
     release: str,
-    max_steps: int = 200,
+    max_steps: int | None = None,
     plot: Path | None = None,
     given: list[str] | None = None,
 ) -> None:
@@ -432,7 +435,7 @@ def run(
     save: Save = None,
     log: Log = None,
     release: Release = "none",
-    max_steps: MaxSteps = 200,
+    max_steps: MaxSteps = None,
     plot: Plot = None,
     debug: Debug = False,
 ) -> None:
@@ -456,7 +459,7 @@ def check(
 ) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
     with _foreseen(debug):
-        _run(model, 0, json_path, save, log, "none", 200, plot, numbers)
+        _run(model, 0, json_path, save, log, "none", plot=plot, given=numbers)
 
 
 @app.command(cls=Once)
@@ -643,7 +646,7 @@ def demo(
     picture = _demo_picture(name)
     for number in (0, 7, 9):
         with _foreseen(debug):
-            _run(path, number, None, None, None, "none", 200, picture if number == 7 else None)
+            _run(path, number, None, None, None, "none", plot=picture if number == 7 else None)
         _tell("")
     _tell(f"picture: {picture}")
 

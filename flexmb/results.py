@@ -260,19 +260,21 @@ def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
     if not throw or not isinstance(result, jax.core.Tracer) or collects():
         return answer
     failed = functools.reduce(operator.and_, [result != int(code) for code in ANSWERED])
-    # By a product: where it failed the derivatives are no numbers either, and not zero.
-    factor = jnp.where(failed, jnp.nan, 1.0)
+    # By sums and products: where it failed the derivatives are no numbers either, and not zero. A product with what
+    # varies would have none where some of the answer is no number of itself, as after the event that ends a motion.
+    factor, lost = jnp.where(failed, jnp.nan, 1.0), 0.0
     for number in jax.tree.leaves(of):
         if isinstance(number, jax.core.Tracer) and jnp.issubdtype(number.dtype, jnp.floating):
             known = jnp.where(jnp.isfinite(number), number, 0.0)
-            factor = factor * (1.0 + jnp.where(failed, 1.0, 0.0) * jnp.sum(known - jax.lax.stop_gradient(known)))
+            lost = lost + jnp.where(failed, jnp.nan, 0.0) * jnp.sum(known - jax.lax.stop_gradient(known))
 
     def marked(number: Any) -> Any:
         if not isinstance(number, jax.core.Tracer) or not jnp.issubdtype(number.dtype, jnp.inexact):
             return number
         if jnp.iscomplexobj(number):
             return jax.lax.complex(marked(jnp.real(number)), marked(jnp.imag(number)))
-        return number * factor.reshape(failed.shape + (1,) * (number.ndim - failed.ndim))
+        shape = failed.shape + (1,) * (number.ndim - failed.ndim)
+        return number * factor.reshape(shape) + jnp.reshape(lost, shape if jnp.ndim(lost) else ())
 
     return jax.tree.map(marked, answer)
 

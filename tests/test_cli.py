@@ -471,6 +471,12 @@ def test_a_path_of_too_few_steps_says_so():
     assert 0 < data["path"][-1]["load_factor"] < 1
 
 
+def test_steps_that_belong_to_no_path_are_told_to_do_nothing():
+    assert answer("pf2db", 0, "--max-steps", "1")[1]["warnings"] == [
+        "Steps at most (1) are of a path, mode 10: here they do nothing."
+    ]
+
+
 def test_numbers_of_parameters(workplace):
     told = call("run", "thick.dat", "--mode", "7", "--set", "m=0.103", "--json", "-")
     plain = call("run", "guide.dat", "--mode", "7", "--json", "-")

@@ -24,6 +24,8 @@ from .parts import number
 
 # Modes in which what is prescribed moves in time.
 OF_MOTION = (1, 4)
+# Steps of a path at most unless more are asked for.
+STEPS = 200
 
 
 @functools.cache
@@ -93,7 +95,7 @@ def answer(
     warnings: list[str] | None = None,
     release: str = "none",
     dofs: str = "named",
-    max_steps: int = 200,
+    max_steps: int | None = None,
     settings: dict[str, Any] | None = None,
     progress: Callable[..., None] | bool | None = None,
 ) -> Answer:
@@ -106,7 +108,7 @@ def answer(
         warnings: What reading the file had to say.
         release: "auto" releases over-constraints before modes other than 0.
         dofs: "named" or "auto", see Builder.build.
-        max_steps: Steps of a path at most.
+        max_steps: Steps of a path at most, 200 unless given; for other modes a warning.
         settings: What the file says beside the mechanism.
         progress: What a motion or a path is given as ``progress``; None: a bar where there is a terminal.
 
@@ -120,7 +122,10 @@ def answer(
     with heard(IdleWarning) as said, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, mode_of(mode))
-        question = Question(builder, model, name, release, dofs, max_steps, settings or {}, progress=progress)
+        if max_steps is not None and "steps" not in mode_of(mode).needs:
+            data["warnings"].append(f"Steps at most ({max_steps}) are of a path, mode 10: here they do nothing.")
+        most = STEPS if max_steps is None else max_steps
+        question = Question(builder, model, name, release, dofs, most, settings or {}, progress=progress)
         found = _answered(question, mode_of(mode), data)
     data["warnings"] += dict.fromkeys(said)
     return found

@@ -5,7 +5,9 @@ import functools
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Bool, Float
 
 from ..arguments import is_concrete
 from ..elements.element import ELASTIC
@@ -54,6 +56,7 @@ def warn_of_idle(builder: Description) -> None:
 def _warn_of_other_numbers(builder: Description) -> None:
     """Warn of elements that are given rigidities, or dampers, which they do not use in place of those that they do."""
     used: dict[Any, set[str]] = {}
+    resisted: dict[Any, Any] = {}
     told: set[Any] = set()
     for name, member in builder.members.items():
         element = member.element
@@ -71,18 +74,15 @@ def _warn_of_other_numbers(builder: Description) -> None:
             if (element, kind) not in used:
                 used[element, kind] = _used(member, key, kind)
             every = used[element, kind]
-            if free and every & given and (resisted := _resisted(builder, member, key, kind, {})) is not None:
-                if np.any(resisted) and not np.any(resisted[list(free)]):
-                    held = ", ".join(str(i + 1) for i in np.flatnonzero(resisted))
-                    warn(
-                        f"{key.capitalize()} of element '{name}' ({element.name}): what is given as"
-                        f" {', '.join(one for one in RESISTING if one in given)} {RESISTS[kind]} deformation {held}"
-                        " alone, which is held, so that it does nothing. Release it, or give what"
-                        f" {RESISTS[kind]} the free ones.",
-                        IdleWarning,
-                    )
-                    continue
             idle, missing = given - every, every - given
+            if missing and every & given and 0 < len(free) < len(member.roles):
+                there = frozenset(n for n, value in member.properties.items() if value is not None)
+                alike = element, kind, frozenset(given), there
+                if alike not in resisted:
+                    resisted[alike] = _resisted(builder, member, key, kind, [{}])
+                if resisted[alike] is not None:
+                    own = [one for one in RESISTING if one in every & given]
+                    _warn_of_held(name, element.name, key, kind, own, resisted[alike][0] != 0, free)
             lacking = [one for one in RESISTING if one in missing] if idle else []
             lacking = [one for one in lacking if _is_lacked(builder, member, key, kind, one, free)]
             if lacking:
@@ -120,21 +120,51 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
 
 
-def _resisted(builder: Description, member: Member, key: str, kind: str, numbers: dict[str, Any]) -> Any:
-    """Diagonal of a matrix of an element with other numbers, (n_e,); None where its nodes are not known."""
+def _warn_of_held(
+    name: str,
+    type_name: str,
+    key: str,
+    kind: str,
+    given: list[str],
+    resisted: Bool[np.ndarray, "n_e"],
+    free: tuple[int, ...],
+) -> None:
+    """Warn where what is given of an element acts on deformations alone that are held."""
+    if not np.any(resisted) or np.any(resisted[list(free)]):
+        return
+    numbers = [str(i + 1) for i in np.flatnonzero(resisted)]
+    which = f"deformation{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
+    acts = RESISTS[kind].removesuffix("s") if given[1:] else RESISTS[kind]
+    warn(
+        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(given)} {acts} {which} alone, held here, so"
+        f" that {'they do' if given[1:] else 'it does'} nothing. Release what is held, or give what {RESISTS[kind]} the"
+        " free deformations.",
+        IdleWarning,
+    )
+
+
+def _resisted(
+    builder: Description, member: Member, key: str, kind: str, numbers: list[dict[str, Any]]
+) -> Float[np.ndarray, "n n_e"] | None:
+    """Diagonals of a matrix of an element with other numbers, or with its own; None where it is not all known."""
     starts = [builder.nodes[node].start for node in member.nodes]
-    if not is_concrete(starts):
+    arguments = member.element.arguments(getattr(member.element, kind), member.properties)
+    if not is_concrete((starts, arguments)):
         return None
     places = [np.asarray(start, float) for start in starts]
+    own = {one: getattr(member.properties[key], one) for one in RESISTING}
+    every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
     with jax.ensure_compile_time_eval():
-        return np.diag(np.asarray(_matrix(member, key, kind, numbers, places)))
+        # One program: each operation would be one.
+        diagonals = jax.jit(lambda every: [jnp.diagonal(_matrix(member, key, kind, n, places)) for n in every])
+        return np.asarray(diagonals(every))
 
 
 def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
     """Whether a number would resist a deformation that is free and that nothing resists."""
     own = getattr(member.properties[key], name)
-    without, beside = (_resisted(builder, member, key, kind, {name: own + more}) for more in (0.0, 1.0))
-    if without is None or beside is None:
+    found = _resisted(builder, member, key, kind, [{name: own}, {name: own + 1.0}])
+    if found is None:
         return False
-    chosen = list(free)
-    return bool(np.any((without[chosen] == 0) & (beside[chosen] != 0)))
+    without, beside = found[:, list(free)]
+    return bool(np.any((without == 0) & (beside != 0)))

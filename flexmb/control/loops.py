@@ -50,8 +50,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     low, high = _limits(limits)
     if tracking is None and given.windup is not None:
         raise ModelError(
-            "The controller integrates, and would wind up while its outputs are limited: give `tracking`, the time"
-            " constant [s] by which it follows them, or np.inf."
+            "The controller integrates, or may where its A is traced, and would wind up while its outputs are limited:"
+            " give `tracking`, the time constant [s] by which it follows them, or np.inf."
         )
     if tracking is not None and given.windup is None:
         raise ModelError("Argument `tracking` is for integrators, which the controller has not: leave it out.")
@@ -103,8 +103,9 @@ def _following(given: Feedback | Sampled, tracking: Any) -> Any:
     values = windup.values if isinstance(windup, Table) else windup
     if is_concrete(values) and not np.all(np.isfinite(np.asarray(values))):
         raise ModelError(
-            "The controller's integrators stand in a chain, or are more than its outputs: one time constant does not"
-            " lead them back. Write a Feedback with a `windup` of its own, or give tracking=np.inf."
+            "The controller's integrators stand in a chain, are more than its outputs, or are not known since its A is"
+            " traced: one time constant does not lead them back. Give an A of known numbers (NumPy), write a Feedback"
+            " with a `windup` of its own, or give tracking=np.inf."
         )
     share = 1 - jnp.exp(-given.period / tracking) if isinstance(given, Sampled) else 1 / jnp.asarray(tracking)
     return Table(windup.times, share * windup.values) if isinstance(windup, Table) else share * jnp.asarray(windup)

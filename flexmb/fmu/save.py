@@ -122,7 +122,8 @@ def save_fmu(
         OSError: The file cannot be written.
 
     Warns:
-        FlexmbWarning: No compiler is found, or it fails: the unit holds sources alone.
+        FlexmbWarning: No compiler is found, or it fails: the unit holds sources alone. A nonlinear mechanism starts
+            stressed by strain or imperfection, unasked.
 
     Source:
         Functional Mock-up Interface 3.0 and 2.0; THEORY.md 14, eq. (14.50) to (14.54).

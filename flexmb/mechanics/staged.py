@@ -18,6 +18,9 @@ class Staged:
     Inner coordinates are coefficients of strains and warpings. What a beam in space makes of them, the poses along it
     seen from its first end, takes nearly all operations of its deformations and of its places of inertia, and depends
     on about half of the coordinates. Left to itself JAX carries the directions of all coordinates through it.
+
+    It is called as functions of elements are, ``f(x_el, ref_el, numbers_el)``; what depends on the reference stands
+    among the numbers. Between the stages are floats alone.
     """
 
     def __init__(
@@ -48,6 +51,8 @@ class Staged:
         order = np.concatenate([np.flatnonzero(self._is_inner), np.flatnonzero(~self._is_inner)])
         self._place = np.argsort(order)
         self._shape = jax.eval_shape(lambda own, *of: self._bent(*own, *self._known(*of)[1])[1], groups[0], *numbers)
+        if not all(np.issubdtype(one.dtype, np.floating) for one in self._shape):
+            raise TypeError("What follows from inner coordinates must be numbers that may be differentiated.")
 
     def __call__(self, x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> Any:
         """Value of the function; coordinates may be a list of those of each node."""
@@ -59,7 +64,7 @@ class Staged:
         """Derivatives by the coordinates, which are the last axis of each array, and the value."""
         bent, closed = self._stages(numbers)
         inner, outer = x[self._is_inner], x[~self._is_inner]
-        slopes, shape = jax.jacfwd(lambda inner: 2 * (bent(inner),), has_aux=True)(inner)
+        slopes, shape = derivative(bent)(inner)
         value, by_all = _along(closed, (outer, shape), slopes)
         return jax.tree.map(lambda own: own[..., self._place], by_all), value
 

@@ -128,17 +128,26 @@ def windup_of(a: Any, c: Any, sampled: bool) -> Any:
         sampled: Whether it is sampled.
 
     Returns:
-        (n_z, n_u); not finite where integrators stand in a chain, or are more than the outputs tell apart.
+        (n_z, n_u); not finite where integrators stand in a chain, are more than the outputs tell apart, or are not
+        known, of a traced A.
     """
-    if not is_concrete((a, c)) or not np.size(a):
+    if not np.shape(a)[0]:
         return None
-    a, c = np.asarray(a), np.asarray(c)
+    if not is_concrete(a):
+        return np.full((np.shape(a)[0], np.shape(c)[0]), np.nan)
+    a = np.asarray(a)
     values, vectors = np.linalg.eig(a)
     size = max(1.0, float(np.max(np.abs(values))))
     lasting = np.abs(values) >= 1 - INTEGRATES if sampled else np.real(values) >= -INTEGRATES * size
     if not np.any(lasting):
         return None
     v = vectors[:, lasting]
+    if not is_concrete(c) and np.linalg.matrix_rank(v) == v.shape[1]:
+        # In real numbers, which span the same.
+        both: Any = np.concatenate([np.real(v), np.imag(v)], axis=1)
+        basis = np.linalg.svd(both)[0][:, : v.shape[1]]
+        return basis @ jnp.linalg.pinv(c @ basis)
+    c = np.asarray(c) if is_concrete(c) else np.zeros(np.shape(c))
     seen = c @ v
     if np.linalg.matrix_rank(v) < v.shape[1] or np.linalg.matrix_rank(seen) < v.shape[1]:
         return np.full((a.shape[0], c.shape[0]), np.nan)

@@ -136,7 +136,8 @@ def simulate(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; what is driven begins elsewhere or
-            with speed, and degrees of freedom, which keep their values then, were found, not named.
+            with speed, and degrees of freedom, which keep their values then, were found, not named; it starts stressed
+            by strain or imperfection, unasked.
 
     Source:
         THEORY.md 5 and 9.
@@ -145,7 +146,8 @@ def simulate(
     drives, loop, integrator = _records(drives, loop, integrator, keywords)
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
-    times = jnp.asarray(checked_times(times), float)
+    given_times = checked_times(times)
+    times = jnp.asarray(given_times, float)
     top = model.topology
     if top.x.fixed.shape[0] + top.x.prescribed.shape[0] == top.n_x:
         raise ModelError("Nothing moves by itself: every coordinate of the mechanism is FIXED or PRESCRIBED. Free one.")
@@ -167,7 +169,7 @@ def simulate(
     if integrator.event is not None:
         event = _event_now(problem, integrator, integrator.event, times, start)
         integrator = dataclasses.replace(integrator, event=event)
-    run = _integrated(problem, integrator, times, start, progress)
+    run = _integrated(problem, integrator, (given_times, times), start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
     (x, xd, near, u), result = run.rows, run.result
     if stopped:
@@ -250,19 +252,27 @@ def _stops(
 
 
 def _integrated(
-    problem: Problem, integrator: Integrator, times: Float[Array, "n_t"], start: Start, progress: Any
+    problem: Problem,
+    integrator: Integrator,
+    both: tuple[Any, Float[Array, "n_t"]],
+    start: Start,
+    progress: Any,
 ) -> Integrated:
-    """The motion: in parts where its progress is told, between the samples of a controller, or in one go."""
+    """The motion: in parts where its progress is told, between the samples of a controller, or in one go.
+
+    Args:
+        both: Times as they are given, which may be known within a trace, and as an array of JAX, (n_t,) [s].
+    """
+    wanted, times = both
     feedback = problem.feedback
     none = np.zeros(len(problem.model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
-    if isinstance(feedback, Sampled) and isinstance(times, jax.core.Tracer):
+    if isinstance(feedback, Sampled) and isinstance(wanted, jax.core.Tracer):
         raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
     with _naming_the_adjoint():
         if progress:
             return integrate_in_parts(problem, integrator, times, at, progress)
         if isinstance(feedback, Sampled):
-            wanted = np.asarray(times)
             grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
             return integrate_sampled(problem, integrator, grid, times, at)
         # Picked on the host where that is possible: by JAX it takes eight small programs of their own.
@@ -390,13 +400,14 @@ def _values(conditions: list[Any], t: Float[Array, ""], state: MotionState) -> l
 def _initial(model: Model, initial: Any):
     if initial is None:
         loads = model.parameters.loads
-        if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
+        if model.parameters.start is None:
             warn_of_stressed_start(
                 model,
                 "Begin from the shape without loads, initial=fm.equilibrium(model, load_factor=0.0), with"
                 " increment=0.0 where there are incremental loads; or give initial=fm.configuration(model) where that"
                 " start is meant.",
             )
+        if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
             return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
         initial = configuration(model)
         if model.parameters.start is not None and is_concrete((model, initial)):

@@ -2,7 +2,6 @@
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -12,6 +11,7 @@ from ..arguments import check_number, check_whole, shown
 from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..linear.buckling import Buckling, buckling
+from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.centreline import curves_of
 from ..mechanics.deformation import deformation_jacobian
@@ -72,11 +72,14 @@ def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Arr
     return largest * size / SMALL
 
 
-def _allowed_deformations(model: Model, x: np.ndarray) -> np.ndarray:
-    """Deformations at the allowed state next to one given, distances in extents and radians, by sparse factors.
+def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The allowed state next to one given, distances in extents and radians, by sparse factors.
 
     Args:
         x: State in which constraints need not hold, (n_x,) [m, rad, -].
+
+    Returns:
+        Coordinates, (n_x,) [m, rad, -], and deformations, (n_e,) [m, rad].
 
     Raises:
         AnalysisError: out_of_reach, or singular_configuration.
@@ -93,7 +96,7 @@ def _allowed_deformations(model: Model, x: np.ndarray) -> np.ndarray:
     for _ in range(CORRECTIONS):
         found = assemble(topology, parameters, LoadFactors(0.0, 0.0), x, zero, zero)
         if len(held) == 0:
-            return found.e
+            return x, found.e
         rows = found.whole.constraints
         factors = SparseFactors(scipy.sparse.block_array([[metric, rows.T], [rows, None]]))
         if not factors.regular:
@@ -101,7 +104,7 @@ def _allowed_deformations(model: Model, x: np.ndarray) -> np.ndarray:
         change = factors.solve(np.concatenate([nothing, -found.e[held]]))[: len(free)]
         x[free] += change
         if np.max(np.abs(change) / sizes[free]) < TOLERANCE:
-            return np.where(np.isin(np.arange(topology.n_e), held), 0.0, found.e)
+            return x, found.e
     raise AnalysisError(RESULTS.out_of_reach.name, RESULTS.out_of_reach.message)
 
 
@@ -110,8 +113,8 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
 
     The modes are those of linear buckling about the state at which a path begins, under the loads that grow along it.
     Stress is that of deformations less those of the bent shape, which are found where the constraints hold. They do not
-    grow with the load. Start values are counted from the bent shape; by sparse factors the mechanism has none of its
-    own, and a motion that is not told where to begin says so.
+    grow with the load. Start values are counted from the bent shape, in which a motion starts without any; by sparse
+    factors the mechanism is given none, and a motion that is not told where to begin says so.
 
     Args:
         imperfection: Largest displacement of each mode, by its number from 1 [m]; where it is positive, the position
@@ -136,15 +139,21 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     found = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
     motion = sum(length * _unit_motion(found, int(number)) for number, length in imperfection.items())
     start = model.parameters.start
+    topology = model.topology
     if sparse:
-        bent = jnp.asarray(_allowed_deformations(model, np.asarray(model.parameters.reference + motion)))
+        x, bent = _allowed_state(model, np.asarray(model.parameters.reference + motion))
+        moved = x - np.asarray(model.parameters.reference)
+        q = np.concatenate([moved[np.asarray(topology.x.dof)], bent[np.asarray(topology.e.dof)]])
+        # Where nothing else is said, a large mechanism may have none.
+        start = None if start is None else (q + start[0], start[1])
     else:
         unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
         bent, q, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
         check(result, True)
         bent = or_nan(bent, result)
         start = (q, jnp.zeros_like(q)) if start is None else (q + start[0], start[1])
-    before: Any = model.parameters.strain
+    # What is held is no strain but by round-off.
+    bent, before = put(jnp.asarray(bent), topology.e.held, 0.0), model.parameters.strain
     strain = bent if before is None else bent + before
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain, start=start))
 

@@ -251,7 +251,8 @@ def path(
         imperfection: By how much the undeformed mechanism is bent without stress: the largest displacement [m] of each
             buckling mode, by its number from 1, as ``{1: 1e-6}``. They are those of ``fm.buckling`` about the state in
             which the path begins, for the loads that grow. A positive one lets the position grow that moves most. A
-            motion of ``path.model`` starts in that shape, start values are counted from it.
+            motion of ``path.model`` starts in that shape, and start values are counted from it; by sparse factors
+            without start values give ``initial``.
         progress: True for a bar, or a function called with the number of states and the load factor before each step.
             An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
         sparse: By sparse factors in all coordinates, of a model that needs no degrees of freedom; see

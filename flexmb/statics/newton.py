@@ -90,7 +90,8 @@ class LoadStep(NamedTuple):
         """Whether the next correction, of this size, ends the iteration: at the whole load it must be small.
 
         Source:
-            Where corrections contract by theta, the one after contracts by theta^2: Deuflhard 2011, section 2.1.
+            What is left is estimated: where a correction has contracted by theta, the next one does by theta^2, as
+            where Newton's method converges (Deuflhard 2011, section 2.1).
         """
         left = size * (size / self.before) ** 2
         return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (left < LOOSE_TOLERANCE) & (self.tries > 0))

@@ -43,7 +43,7 @@ def unstable_motions(
     """
     k, k0 = np.asarray(stiffness), np.asarray(structural)
     if symmetric:
-        # Of nearly all states, quickly: that a factor exists does not depend on units.
+        # Of nearly all states, quickly: that a factor exists does not depend on units. It reads the lower triangle.
         with contextlib.suppress(np.linalg.LinAlgError):
             np.linalg.cholesky(k)
             return np.zeros((len(k), 0))

@@ -95,7 +95,7 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
 
 def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     """A mode of the command line."""
-    options, settings, most = asked.options, {}, asked.options.get("max_steps", 200)
+    options, settings, most = asked.options, {}, asked.options.get("max_steps")
     if "times" in mode.needs:
         settings |= {"TIMESTEP": {"end": options["end"], "steps": options["steps"]}}
         settings |= {"ERROR": {"relative": options["rtol"]}}

@@ -3,6 +3,7 @@
 import warnings
 
 import jax
+import numpy as np
 import pytest
 
 import flexmb as fm
@@ -51,13 +52,33 @@ def test_dampers_that_an_element_does_not_use_are_told():
         build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0, GIt=1.0))
 
 
-def test_numbers_that_act_on_held_deformations_alone_are_told():
-    with pytest.warns(
-        fm.FlexmbWarning, match=r"Damping of element 'part' .* EA damps deformation 1 alone, which is held"
-    ):
-        build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0), released=(2, 3))
-    with pytest.warns(fm.FlexmbWarning, match=r"Section of element 'part' .* EIy resists deformation 2, 3 alone"):
-        build(planar.beam, fm.Rigidity(EIy=1.0), released=(1,))
+@pytest.mark.parametrize(
+    ("section", "damping", "released", "told"),
+    [
+        ({"EA": 1.0, "EIy": 1.0}, {"EA": 1.0}, (2, 3), r"Damping .* \(beam\): EA damps deformation 1 alone, held here"),
+        ({"EIy": 1.0}, None, (1,), r"Section .* \(beam\): EIy resists deformations 2, 3 alone, held here"),
+    ],
+)
+def test_numbers_that_act_on_held_deformations_alone_are_told(section, damping, released, told):
+    damping = None if damping is None else fm.Damping(**damping)
+    with pytest.warns(fm.FlexmbWarning, match=told):
+        build(planar.beam, fm.Rigidity(**section), damping, released=released)
+
+
+def test_what_is_told_beside_traced_numbers_is_nothing():
+    """A damper that is known, of a beam whose section is not."""
+    steel = fm.Material(E=210e9, G=80e9, rho=7850.0)
+
+    def mass(thickness):
+        root, tip = (fm.Rectangle(width, thickness, steel) for width in (0.02, 0.01))
+        section = fm.sections.taper(root, tip)
+        damping, released = fm.Damping(EA=0.1), (*range(7, 10),)
+        return fm.mass(build(planar.spectral_beam(3), section, damping, released=released))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Of half the material: 0.015 m on average.
+        np.testing.assert_allclose(jax.jit(mass)(1e-3), 1.0 + 0.015e-3 * 7850.0, rtol=1e-12)
 
 
 def test_what_is_told_of_a_traced_place_is_nothing_that_is_not_known():

@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.motion.controllers import windup_of
 
 MASS, DAMPING, STIFFNESS = 0.4, 0.5, 90.0
 STEP = 0.01
@@ -252,6 +253,26 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
 def test_bad_controllers(ask, words):
     with pytest.raises(fm.ModelError, match=words):
         ask()
+
+
+def test_integrators_are_led_back_alike_where_gains_are_traced():
+    """As with known numbers; an undamped pair of states and an integrator, seen by two outputs and by three."""
+    a = np.array([[0.0, 3.0, 0.0, 1.0], [-3.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, -5.0]])
+    c = np.random.default_rng(0).standard_normal((3, 4))
+    np.testing.assert_allclose(jax.jit(lambda c: windup_of(a, c, False))(c), windup_of(a, c, False), atol=1e-13)
+    assert jax.jit(lambda c: windup_of(np.array([[-1.0]]), c, False) is None)(np.ones((1, 1)))
+    assert np.all(np.isnan(windup_of(a, c[:2], False)))
+
+    def limited(a, **tracking):
+        gains = fm.control.StateMatrices(a, np.ones((1, 1)), np.ones((1, 1)), np.ones((1, 1)))
+        fm.control.saturated(gains, 1.0, **tracking)
+        return a
+
+    with pytest.raises(fm.ModelError, match="or may where its A is traced"):
+        jax.jit(limited)(np.zeros((1, 1)))
+    with pytest.raises(fm.ModelError, match="not known since its A is traced"):
+        jax.jit(lambda a: limited(a, tracking=0.1))(np.zeros((1, 1)))
+    jax.jit(lambda a: limited(a, tracking=np.inf))(np.zeros((1, 1)))
 
 
 # -- the closed loop ----------------------------------------------------------------------------------------------

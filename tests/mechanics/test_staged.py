@@ -12,11 +12,14 @@ from flexmb.mechanics.staged import Staged, curvature, derivative
 SECTION = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
 
 
-def one(element, **properties):
+TAPER = fm.sections.taper(SECTION, fm.Rectangle(0.01, 0.4e-3, fm.Material(E=210e9, G=80e9, rho=7850.0)))
+
+
+def one(element, section=SECTION, **properties):
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
     b.node("tip", (0.1, 0.0, 0.0))
-    b.add(element, "foot", "tip", section=SECTION, y=(0.0, 1.0, 0.0), **properties)
+    b.add(element, "foot", "tip", section=section, y=(0.0, 1.0, 0.0), **properties)
     b.fix("foot")
     return b.build()
 
@@ -25,10 +28,11 @@ def one(element, **properties):
     "model",
     [
         one(spatial.spectral_beam(3), curvature=(0.0, 2.0, 5.0)),
+        one(spatial.spectral_beam(2), TAPER),
         # Warpings are inner coordinates too, between those of the nodes.
         one(spatial.leaf_spring(3), clamped=True),
     ],
-    ids=["curved", "leaf"],
+    ids=["curved", "taper", "leaf"],
 )
 @pytest.mark.parametrize("companion", ["deformation", "inertia"])
 def test_derivatives_in_two_stages_are_those_of_the_whole(model, companion):

@@ -22,8 +22,7 @@ AT_REST = MotionState(np.zeros(1), np.zeros(1), np.zeros(0))
 BISECTION = optx.Bisection(rtol=1e-10, atol=1e-10)
 
 
-@pytest.fixture(scope="module")
-def mass():
+def builder_of_mass():
     """A mass of 1 kg thrown up at 3 m/s towards a stop that it does not reach; the extent is 1 m."""
     b = fm.Builder()
     b.node("ceiling", (0.0, 1.0))
@@ -35,7 +34,12 @@ def mass():
     b.gravity((0.0, -GRAVITY))
     b.dof("mass", "y")
     b.start("mass", "y", 0.0, velocity=SPEED)
-    return b.build()
+    return b
+
+
+@pytest.fixture(scope="module")
+def mass():
+    return builder_of_mass().build()
 
 
 def height(t, y, args, **_):
@@ -123,3 +127,42 @@ def test_a_condition_that_is_zero_at_the_start_is_told():
     check_at_start(as_it_is(diffrax.Event(height, direction=False), 0.0, AT_REST), [0.0], [1e-6], 0.0)
     check_at_start(as_it_is(diffrax.Event(height), 0.0, AT_REST), [0.0], [0.0], 0.0)
     check_at_start(as_it_is(diffrax.Event(height, direction=True), 0.0, AT_REST), [0.0], [-1e-6], 0.0)
+
+
+def test_a_motion_that_an_event_ends_has_derivatives_until_then():
+    """A mass on a spring let go at 0.2 m, stopped where it passes its place of rest; by how heavy it is."""
+
+    def early(mass):
+        b = fm.Builder()
+        b.node("wall", (0.0, 0.0))
+        b.node("mass", (1.0, 0.0))
+        b.fix("wall")
+        b.fix("mass", "y")
+        b.add(planar.truss, "wall", "mass", section=fm.Rigidity(EA=40.0))
+        b.mass("mass", mass)
+        b.start("mass", "x", 0.2)
+        event = diffrax.Event(lambda t, y, args, **more: y.u[0])
+        motion = fm.simulate(b.build(), np.linspace(0.0, 0.3, 4), event=event, rtol=1e-8)
+        return motion.at("mass")[1, 0]
+
+    angle = 0.1 * np.sqrt(40.0)
+    expected = 0.2 * np.sin(angle) * angle / 2
+    # A hundred times the tolerance.
+    np.testing.assert_allclose(jax.jit(jax.grad(early))(1.0), expected, rtol=1e-6)
+    np.testing.assert_allclose(jax.grad(early)(1.0), expected, rtol=1e-6)
+
+
+def test_a_sampled_controller_is_compiled_for_times_that_are_known():
+    held = fm.motion.Sampled(lambda t, z, y: (jnp.array([5.0]) - 2.0 * y, z), 0.05)
+    b = builder_of_mass()
+    b.input("mass", "y", name="push")
+    b.output("mass", "y", name="height")
+    pushed = b.build()
+
+    def height(share):
+        found = fm.simulate(pushed, [0.0, 0.1, 0.2], control=held, inputs={"push": lambda t: share})
+        return found.at("mass")[-1, 1]
+
+    np.testing.assert_allclose(jax.jit(height)(1.0), height(1.0), rtol=1e-12)
+    with pytest.raises(TypeError, match="concrete times"):
+        jax.jit(lambda times: fm.simulate(pushed, times, control=held).x)(np.array([0.0, 0.1]))

@@ -239,7 +239,7 @@ def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
     np.testing.assert_allclose(apex, expected[:2], atol=1e-6)
 
 
-def leaning(start=None):
+def leaning(start=None, more=None):
     """An upright leaf spring under a mass, which a growing load will press, 0.1 m long."""
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))
@@ -252,6 +252,8 @@ def leaning(start=None):
         b.dof("top", component)
     if start is not None:
         b.start("top", "phi", 0.0, velocity=start)
+    if more is not None:
+        more(b)
     return b.build()
 
 
@@ -264,16 +266,27 @@ def test_a_motion_of_an_imperfect_mechanism_starts_in_its_shape():
     np.testing.assert_allclose(motion.at("top")[:, 0], 1e-3, rtol=1e-3)
     np.testing.assert_allclose(motion.x, fm.equilibrium(bent, increment=0.0).x[None].repeat(11, 0), atol=1e-12)
     np.testing.assert_allclose(motion.observe().elastic, 0.0, atol=1e-15)
-    # Start values are counted from there.
-    moving = fm.path(leaning(start=1.0), imperfection={1: 1e-3}).model
-    np.testing.assert_allclose(moving.parameters.start[0], bent.parameters.start[0], atol=1e-12)
-    np.testing.assert_allclose(moving.parameters.start[1], [0.0, 0.0, 1.0])
+    # Start values are counted from there, whichever way it was found.
+    for sparse in (False, True):
+        moving = fm.path(leaning(start=1.0), imperfection={1: 1e-3}, sparse=sparse).model
+        np.testing.assert_allclose(moving.parameters.start[0], bent.parameters.start[0], atol=1e-8)
+        np.testing.assert_allclose(moving.parameters.start[1], [0.0, 0.0, 1.0])
 
 
 def test_a_motion_that_would_start_stressed_says_so():
-    bent = fm.path(leaning(), imperfection={1: 1e-3}, sparse=True).model
-    with pytest.warns(fm.FlexmbWarning, match="starts where the nodes were placed"):
-        fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0)
-    given = fm.equilibrium(bent, increment=0.0)
-    assert float(given.at("top")[0]) == pytest.approx(1e-3, rel=1e-3)
-    fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
+    def driven(b):
+        """Something else, which is prescribed."""
+        b.node("far", (1.0, 0.0))
+        b.node("end", (1.5, 0.0))
+        b.add(planar.truss, "far", "end", section=fm.Rigidity(EA=1.0, mass=1.0))
+        b.fix("far")
+        b.fix("end", "y")
+        b.prescribe("end", "x", 0.01)
+
+    for more in (None, driven):
+        bent = fm.path(leaning(more=more), imperfection={1: 1e-3}, sparse=True).model
+        with pytest.warns(fm.FlexmbWarning, match="starts where the nodes were placed"):
+            fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0)
+        given = fm.equilibrium(bent, increment=0.0)
+        assert float(given.at("top")[0]) == pytest.approx(1e-3, rel=1e-3)
+        fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
