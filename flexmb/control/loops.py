@@ -41,7 +41,7 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
 
     Raises:
         ModelError: The controller is none, limits that are none, ``tracking`` is missing or for nothing, a chain of
-            integrators, which one time constant does not lead back.
+            integrators, which one time constant does not lead back, or an A that is traced, whose are not known.
 
     Source:
         THEORY.md 14, eq. (14.41).

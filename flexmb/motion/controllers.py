@@ -142,15 +142,17 @@ def windup_of(a: Any, c: Any, sampled: bool) -> Any:
     if not np.any(lasting):
         return None
     v = vectors[:, lasting]
-    if not is_concrete(c) and np.linalg.matrix_rank(v) == v.shape[1]:
+    unknown = np.full((a.shape[0], np.shape(c)[0]), np.nan)
+    if np.linalg.matrix_rank(v) < v.shape[1]:
+        return unknown
+    if not is_concrete(c):
         # In real numbers, which span the same.
         both: Any = np.concatenate([np.real(v), np.imag(v)], axis=1)
         basis = np.linalg.svd(both)[0][:, : v.shape[1]]
         return basis @ jnp.linalg.pinv(c @ basis)
-    c = np.asarray(c) if is_concrete(c) else np.zeros(np.shape(c))
-    seen = c @ v
-    if np.linalg.matrix_rank(v) < v.shape[1] or np.linalg.matrix_rank(seen) < v.shape[1]:
-        return np.full((a.shape[0], c.shape[0]), np.nan)
+    seen = np.asarray(c) @ v
+    if np.linalg.matrix_rank(seen) < v.shape[1]:
+        return unknown
     return np.real(v @ np.linalg.pinv(seen))
 
 

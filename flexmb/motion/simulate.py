@@ -169,7 +169,7 @@ def simulate(
     if integrator.event is not None:
         event = _event_now(problem, integrator, integrator.event, times, start)
         integrator = dataclasses.replace(integrator, event=event)
-    run = _integrated(problem, integrator, (given_times, times), start, progress)
+    run = _integrated(problem, integrator, given_times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
     (x, xd, near, u), result = run.rows, run.result
     if stopped:
@@ -251,19 +251,13 @@ def _stops(
     return sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
 
 
-def _integrated(
-    problem: Problem,
-    integrator: Integrator,
-    both: tuple[Any, Float[Array, "n_t"]],
-    start: Start,
-    progress: Any,
-) -> Integrated:
+def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: Start, progress: Any) -> Integrated:
     """The motion: in parts where its progress is told, between the samples of a controller, or in one go.
 
     Args:
-        both: Times as they are given, which may be known within a trace, and as an array of JAX, (n_t,) [s].
+        wanted: Times, which may be known within a trace, (n_t,) [s].
     """
-    wanted, times = both
+    times = jnp.asarray(wanted, float)
     feedback = problem.feedback
     none = np.zeros(len(problem.model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))

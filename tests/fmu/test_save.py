@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from cases.commands import command
-from cases.motions import height_behind_the_stop, thrown_at_a_stop
+from cases.motions import height_behind_the_stop, sprung_mass, thrown_at_a_stop
 from cases.units import opened, simulated
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
@@ -523,6 +523,22 @@ def test_what_is_refused_is_named(system, options, message, tmp_path):
     with pytest.raises(ValueError, match=message):
         fm.save_fmu(system, tmp_path / "no.fmu", **options)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_nonlinear_mechanism_that_would_start_stressed_is_told(tmp_path, monkeypatch):
+    """Unless it is said where it starts; what is translated is another test's."""
+
+    def refused(*_):
+        raise RuntimeError("translated")
+
+    monkeypatch.setattr("flexmb.fmu.plant.nonlinear", refused)
+    b = sprung_mass(stiffness=90.0, damping=0.5, mass=0.4)
+    b.strain("s", 1e-3)
+    model = b.build()
+    with pytest.warns(fm.FlexmbWarning, match="Give values of states"), pytest.raises(RuntimeError):
+        fm.save_fmu(model, tmp_path / "mass.fmu", nonlinear=True)
+    with pytest.raises(RuntimeError, match="translated"):
+        fm.save_fmu(model, tmp_path / "mass.fmu", nonlinear=True, start=[0.0, 0.0])
 
 
 def test_wrong_files_and_things(tmp_path):

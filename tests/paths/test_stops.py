@@ -6,7 +6,7 @@ from cases.snapping import EULER, column, load_at, truss
 from scipy.optimize import fsolve
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, spatial
 from flexmb.paths.imperfection import bent_by_modes
 
 FLAT = truss()
@@ -290,3 +290,19 @@ def test_a_motion_that_would_start_stressed_says_so():
         given = fm.equilibrium(bent, increment=0.0)
         assert float(given.at("top")[0]) == pytest.approx(1e-3, rel=1e-3)
         fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
+
+
+def test_an_imperfection_is_no_strain_of_what_is_held():
+    """Of norms of Euler parameters, by round-off."""
+    b = fm.Builder()
+    for i in range(3):
+        b.node(f"n{i}", (0.05 * i, 0.0, 0.0))
+    section = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    for i in range(2):
+        b.add(spatial.beam, f"n{i}", f"n{i + 1}", section=section, y=(0.0, 1.0, 0.0))
+    b.fix("n0")
+    b.force("n2", (-1.0, 0.0, 0.0))
+    bent = bent_by_modes(b.build(), {1: 1e-3})
+    strain = np.asarray(bent.parameters.strain)
+    assert np.max(np.abs(strain)) > 1e-4
+    assert np.all(strain[np.asarray(bent.topology.e.held)] == 0)

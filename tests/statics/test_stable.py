@@ -220,3 +220,11 @@ def test_a_double_pendulum_hangs_down_from_wherever_it_is_drawn(first, second):
     np.testing.assert_allclose(fm.equilibrium(model).at("n2"), [0.0, -2.0], atol=1e-9)
     wanted = np.sqrt((2 + np.array([-1, 1]) * np.sqrt(2)) * 9.81) / (2 * np.pi)
     np.testing.assert_allclose(fm.frequencies(model), wanted, rtol=1e-9)
+
+
+def test_both_triangles_of_an_unsymmetric_stiffness_tell():
+    """By hand: the lower one alone has a Cholesky factor, the whole has the determinant -1/2."""
+    stiffness, structural = np.array([[1.0, 3.0], [0.5, 1.0]]), np.eye(2)
+    assert unstable_motions(stiffness, structural, symmetric=False).shape[1] == 1
+    assert unstable_motions((stiffness + stiffness.T) / 2, structural, symmetric=True).shape[1] == 1
+    assert unstable_motions(np.diag([1.0, 2.0]), structural, symmetric=True).shape[1] == 0
