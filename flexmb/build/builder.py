@@ -713,7 +713,7 @@ class Builder(Description):
             dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
                 the coefficients of spectral beams that they leave undetermined. Or the names themselves, as
                 ``model.q_labels`` gives them: "top.x", "top.rotation.phi", "hinge.e2".
-            release: "auto" releases deformations until no over-constraint is left.
+            release: "auto" releases deformations until no over-constraint is left; of known places of nodes alone.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
         Returns:
@@ -736,6 +736,8 @@ class Builder(Description):
         for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
             check_choice(argument, value, allowed, ModelError)
         check_flag("check", check, ModelError)
+        if release == "auto" and not check:
+            raise ModelError("What release='auto' releases is found by the checks: leave out check=False, or name it.")
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
         for loads in self.loads.values():
@@ -761,6 +763,11 @@ class Builder(Description):
                 return note(check_inputs(assemble(twin), twin))
             if not check:
                 return note(model)
+            if release == "auto":
+                raise ModelError(
+                    "Over-constraints cannot be found while numbers of the model's geometry are traced. Release by name"
+                    " (released=, or release()) what an untraced build with release='auto' releases."
+                )
             if not self.dofs and dofs == "auto":
                 raise ModelError(
                     "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof(),"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks.mobility import Constraints, constraints, mobility, mobility_of, motions_of
+from ..checks.mobility import Constraints, constraints, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import turn_of
@@ -283,7 +283,7 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
 
 def _release_all(builder: Description, model: Model) -> tuple[Model, Description]:
     builder = builder.copy()
-    while (found := mobility(model)).overconstraints:
+    while (found := mobility_of(model, constraints(model))).overconstraints:
         proposal = found.release[0]
         if proposal is None:
             raise MechanismError("overconstrained", f"No release removes an over-constraint.\n{found.report()}")

@@ -93,7 +93,8 @@ def curvature_of_increment(
     wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
     shift = wanted_x - parameters.reference
     extra = stress_of_loads(topology, unloaded, scaled_loads(unloaded, no_preload), at.S)
-    extra = jnp.zeros(topology.n_e) if extra is None else extra
+    # What an element adds to a deformation that is held is balanced there, and moves nothing.
+    extra = jnp.zeros(topology.n_e) if extra is None else put(extra, topology.e.held, 0.0)
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra

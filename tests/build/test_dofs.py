@@ -2,6 +2,7 @@
 
 import warnings
 
+import jax
 import numpy as np
 import pytest
 from cases import mechanisms
@@ -182,3 +183,37 @@ def test_degrees_of_freedom_found_for_one_design_serve_others(named):
 
     found = fm.sweep(pivot, {"k": stiffness}, {"ratio": ratios})["k"]
     np.testing.assert_allclose(found, 8 * 0.1 / length * (1 - 3 * ratios + 3 * ratios**2), rtol=1e-3)
+
+
+def guide_to_release(thickness, height=0.1, **kwargs):
+    """Three leaf springs of 12 EI/h^3 each, of which the elongation of one has to give way."""
+    b = fm.Builder()
+    leaf = fm.Rigidity(EA=1e6, EIy=2e8 * thickness**3)
+    for i in range(3):
+        b.node(f"A{i}", (0.05 * i, 0))
+        b.node(f"B{i}", (0.05 * i, height))
+        b.fix(f"A{i}")
+        b.add(planar.beam, f"A{i}", f"B{i}", section=leaf, released=(2, 3))
+        if i:
+            b.add(planar.rigid_body, "B0", f"B{i}")
+    b.mass("B0", 0.1)
+    return b.build(release="auto", **kwargs)
+
+
+def test_what_is_over_constrained_is_released_beside_traced_sections():
+    """Its frequency goes with the root of the cube of the thickness."""
+
+    def frequency(thickness):
+        return fm.frequencies(guide_to_release(thickness))[0]
+
+    expected = np.sqrt(3 * 12 * 2e8 * 0.5e-3**3 / 0.1**3 / 0.1) / (2 * np.pi)
+    assert float(frequency(0.5e-3)) == pytest.approx(expected, rel=1e-9)
+    assert float(jax.grad(frequency)(0.5e-3)) == pytest.approx(1.5 * expected / 0.5e-3, rel=1e-9)
+    assert float(jax.jit(frequency)(0.5e-3)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_release_that_is_not_looked_for_is_refused():
+    with pytest.raises(fm.ModelError, match="cannot be found while numbers of the model's geometry are traced"):
+        jax.grad(lambda height: fm.frequencies(guide_to_release(0.5e-3, height))[0])(0.1)
+    with pytest.raises(fm.ModelError, match="found by the checks: leave out check=False"):
+        guide_to_release(0.5e-3, check=False)
