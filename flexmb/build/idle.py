@@ -2,15 +2,17 @@
 
 import dataclasses
 import functools
+from collections.abc import Mapping
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Array, Bool, Float
 
 from ..arguments import is_concrete
-from ..elements.element import ELASTIC
+from ..compilation.compile import jit_beside_options
+from ..elements.element import ELASTIC, Element
 from ..elements.sections import Damping, MaterialDamping, Rigidity
 from ..errors import IdleWarning, warn
 from ..model.roles import HELD, Role
@@ -94,13 +96,19 @@ def _warn_of_other_numbers(builder: Description) -> None:
                 )
 
 
-def _matrix(member: Member, key: str, kind: str, numbers: dict[str, Any], places: list[Any]):
+def _matrix(element: Element, kind: str, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
     """Stiffness or damping of an element with other numbers, (n_e, n_e)."""
-    element = member.element
     companion: Any = getattr(element, kind)
-    arguments: Any = element.arguments(companion, member.properties)
     own = dataclasses.replace(arguments[key], **numbers)
     return companion(ref=element.reference(places), **{**arguments, key: own})
+
+
+@jit_beside_options
+def _diagonals(
+    element: Element, kind: str, key: str, numbers: list[dict[str, Any]], arguments: Any, places: list[Any]
+) -> list[Float[Array, "n_e"]]:
+    """Diagonals of such matrices, in one program: each operation would be one."""
+    return [jnp.diagonal(_matrix(element, kind, key, own, arguments, places)) for own in numbers]
 
 
 def _used(member: Member, key: str, kind: str) -> set[str]:
@@ -114,7 +122,9 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     if takes != [kind]:
         return set()
     places = [np.zeros(len(node.start)) for node in element.nodes.values()]
-    program = jax.make_jaxpr(functools.partial(_matrix, member, key, kind))(dict.fromkeys(RESISTING, 1.0), places).jaxpr
+    arguments = element.arguments(getattr(element, kind), member.properties)
+    matrix = functools.partial(_matrix, element, kind, key, arguments=arguments)
+    program = jax.make_jaxpr(matrix)(dict.fromkeys(RESISTING, 1.0), places=places).jaxpr
     # The first variables are the numbers: JAX orders a dictionary by its keys, as RESISTING stands.
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
@@ -154,10 +164,9 @@ def _resisted(
     places = [np.asarray(start, float) for start in starts]
     own = {one: getattr(member.properties[key], one) for one in RESISTING}
     every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
-    with jax.ensure_compile_time_eval():
-        # One program: each operation would be one.
-        diagonals = jax.jit(lambda every: [jnp.diagonal(_matrix(member, key, kind, n, places)) for n in every])
-        return np.asarray(diagonals(every))
+    # What is no array chooses code.
+    arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
+    return np.asarray(_diagonals(member.element, kind, key, every, arguments, places))
 
 
 def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
