@@ -423,4 +423,5 @@ def _initial(model: Model, initial: Any):
     if is_concrete(initial.result):
         check(initial.result, True)
     rest = as_floats(np.zeros(model.topology.n_x))
-    return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest)
+    # Turns are counted on from there.
+    return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest, initial.e)

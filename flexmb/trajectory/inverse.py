@@ -43,10 +43,9 @@ STEP = 0.1
 CORRECTIONS, SETTLED = 12, 1e-13
 # How far what is wanted may be missed, as a share of the mechanism's extent or in radians.
 TOLERANCE = 1e-8
-# So many steps of that size lie between two times at most.
-MOST_STEPS = 10_000
-# From the undeformed mechanism to its start values.
-STEPS_TO_START = 40
+# So many steps of that size lie between two times at most, and between the undeformed mechanism and its start values;
+# what is further away is out of reach.
+MOST_STEPS = 100_000
 
 
 class Quantity(Record):
@@ -525,6 +524,27 @@ def _distance(places: Sequence[Quantity], sizes: Float[Array, "n_x"], a: _Goal, 
     return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
 
 
+def _walked(
+    form: CoordinatesForm,
+    wanted: tuple[Wanted, ...],
+    moved: tuple[int, ...],
+    sizes: Float[Array, "n_x"],
+    goals: tuple[_Goal, _Goal],
+    at: _At,
+) -> _At:
+    """From one goal to another, in steps that Newton's method can follow; not a number where these are too many."""
+    count = jnp.ceil(_distance([one.place for one in wanted], sizes, *goals) / STEP)
+    within = count <= MOST_STEPS
+    count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
+
+    def step(i: Array, at: _At):
+        share = (i + 1).astype(float) / count.astype(float)
+        return _settled(form, wanted, moved, sizes, _between(*goals, share), at)
+
+    at = jax.lax.fori_loop(0, count, step, at)
+    return at._replace(x=jnp.where(within, at.x, jnp.nan))
+
+
 def _settled(
     form: CoordinatesForm,
     wanted: tuple[Wanted, ...],
@@ -559,30 +579,17 @@ def _configurations(
     top, parameters, places = form.topology, form.parameters, [one.place for one in wanted]
 
     def follow(carry: tuple[_Goal, _At], t: Float[Array, ""]):
-        """To the goal of the next time, in steps that Newton's method can follow."""
         before, at = carry
         goal = _goal(form, wanted, t)
-        count = jnp.clip(jnp.ceil(_distance(places, sizes, before, goal) / STEP), 1, MOST_STEPS)
-        count = jnp.where(jnp.isfinite(count), count, 1).astype(jnp.int32)
-
-        def step(i: Array, at: _At):
-            share = (i + 1).astype(float) / count.astype(float)
-            return _settled(form, wanted, moved, sizes, _between(before, goal, share), at)
-
-        at = jax.lax.fori_loop(0, count, step, at)
+        at = _walked(form, wanted, moved, sizes, (before, goal), at)
         return (goal, at), at
 
     origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
     here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
     if moved and parameters.start is not None:
         # The start values tell on which branch it begins: which way an elbow is bent.
-        plain = (here, jnp.zeros(0), q)
         begin = _goal(form, (), times[0])
-
-        def step(i: Array, at: _At):
-            return _settled(form, (), (), sizes, _between(plain, begin, (i + 1.0) / STEPS_TO_START), at)
-
-        origin = jax.lax.fori_loop(0, STEPS_TO_START, step, origin)
+        origin = _walked(form, (), (), sizes, ((here, jnp.zeros(0), q), begin), origin)
         here, _, q = begin
     rest = here, _measured(form, places, origin.x, origin.near), q
     _, walked = jax.lax.scan(follow, (rest, origin), times)

@@ -257,3 +257,20 @@ def oscillation(t, stiffness, damping, mass, force, displacement=0.0, rate=0.0) 
     swing, turned = a * np.cos(omega * t) + b * np.sin(omega * t), b * np.cos(omega * t) - a * np.sin(omega * t)
     fall = np.exp(-decay * t)
     return rest + fall * swing, fall * (omega * turned - decay * swing)
+
+
+def meshing_wheels(turned=0.0) -> fm.Builder:
+    """Two wheels at rest that mesh with no stress, the second as driven by the first; inputs and outputs are torques
+    and turns of both."""
+    b = fm.Builder()
+    for name, x in (("p", 0.0), ("q", 0.15)):
+        b.node(name, (x, 0))
+        b.fix(name, "x", "y")
+    b.add(planar.gear, "p", "q", name="mesh", ratio=2.0, stiffness=1000.0)
+    for name, inertia, turn in (("p", 1e-2, turned), ("q", 4e-2, -turned / 2)):
+        b.inertia(name, inertia)
+        b.dof(name, "phi")
+        b.start(name, "phi", turn)
+        b.input(name, "phi", name=f"torque {name}")
+        b.output(name, "phi", name=f"turn {name}")
+    return b

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cases.c_code import called, compiled, needs_compiler, pointer
 from cases.mechanisms import planar_guide, spatial_guide
+from cases.motions import meshing_wheels
 from cases.units import simulated
 from fmpy.validation import validate_fmu
 from jax import lax
@@ -247,6 +248,16 @@ def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
     slowly = [call(0.0, np.array([way, 0.0]), np.zeros(1)) for way in np.linspace(0, 0.085, 100)]
     at_once = call(0.0, np.array([0.085, 0.0]), np.zeros(1), np.array(found.memory))
     np.testing.assert_allclose(np.concatenate(at_once), np.concatenate(slowly[-1]), rtol=1e-9, atol=1e-12)
+
+
+def test_turns_are_counted_in_c_too(tmp_path):
+    """Wheels that mesh with no stress, at once far from where they were."""
+    still = [np.array([turn, -turn / 2, 0.0, 0.0]) for turn in (1.0, 4.0, -300.0)]
+    _, found, call = beside(meshing_wheels(50.0).build(), tmp_path, [still[0] + 0.1])
+    for state in still:
+        # Round-off of 300 rad times 1000 N m/rad over 0.01 kg m^2.
+        np.testing.assert_allclose(call(0.0, state, np.array([0.01, 0.08]))[0], [0, 0, 1, 2], atol=1e-7)
+        np.testing.assert_allclose(call(0.0, state, np.zeros(2))[1], state[:2], rtol=1e-12)
 
 
 def cart():

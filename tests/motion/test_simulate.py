@@ -13,6 +13,7 @@ import pytest
 from cases import motions
 from cases.files import arrays_of
 from cases.mechanisms import planar_guide
+from cases.motions import meshing_wheels
 from jax.tree_util import Partial
 from references import motion_references as reference
 from references.balances import energy_rate
@@ -306,6 +307,36 @@ def test_turns_are_counted_past_full_ones_and_on_from_another_motion():
         # Some hundred steps of 1e-8 each.
         np.testing.assert_allclose(found.near[:, 0], 10.0 * found.t, rtol=1e-6)
     np.testing.assert_allclose(second.observe().e[:, 0], 10.0 * second.t, rtol=1e-6)
+
+
+@pytest.mark.parametrize("form", ["coordinates", "reduced"])
+def test_turns_are_counted_on_from_where_a_motion_begins(form):
+    """A wheel on a spring, let go more than a full turn from where it is free of stress: k/I of the angle itself."""
+    b = fm.Builder()
+    b.node("o", (0, 0, 0))
+    b.rotation("ground")
+    b.fix("o", "x", "y", "z")
+    b.fix("ground")
+    b.add(fm.spatial.hinge, "ground", "o", name="hinge", axis=(0, 0, 1.0), stiffness=3.0)
+    b.inertia("o", (1e-2, 0, 0, 1e-2, 0, 1e-2))
+    b.start("hinge", 1, 8.0)
+    t = np.linspace(0, 0.05, 3)
+    found = fm.simulate(b.build(), t, rtol=1e-9, form=form)
+    # The tolerance, over some tens of steps.
+    np.testing.assert_allclose(found.deformation("hinge", 1), 8.0 * np.cos(np.sqrt(300.0) * t), rtol=1e-6)
+
+
+def test_a_motion_begins_with_the_turns_of_an_equilibrium():
+    """Wheels that mesh, of which a torque has turned one by four radians and a spring the other back by eight."""
+    b = meshing_wheels()
+    b.rotation("ground")
+    b.fix("ground")
+    b.add(planar.hinge, "ground", "q", stiffness=3.0)
+    b.moment("p", 12.0)
+    model = b.build()
+    still = fm.simulate(model, [0, 0.1], initial=fm.equilibrium(model))
+    # By hand: q = -2 M/k; round-off of a stiffness of 1000.
+    np.testing.assert_allclose(still.rotation("q"), -8.0, rtol=1e-10)
 
 
 # -- what is refused ----------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.mechanisms import planar_guide
+from cases.motions import meshing_wheels
 from cases.trajectories import arm
 
 import flexmb as fm
@@ -210,6 +211,23 @@ def test_start_values_say_which_way_an_elbow_is_bent():
     laws["tip.y"] = lambda t: jnp.sqrt(t)
     with pytest.raises(fm.ModelError, match=r"'tip\.y': its law.*not finite at 0 s"):
         fm.trajectory.inverse_dynamics(motion.model, laws, TIMES[::20])
+
+
+@pytest.mark.parametrize("turn", [4.0, 300.0])
+def test_turns_are_counted_up_to_start_values(turn):
+    """Wheels that mesh with no stress and stand still: no torque."""
+    model = meshing_wheels(turn).build()
+    plan = fm.trajectory.inverse_dynamics(model, {"p.phi": lambda t: turn + 0.0 * t}, TIMES[:3], inputs=["torque p"])
+    # Round-off of 300 rad times 1000 N m/rad.
+    np.testing.assert_allclose(plan.u0, 0.0, atol=1e-9)
+    np.testing.assert_allclose(plan.f0, 0.0, atol=1e-9)
+
+
+def test_a_start_that_is_out_of_reach_is_told():
+    with pytest.raises(fm.AnalysisError, match="leaves the workspace"):
+        fm.trajectory.inverse_dynamics(
+            meshing_wheels(1.5e4).build(), {"p.phi": lambda t: 1.5e4 + 0.0 * t}, TIMES[:3], inputs=["torque p"]
+        )
 
 
 @pytest.mark.parametrize("wrong", ["pivot.psi", "pivot.x"])
