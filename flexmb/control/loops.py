@@ -235,6 +235,7 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
     Raises:
         ModelError: It is no linear system, or a sampled one whose delay is not a whole number of samples; an order is
             missing or for nothing.
+        TypeError: Numbers of the controller or the delay are traced.
 
     Source:
         THEORY.md 14, eq. (14.42).
@@ -248,6 +249,11 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
             " of your own keeps what is to come in the state of a fm.motion.Sampled."
         )
     (a, b, c, d), period, reads, drives = matrices_of(controller)
+    if not is_concrete((a, b, c, d, delay)):
+        raise TypeError(
+            "fm.control.delayed makes a control.StateSpace, which holds concrete numbers: delay a controller outside"
+            " jax.jit and jax.grad, and differentiate by gains in front of it or behind it."
+        )
     count = np.shape(d)[0]
     system: Any = control.ss(a, b, c, d, period or 0)
     late: Any

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import is_concrete
 from ..display import Result, Summary, counted, listed, short
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
@@ -20,10 +22,16 @@ if TYPE_CHECKING:
 # A pole this share of the largest to the right of the imaginary axis is there by round-off.
 ROUND_OFF = 1e-9
 # Frequencies at which the open loop is looked at: so many, from a hundredth of the slowest pole to ten times the
-# fastest, and beside every pole at so many of its half widths, but never on it, where an undamped one has no response.
+# fastest, and beside every pole and zero, and every pole of the closed loop, at so many of its half widths, but never
+# on it, where an undamped one has no response.
 POINTS = 1200
 BESIDE = np.linspace(-8.0, 8.0, 32)
 NARROWEST = 1e-6
+# What lies between is found to this share, and of so many dips the smallest.
+RIGHT, DIPS = 1e-14, 8
+JUMP = 1e-3
+# Phases are the same where their sines differ by less: an undamped mechanism answers in phase but for round-off.
+SAME_PHASE = 1e-12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -113,13 +121,14 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
 
     Raises:
         ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model.
+        TypeError: Numbers of the controller or the model are traced.
         ValueError: ``sign`` is neither.
 
     Warns:
         FlexmbWarning: The loop is unstable; with its pole and the time in which it doubles.
 
     Source:
-        THEORY.md 14, eq. (14.40); ``control.feedback``, ``control.sample_system``, ``control.stability_margins``.
+        THEORY.md 14, eq. (14.40); ``control.feedback``, ``control.sample_system``.
     """
     import control
 
@@ -129,6 +138,11 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
     inputs, outputs = list(plant.input_labels), list(plant.output_labels)
     (a, b, c, d), period, reads, drives = matrices_of(controller)
     check_sizes(controller, inputs, outputs)
+    if not is_concrete((a, b, c, d)):
+        raise TypeError(
+            "fm.control.closed_loop makes a control.StateSpace, which holds concrete numbers: ask it outside jax.jit"
+            " and jax.grad. What is to be differentiated by a gain is a motion under the controller."
+        )
     own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
@@ -141,13 +155,11 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         loop: Any = control.feedback(opened, whole_error, sign)
     except ValueError as fault:
         raise ModelError(f"The loop passes on what it is given without delay, and has no solution: {fault}") from fault
-    values = np.asarray(loop.poles(), complex)
-    if period:
-        values = np.log(values[values != 0]) / period
+    values = _continuous(np.asarray(loop.poles(), complex), period)
     values = values[np.lexsort((np.abs(np.imag(values)), -np.real(values)))]
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
-    margins = tuple(_margins(returned, i, name, sign, period) for i, name in enumerate(inputs))
+    margins = tuple(_margins(returned, i, name, sign, period, values) for i, name in enumerate(inputs))
     found = ClosedLoop(system, opened, values, margins)
     if _grows(values):
         first = values[0]
@@ -173,8 +185,13 @@ def _sampled(plant: Any, period: float) -> Any:
     return control.ss(a, b, c, np.zeros_like(whole.D), period)
 
 
-def _margins(returned: Any, place: int, name: str, sign: int, period: float | None) -> Margins:
-    """Margins of the loop opened at one input, the others closed."""
+def _margins(returned: Any, place: int, name: str, sign: int, period: float | None, closed: np.ndarray) -> Margins:
+    """Margins of the loop opened at one input, the others closed.
+
+    Args:
+        returned: All loops, opened at the inputs.
+        closed: Poles of the closed loop, of a sampled one those of the continuous one, (n,) [rad/s].
+    """
     import control
 
     count = returned.ninputs
@@ -182,35 +199,82 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
         others: Any = control.ss([], [], [], np.diag([float(i != place) for i in range(count)]))
         returned = control.feedback(returned, others, sign)
     one: Any = -sign * returned[place, place]
-    hertz = _frequencies(one, period) / (2 * np.pi)
-    if not hertz.size or not np.any(one.B) or not np.any(one.C):
+    rates = _frequencies(one, period, closed)
+    if not rates.size or not np.any(one.B) or not np.any(one.C):
         return Margins(name, *([np.inf, np.nan] * 3))
-    response = one(_laplace(2j * np.pi * hertz, period))
-    data = control.frd(response, 2 * np.pi * hertz, smooth=True)
-    gain, phase, modulus, gain_at, phase_at, modulus_at = (float(value) for value in control.stability_margins(data))
-    if period:
-        # At the highest frequency, where a response is real, there is no crossing of a phase.
-        last = float(np.real(one(-1.0)))
-        ends = -1 / last if last < 0 else np.inf
-        if not abs(np.log(ends)) >= abs(np.log(gain)):
-            gain, gain_at = ends, np.pi / period
-    distance = np.abs(1 + response)
-    if not modulus <= np.min(distance):
-        # At an end of the frequencies, where python-control looks for no smallest one.
-        modulus, modulus_at = float(np.min(distance)), 2 * np.pi * float(hertz[np.argmin(distance)])
+
+    def opened(rates: Any):
+        return one(_laplace(1j * np.asarray(rates), period))
+
+    response = opened(rates)
+    crossings = _crossings(lambda rate: _sine(opened(rate)), rates, _sine(response))
+    reals = np.real(opened(crossings)) if crossings.size else np.zeros(0)
+    gains, gains_at = -1 / reals[reals < 0], crossings[reals < 0]
+    # Where a response is real whatever the frequency, no phase crosses: at rest, and at the highest of samples.
+    ends = [(1.0 if period else 0.0, 0.0)] if np.all(np.abs(one.poles() - bool(period)) > ROUND_OFF) else []
+    for s, at in (*ends, *([(-1.0, np.pi / period)] if period else [])):
+        if (real := float(np.real(one(s)))) < 0:
+            gains, gains_at = np.append(gains, -1 / real), np.append(gains_at, at)
+    gain, gain_at = _least(np.abs(np.log(gains)), gains, gains_at)
+    crossovers = _crossings(lambda rate: np.log(np.abs(opened(rate))), rates, np.log(np.abs(response)))
+    phases = np.degrees(np.angle(-opened(crossovers))) if crossovers.size else np.zeros(0)
+    phase, phase_at = _least(np.abs(phases), phases, crossovers)
+    modulus, modulus_at = _smallest(lambda rate: np.abs(1 + opened(rate)), rates, np.abs(1 + response))
     turn = 2 * np.pi
     return Margins(name, gain, gain_at / turn, phase, phase_at / turn, modulus, modulus_at / turn)
+
+
+def _sine(response: Any) -> Any:
+    """Sine of the phase of a response; zero where it is real but for round-off."""
+    found = np.imag(response) / np.abs(response)
+    return np.where(np.abs(found) > SAME_PHASE, found, 0.0)
+
+
+def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Where a function of the frequency is zero, of which values at ascending ones show all changes of sign."""
+    from scipy.optimize import brentq
+
+    between = np.flatnonzero(values[:-1] * values[1:] < 0)
+    found = [float(brentq(function, at[i], at[i + 1], xtol=1e-300, rtol=RIGHT)) for i in between]
+    # At an undamped pole a phase jumps.
+    return np.array([*at[values == 0], *(one for one in found if np.abs(function(one)) < JUMP)])
+
+
+def _least(sizes: np.ndarray, values: np.ndarray, at: np.ndarray) -> tuple[float, float]:
+    """Value of the least size, and its frequency; infinite where there is none."""
+    if not sizes.size:
+        return np.inf, np.nan
+    least = np.argmin(sizes)
+    return float(values[least]), float(at[least])
+
+
+def _smallest(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    """Smallest value of a function of the frequency, of which values at ascending ones show all its dips; and where."""
+    from scipy.optimize import minimize_scalar
+
+    around = np.concatenate([[np.inf], values, [np.inf]])
+    dips = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
+    dips = dips[np.argsort(values[dips])][:DIPS]
+    smallest, where = float(values[dips[0]]), float(at[dips[0]])
+    for i in dips:
+        ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
+        found: Any = minimize_scalar(function, bounds=ends, method="bounded", options={"xatol": 1e-6 * np.ptp(ends)})
+        if found.fun < smallest:
+            smallest, where = float(found.fun), float(found.x)
+    return smallest, where
 
 
 def _laplace(s: np.ndarray, period: float | None):
     return np.exp(s * period) if period else s
 
 
-def _frequencies(system: Any, period: float | None) -> np.ndarray:
-    """Frequencies that show all poles and zeros of a loop, ascending [rad/s]."""
-    poles = np.asarray(system.poles(), complex)
-    if period:
-        poles = np.log(poles[np.abs(poles) > 0]) / period
+def _frequencies(system: Any, period: float | None, closed: np.ndarray) -> np.ndarray:
+    """Frequencies between which the open and the closed loop have no pole or zero that is not seen, ascending [rad/s].
+
+    Args:
+        closed: Poles of the closed loop, (n,) [rad/s].
+    """
+    poles, zeros = (_continuous(np.asarray(own, complex), period) for own in (system.poles(), _zeros(system)))
     sizes = np.abs(poles)
     sizes = sizes[sizes > ROUND_OFF * np.max(sizes, initial=0.0)]
     if not sizes.size:
@@ -218,6 +282,23 @@ def _frequencies(system: Any, period: float | None) -> np.ndarray:
         sizes = np.array([1e-3, 1e3])
     most = 10 * np.max(sizes) if not period else 0.9999 * np.pi / period
     least = min(np.min(sizes), most) / 100
-    beside = [abs(p) + max(abs(np.real(p)), NARROWEST * abs(p)) * BESIDE for p in poles]
+    seen = np.concatenate([poles, closed, zeros])
+    beside = [abs(p) + max(abs(np.real(p)), NARROWEST * abs(p)) * BESIDE for p in seen]
     found = np.concatenate([np.geomspace(least, most, POINTS), *beside])
     return np.unique(found[(found >= least) & (found <= most)])
+
+
+def _continuous(roots: np.ndarray, period: float | None) -> np.ndarray:
+    """Rates of roots of a loop, which are those of samples where it has a period [rad/s]."""
+    return np.log(roots[roots != 0]) / period if period else roots
+
+
+def _zeros(system: Any) -> np.ndarray:
+    """Zeros of a system of one input and one output; those at infinity are left out."""
+    from scipy.linalg import eigvals
+
+    n = len(system.A)
+    whole = np.block([[system.A, system.B], [system.C, system.D]])
+    above, below = eigvals(whole, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
+    finite = np.abs(below) > ROUND_OFF * np.abs(above)
+    return above[finite] / below[finite]

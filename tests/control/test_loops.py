@@ -255,6 +255,19 @@ def test_bad_controllers(ask, words):
         ask()
 
 
+def test_systems_of_traced_gains_are_refused_by_name():
+    def gains(own):
+        return fm.control.StateMatrices(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), own * np.ones((1, 2)))
+
+    for ask in (
+        lambda own: fm.control.closed_loop(MODEL, gains(own)).growth,
+        lambda own: fm.control.delayed(gains(own), 0.1, order=1).D[0, 0],
+        lambda own: fm.control.delayed(LAG, own, order=1).D[0, 0],
+    ):
+        with pytest.raises(TypeError, match=r"makes a control\.StateSpace, which holds concrete numbers"):
+            jax.grad(ask)(1.0)
+
+
 def test_integrators_are_led_back_alike_where_gains_are_traced():
     """As with known numbers; an undamped pair of states and an integrator, seen by two outputs and by three."""
     a = np.array([[0.0, 3.0, 0.0, 1.0], [-3.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, -5.0]])
@@ -303,9 +316,50 @@ def test_margins_of_two_loops_are_each_with_the_other_closed():
     s = 2j * np.pi * found.margins[0].crossover
     there = k + s**2 + kp[1] + kd[1] * s
     opened = (kp[0] + kd[0] * s) / (k + s**2 - k**2 / there)
-    # Between the frequencies of the grid the response is a cubic.
-    assert abs(opened) == pytest.approx(1, abs=1e-5)
-    assert found.margins[0].phase == pytest.approx(180 + np.degrees(np.angle(opened)), abs=1e-3)
+    assert abs(opened) == pytest.approx(1, abs=1e-10)
+    assert found.margins[0].phase == pytest.approx(180 + np.degrees(np.angle(opened)), abs=1e-8)
+
+
+@pytest.mark.parametrize("gain", [3.0, 10.0, 100.0])
+@pytest.mark.parametrize("damping", [0.0, 0.01, 1.0])
+def test_margins_of_lightly_damped_loops_are_those_of_their_polynomials(damping, gain):
+    """Crossovers lie beside the closed loop's poles, whose damping ratios are from 1e-7 on, far from the open loop's.
+
+    A carriage of 2 kg that pushes half a kilogram by a spring; of four states, polynomials are right.
+    """
+    m, k, d = np.array([2.0, 0.5]), np.array([500.0, 2e4]), np.array([damping, 1.0])
+    inner, outer = np.array([[1.0, -1], [-1, 1]]), np.array([[1.0, 0], [0, 0]])
+    own = [-(one[0] * outer + one[1] * inner) / m[:, None] for one in (k, d)]
+    a = np.block([[np.zeros((2, 2)), np.eye(2)], own])
+    stage = control.ss(a, [[0.0], [0], [1 / m[0]], [0]], [[0.0, 1, 0, 0]], 0)
+    found = fm.control.closed_loop(stage, control.ss([], [], [], [[gain]]))
+    assert found.stable
+    (own,) = found.margins
+    gains, phases, moduli, _, crossovers, _ = control.stability_margins(control.tf(found.opened), returnall=True)
+    assert own.gain == pytest.approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
+    # Roots of polynomials of the eighth degree, which are nearly double.
+    assert own.modulus == pytest.approx(min(moduli), rel=1e-4, abs=1e-9)
+    if len(phases):
+        at = np.argmin(np.abs(phases))
+        assert own.phase == pytest.approx(phases[at], rel=1e-4, abs=1e-9)
+        assert own.crossover == pytest.approx(crossovers[at] / (2 * np.pi), rel=1e-6)
+    else:
+        assert own.phase == np.inf
+
+
+@pytest.mark.filterwarnings("ignore:The closed loop is unstable")
+@pytest.mark.parametrize(("sign", "gain"), [(1, 4.0), (-1, np.inf)])
+def test_a_phase_that_jumps_at_an_undamped_pole_crosses_nothing(sign, gain):
+    """A lag before an undamped oscillator: the phase falls by 180 degrees at once, where the gain is infinite.
+
+    Fed back with the other sign it falls over at rest, where four times its static gain is one.
+    """
+    oscillator = control.ss([[0.0, 1.0], [-4.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]], 0)
+    found = fm.control.closed_loop(oscillator, control.ss([[-3.0]], [[3.0]], [[1.0]], [[0.0]]), sign=sign)
+    assert found.margins[0].gain == pytest.approx(gain, rel=1e-12)
+    # Of its rate there is nothing at rest.
+    found = fm.control.closed_loop(oscillator, control.ss([[-3.0]], [[3.0]], [[-3.0]], [[3.0]]), sign=sign)
+    assert found.margins[0].gain == np.inf
 
 
 def test_an_unstable_loop_is_reported_and_its_motion_is_refused():

@@ -253,7 +253,7 @@ def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
 def test_turns_are_counted_in_c_too(tmp_path):
     """Wheels that mesh with no stress, at once far from where they were."""
     still = [np.array([turn, -turn / 2, 0.0, 0.0]) for turn in (1.0, 4.0, -300.0)]
-    _, found, call = beside(meshing_wheels(50.0).build(), tmp_path, [still[0] + 0.1])
+    _, _, call = beside(meshing_wheels(50.0).build(), tmp_path, [still[0] + 0.1])
     for state in still:
         # Round-off of 300 rad times 1000 N m/rad over 0.01 kg m^2.
         np.testing.assert_allclose(call(0.0, state, np.array([0.01, 0.08]))[0], [0, 0, 1, 2], atol=1e-7)
