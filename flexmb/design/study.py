@@ -29,7 +29,7 @@ class Study:
         answers: Functions of the model by name.
         values: Of the parameters with bounds, by name.
         bounds: Lower and upper value of each.
-        scales: "log" or "linear" by name, where given.
+        scales: "log" or "linear" by name, where given; otherwise a sweep is linear, and a search as it sees fit.
         wanted: Targets, limits and equal, and the options of tune.
         plan: Options of sweep.
         choices: Values to choose from, by name.
@@ -105,6 +105,8 @@ class Study:
     def designs(self) -> Designs:
         """The designs that [sweep] asks for; parameters without bounds keep their value.
 
+        Along a parameter whose scale is "log" they are spaced, or drawn, evenly in its logarithm.
+
         Raises:
             StudyError: There is no parameter with bounds, or there are too many designs.
         """
@@ -115,9 +117,14 @@ class Study:
                 counts = {n: points[n] if isinstance(points, dict) else points for n in bounds}
                 if math.prod(counts.values()) > MOST:
                     raise ValueError(f"points: there are {math.prod(counts.values()):.3g} designs, at most {MOST:g}.")
-                return grid({n: np.linspace(*bounds[n], counts[n]) for n in bounds})
+                spaced = {n: np.geomspace if self.scales.get(n) == "log" else np.linspace for n in bounds}
+                return grid({n: spaced[n](*bounds[n], counts[n]) for n in bounds})
             make = {"latin-hypercube": latin_hypercube, "monte-carlo": monte_carlo}[plan["kind"]]
-            return make(plan.get("samples", 100), bounds, seed=plan.get("seed", 0))
+            evenly = {n: np.log(own) if self.scales.get(n) == "log" else own for n, own in bounds.items()}
+            found = make(plan.get("samples", 100), evenly, seed=plan.get("seed", 0))
+            for n in found.keys() & (n for n, scale in self.scales.items() if scale == "log"):
+                found[n] = np.clip(np.exp(found[n]), *bounds[n])
+            return found
 
     def _bounded(self) -> dict[str, tuple[float, float]]:
         if not self.bounds:

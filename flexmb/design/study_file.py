@@ -159,6 +159,8 @@ class _Reader:
                 own["scale"] = self.choice(f"{key}: scale", given["scale"], ("log", "linear"))
                 if "lower" not in own:
                     raise self.fault(key, ": a scale belongs to a parameter with lower and upper.")
+                if own["scale"] == "log" and not own["lower"] > 0:
+                    raise self.fault(key, f": scale cannot be log, since lower {own['lower']:g} is not positive.")
             found[name] = own
         return found
 

@@ -106,6 +106,22 @@ def test_wrong_placeholders_are_named(words, fault):
         fm.read_spacar(text, numbers={"t": 0.5e-3, "w": 0.018, "l": 0.1})
 
 
+def test_a_sweep_is_even_in_the_logarithm_where_a_scale_says_so(study):
+    def designs(plan):
+        text = STUDY.replace("upper = 2e-3", "upper = 1e-1, scale = 'log'").replace("points = 3", plan)
+        study.write_text(text.replace("l = 0.1", "l = { value = 0.1, lower = 0.0, upper = 1.0 }"))
+        return read_study(study).designs()
+
+    found = designs("points = 4")
+    np.testing.assert_allclose(found.axes["t"], [1e-4, 1e-3, 1e-2, 1e-1], rtol=1e-12)
+    np.testing.assert_allclose(found.axes["l"], np.linspace(0, 1, 4))
+    for kind in ("latin-hypercube", "monte-carlo"):
+        found = designs(f"kind = '{kind}'\nsamples = 300")
+        # A third of them in each decade, and of the others in each third: of 300 drawn, four standard deviations.
+        for n, ends in (("t", [1e-4, 1e-3, 1e-2, 1e-1]), ("l", np.linspace(0, 1, 4))):
+            np.testing.assert_allclose(np.histogram(found[n], ends)[0], 100, atol=1 if "latin" in kind else 33)
+
+
 def test_sweep_is_that_of_python(study, tmp_path):
     result = call(
         "sweep",
@@ -255,6 +271,7 @@ WRONG = [
     ("value = 0.5e-3", "value = 1979-05-27", "[parameters] t: value must be a number"),
     ("value = 0.5e-3,", "value = 0.5e-3, scale = 'square',", "[parameters] t: scale must be log or linear"),
     ("w = 0.018", "w = { value = 0.018, scale = 'log' }", "[parameters] w: a scale belongs"),
+    ("lower = 0.1e-3", "scale = 'log', lower = 0.0", "[parameters] t: scale cannot be log, since lower 0 is not"),
     ("w = 0.018", '"a b" = 1', "[parameters] a b: a parameter's name"),
     ("w = 0.018", "pi = 3", "[parameters] pi: a parameter's name"),
     ("w = 0.018", "w = 'thin'", "[parameters] w: value must be a number"),
