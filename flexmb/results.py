@@ -172,6 +172,12 @@ class RESULTS(enum.IntEnum):
         "The memory does not suffice for the factors of the equations. Use fewer elements, such as spectral beams in"
         " place of many short ones, or a machine with more memory.",
     )
+    neutral_branch = (
+        33,
+        "Two motions lose their stiffness at once, and on the branch one of them meets none: a round or square bar may"
+        " buckle to any side, so that where the path goes is not determined. Say where: by an imperfection, such as"
+        " imperfection={1: 1e-3}, or a small load to one side.",
+    )
 
 
 # Outcomes that have an answer, from the best on: at a critical state and where forces jump that has no derivative, in

@@ -3926,6 +3926,24 @@ FAULTS = [
         "control/test_loops.py -k jumps_at",
     ),
     Fault(
+        "paths/walk.py",
+        "if departure.coincide and",
+        "if False and",
+        "paths/test_path.py -k round_bar",
+    ),
+    Fault(
+        "design/study.py",
+        'np.geomspace if self.scales.get(n) == "log"',
+        "np.geomspace if False",
+        "design/test_study.py -k logarithm",
+    ),
+    Fault(
+        "design/study.py",
+        "np.clip(np.exp(found[n]), *bounds[n])",
+        "found[n]",
+        "design/test_study.py -k logarithm",
+    ),
+    Fault(
         "control/stability.py",
         "if np.abs(function(one)) < JUMP",
         "if True",

@@ -271,8 +271,9 @@ def path(
 
     Raises:
         AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
-            singular_configuration; singular_mass where a motion has a negative mass. Each says what to try, and has
-            the path so far as ``error.path``, but for the last.
+            singular_configuration; neutral_branch, where a round bar may buckle to any side; singular_mass where a
+            motion has a negative mass. Each says what to try, and has the path so far as ``error.path``, but for the
+            last.
         ValueError: max_steps or step is not positive; the stress is not below its limit where the path begins; there
             is no such buckling mode.
         KeyError: There is no such coordinate.

@@ -65,6 +65,9 @@ NEUTRAL = 1e-13
 NO_STIFFNESS = 1e-12
 # States of a closed path agree to this (extents, radians, load factor) where it has come round: Newton's tolerance.
 SAME = 1e-7
+# Where two motions lose their stiffness at once, one meets none on the branch if its critical value there is this share
+# of the next one: that of a motion which does meet one grows as that does.
+MEETS_NONE = 1e-5
 # What makes a singular stiffness regular for its null vector, as share of the critical value at the begin of the step.
 SHIFT = 1e-9
 # Motion of the first step on another branch (extents, radians).
@@ -288,9 +291,11 @@ class Departure(NamedTuple):
 
     Attributes:
         new: First step on the other branch; None if it was not found.
+        coincide: Whether other motions lose their stiffness there too, or on the same step.
     """
 
     new: Stride | None
+    coincide: bool
 
 
 class _Trial(NamedTuple):
@@ -743,6 +748,9 @@ class Walker:
                 if departure.new is None:
                     return RESULTS.not_converged
                 taken = departure.new
+                sizes = np.sort(np.abs(taken.end.values))
+                if departure.coincide and sizes[0] <= MEETS_NONE * sizes[1]:
+                    return RESULTS.neutral_branch
             elif self.ended is not None:
                 return RESULTS.successful
             if taken.last is not None:
@@ -773,11 +781,11 @@ class Walker:
                 break
             number = sum(point.kind == "bifurcation" for point in self.critical)
             if crossing.kind == "bifurcation" and number in switch:
-                others, side = motions[i + 1 :], switch.pop(number)
+                others, side, coincide = motions[i + 1 :], switch.pop(number), len(motions) > 1
                 way, _ = self.chord(taken.begin.point, taken.end.point)
                 along_phi, along_load = (abs(product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i]))
                 if along_phi > along_load:
                     # The walk came along phi itself, and the other branch is the one that follows the load.
                     phi, others = loaded[i], []
-                return Departure(self.branch(crossing.zero.step, phi, others, side))
+                return Departure(self.branch(crossing.zero.step, phi, others, side), coincide)
         return None

@@ -417,6 +417,28 @@ def test_no_jump_to_a_branch_that_ends_in_a_fold():
         np.testing.assert_allclose(loads, [c.load_factor for c in paths[0].critical_points], rtol=1e-6)
 
 
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
+    """It buckles to any side at once, pi^2 EI/(4 L^2): where a branch goes is said by an imperfection alone."""
+    b = fm.Builder()
+    b.node("base", (0, 0, 0))
+    b.node("tip", (0, 0, 1.0))
+    section = fm.Rigidity(EA=1e6, EIy=4 / np.pi**2, EIz=4 / np.pi**2, GIt=0.3)
+    b.add(spatial.spectral_beam(order=4), "base", "tip", section=section, y=(0, 1, 0))
+    b.fix("base")
+    b.force("tip", (0, 0, -1.1))
+    model = b.build()
+    with pytest.raises(fm.AnalysisError, match="may buckle to any side") as caught:
+        fm.path(model, switch=1, sparse=sparse)
+    assert caught.value.code == "neutral_branch"
+    found = caught.value.path
+    # That of the extensible column, by EI pi^2/(4 L^2)/EA.
+    assert [point.load_factor for point in found.critical_points] == [pytest.approx(1 / 1.1, rel=3e-6)]
+    assert np.all(found.stable)
+    bent = fm.path(model, imperfection={1: 1e-6}, sparse=sparse)
+    assert bent.critical_points == ()
+
+
 def test_ends_that_are_refused_by_name():
     with pytest.raises(fm.AnalysisError, match="max_steps") as caught:
         fm.path(truss(), max_steps=5)
