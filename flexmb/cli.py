@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
+from .compilation.alone import THREADS_OF_BLAS
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
 from .lazy import end_quickly
 
@@ -84,6 +85,8 @@ class Program(Taking, TyperGroup):
         _prepare_streams()
         # Modules and traces live on: to look for garbage among them as often as Python does takes a tenth of a run.
         gc.set_threshold(100_000, 50, 100)
+        # As compiled functions have it; where it is said before BLAS is loaded, they need not look for that.
+        os.environ.setdefault(THREADS_OF_BLAS, "1")
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
         except typer.Exit as end:

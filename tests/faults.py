@@ -3440,8 +3440,8 @@ FAULTS = [
     Fault("trajectory/inverse.py", "second - reached", "second", "trajectory/test_inverse.py -k dimension"),
     Fault(
         "trajectory/inverse.py",
-        "Table(times, -f0[:, n:])",
-        "Table(times, f0[:, n:])",
+        "computed(lambda _, f: -f[:, n:], f0)",
+        "computed(lambda _, f: f[:, n:], f0)",
         "trajectory/test_inverse.py -k held",
         slow=True,
     ),
@@ -3924,6 +3924,30 @@ FAULTS = [
         "[(1.0 if period else 0.0, 0.0)] if",
         "[] if",
         "control/test_loops.py -k jumps_at",
+    ),
+    Fault(
+        "build/idle.py",
+        "@jit_beside_options\ndef _diagonals",
+        "def _diagonals",
+        "build/test_idle.py -k one_program",
+    ),
+    Fault(
+        "trajectory/inverse.py",
+        "computed(lambda xp, result: xp.max(result), found.result)",
+        "jnp.max(found.result)",
+        "trajectory/test_inverse.py -k no_operation",
+    ),
+    Fault(
+        "compilation/threads.py",
+        'if os.environ.get(THREADS_OF_BLAS) == "1":',
+        "if False:",
+        "compilation/test_alone.py -k refused_before",
+    ),
+    Fault(
+        "trajectory/laws.py",
+        "np.shape(self.coefficients)[2:]",
+        "()",
+        "trajectory/test_laws.py -k several_numbers",
     ),
     Fault(
         "paths/walk.py",

@@ -165,8 +165,10 @@ def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
     taken: Any = function
     if not isinstance(function, Record):
         taken = captured(lambda t: jnp.asarray(function(t), float), time)
+    # Some say it, which takes no trace.
+    shape = getattr(taken, "shape_of_value", None)
     # By another name: that of a record is its text, with all that follows from it.
-    return taken, jax.eval_shape(lambda t: taken(t), time).shape
+    return taken, jax.eval_shape(lambda t: taken(t), time).shape if shape is None else shape
 
 
 def digest(found: Captured) -> str:

@@ -96,7 +96,7 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
         driven = [np.asarray(of).tolist() for of in (top.x.prescribed, top.e.prescribed)]
         moving = [i for i in moving if terms[i].index in driven[terms[i].of_element]]
     if not moving:
-        return jnp.zeros((len(motion.t), len(labels.inputs)))
+        return jax.device_put(np.zeros((len(motion.t), len(labels.inputs))))
     seen = tuple(
         dataclasses.replace(t, quantity=MEASURES[t.of_element][t.order or 0]) for t in (terms[i] for i in moving)
     )

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
-from ..arguments import checked_times, is_concrete, shown
+from ..arguments import checked_times, computed, is_concrete, shown
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short, span
@@ -199,15 +199,15 @@ def inverse_dynamics(
         _warn_of_needless_strain(model, np.asarray(found.near), np.asarray(times))
     count = len(times)
     loads = _as_loads(model, times, found.u0, found.f0)
-    none = jnp.zeros((count, 0))
+    none, no_steps = jax.device_put((np.zeros((count, 0)), np.zeros((), np.int32)))
     motion = Motion(
         times,
         found.x,
         found.xd,
         found.near,
         none,
-        jnp.zeros((), jnp.int32),
-        jnp.max(found.result),
+        no_steps,
+        computed(lambda xp, result: xp.max(result), found.result),
         (*laws, *loads),
         model,
         "coordinates",
@@ -737,12 +737,14 @@ def _as_loads(
     top, found = model.topology, []
     if model.labels.inputs:
         constant: Any = _driven_by_inputs(model.without_names(), u0)
-        found += [Driven(one.quantity, one.at[0], Table(times, one.value.value)) for one in constant]
+        # At all times at the same places.
+        for one in constant:
+            found.append(Driven(one.quantity, computed(lambda _, at: at[0], one.at), Table(times, one.value.value)))
     n = top.x.dof.shape[0]
     if n:
-        found.append(Driven("force", top.x.dof, Table(times, f0[:, :n])))
+        found.append(Driven("force", top.x.dof, Table(times, computed(lambda _, f: f[:, :n], f0))))
     if top.n_q > n:
-        found.append(Driven("stress", top.e.dof, Table(times, -f0[:, n:])))
+        found.append(Driven("stress", top.e.dof, Table(times, computed(lambda _, f: -f[:, n:], f0))))
     return tuple(found)
 
 

@@ -63,6 +63,11 @@ class Law(Result, Record):
         return jnp.asarray(xp.polyval(coefficients[piece, ::-1], since))
 
     @property
+    def shape_of_value(self) -> tuple[int, ...]:
+        """That of one number, where coefficients are those of polynomials; whatever the time."""
+        return np.shape(self.coefficients)[2:]
+
+    @property
     def duration(self) -> Float[Array, ""]:
         """Time from its beginning to its end, () [s]."""
         return self.breaks[-1] - self.breaks[0]

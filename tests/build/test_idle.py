@@ -107,3 +107,12 @@ def test_more_numbers_than_an_element_uses_are_no_fault():
         build(planar.beam, fm.Rigidity(EA=1.0, GIt=1.0), released=(1,))
         build(planar.beam, fm.Rigidity(EIz=1.0, mass=1.0), released=())
         build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EIy=1.0))
+
+
+def test_what_is_resisted_is_found_by_one_program(compilations):
+    """As a build of other numbers of such an element has it already: each of a hundred operations would be another."""
+    for rigidity in (1.0, 2.0):
+        with pytest.warns(fm.FlexmbWarning, match="held here"):
+            build(planar.beam, fm.Rigidity(EIy=rigidity), released=(1,))
+    assert set(compilations) <= {"flexmb.build.idle._diagonals"}
+    assert len(compilations) <= 1

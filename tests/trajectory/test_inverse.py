@@ -230,6 +230,13 @@ def test_a_start_that_is_out_of_reach_is_told():
         )
 
 
+def test_a_plan_compiles_no_operation_by_itself(compilations):
+    model = meshing_wheels(0.3).build()
+    compilations.clear()
+    fm.trajectory.inverse_dynamics(model, {"p.phi": lambda t: 0.3 + 0.1 * t}, TIMES[:3], inputs=["torque p"])
+    assert {name.rpartition(".")[2] for name in compilations} <= {"_nominal", "_driven_by_inputs"}
+
+
 @pytest.mark.parametrize("wrong", ["pivot.psi", "pivot.x"])
 def test_names_that_cannot_be_driven_are_refused(wrong):
     with pytest.raises(fm.ModelError, match=wrong):

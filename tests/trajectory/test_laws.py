@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import flexmb as fm
+from flexmb.trajectory.laws import Law, as_law
 
 law = fm.trajectory
 
@@ -127,3 +128,9 @@ def test_wrong_laws_are_refused():
         law.zv(lambda t: t, 1.0, 1.0)
     with pytest.raises(TypeError, match=r"function of time, such as fm\.trajectory"):
         law.zvd(3.0, 1.0)
+
+
+def test_a_law_of_several_numbers_is_refused():
+    law = Law(np.array([0.0, 1.0]), np.ones((1, 3, 2)))
+    with pytest.raises(ValueError, match=r"'x' must give one number, but gives shape \(2,\)"):
+        as_law("Trajectory 'x'", law)
