@@ -85,8 +85,6 @@ class Program(Taking, TyperGroup):
         _prepare_streams()
         # Modules and traces live on: to look for garbage among them as often as Python does takes a tenth of a run.
         gc.set_threshold(100_000, 50, 100)
-        # As compiled functions have it; where it is said before BLAS is loaded, they need not look for that.
-        os.environ.setdefault(THREADS_OF_BLAS, "1")
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
         except typer.Exit as end:
@@ -804,7 +802,7 @@ def edit(
 def main() -> None:
     """Run the command line."""
     # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault(THREADS_OF_BLAS, "1")
     try:
         app()
     finally:
