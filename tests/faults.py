@@ -1141,11 +1141,34 @@ FAULTS = [
     ),
     Fault(
         "compilation/slim.py",
-        "if number in bodies else whole",
-        "if False else whole",
+        "self._outline if _operation(one)",
+        "self._keep if _operation(one)",
         "compilation/test_slim.py -k same",
     ),
-    Fault("compilation/slim.py", ' and _all(one, KIND) == [b"kLoop"]', "", "compilation/test_slim.py -k stay_whole"),
+    Fault(
+        "compilation/slim.py",
+        ' or _all(instruction, KIND) != [b"kLoop"]',
+        "",
+        "compilation/test_slim.py -k stay_whole",
+    ),
+    Fault(
+        "compilation/slim.py",
+        "found.keep_constant(values[number])",
+        "found.numbers.setdefault(values[number], 0)",
+        "compilation/test_slim.py -k same",
+    ),
+    Fault(
+        "compilation/slim.py",
+        "not in COMPILED for one in lost",
+        "in () for one in lost",
+        "compilation/test_slim.py -k in_which",
+    ),
+    Fault(
+        "compilation/slim.py",
+        "_first(one, VALUE) not in kept)",
+        "False)",
+        "compilation/test_slim.py -k same",
+    ),
     Fault(
         "compilation/kept.py",
         '    except Exception as reason:\n        logging.getLogger("flexmb").debug("a program is kept whole',
@@ -1155,9 +1178,7 @@ FAULTS = [
     Fault(
         "compilation/slim.py", "(NAME, SHAPE, INSTRUCTION)", "(NAME, INSTRUCTION)", "compilation/test_slim.py -k same"
     ),
-    Fault(
-        "compilation/slim.py", "_all(instruction, INSTRUCTION) != [root]", "False", "compilation/test_slim.py -k same"
-    ),
+    Fault("compilation/slim.py", "_of(instruction) != root", "False", "compilation/test_slim.py -k same"),
     Fault(
         "compilation/slim.py",
         "__version__ not in KNOWN or",
@@ -3948,6 +3969,31 @@ FAULTS = [
         "np.shape(self.coefficients)[2:]",
         "()",
         "trajectory/test_laws.py -k several_numbers",
+    ),
+    Fault(
+        "trajectory/about_motion.py",
+        "signs[1:] * signs[:-1] < 0",
+        "signs[1:] * signs[:-1] < -2",
+        "trajectory/test_linear_along.py -k dead_point",
+    ),
+    Fault(
+        "motion/full_turns.py",
+        "np.any(np.linalg.norm(turned, axis=1) > FULL)",
+        "False",
+        "motion/test_full_turns.py",
+    ),
+    Fault("motion/full_turns.py", "- np.cross(a[:, 1:], b[:, 1:])", "", "motion/test_full_turns.py"),
+    Fault(
+        "motion/simulate.py",
+        "    if feedback is not None:\n        warn_of",
+        "    if False:\n        warn_of",
+        "motion/test_full_turns.py",
+    ),
+    Fault(
+        "trajectory/inverse.py",
+        "        warn_of_full_turns(motion)\n",
+        "        pass\n",
+        "motion/test_full_turns.py -k plan",
     ),
     Fault(
         "paths/walk.py",

@@ -568,7 +568,8 @@ class Builder(Description):
             component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
                 "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is linearised
                 about, in a simulation the component of the rotation vector from its start, beside that from the
-                undeformed mechanism to the start; angular velocity and angular acceleration; moment of a support.
+                undeformed mechanism to the start, which jumps where it passes a full turn, as a hinge's deformation
+                does not; angular velocity and angular acceleration; moment of a support.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation, or "reaction": force or
                 moment of the support on the mechanism, where it is FIXED or PRESCRIBED; "deformation", "deformation
                 rate", "deformation acceleration" or "stress" of a deformation, also of one that is FIXED, where it is

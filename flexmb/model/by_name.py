@@ -79,7 +79,8 @@ class ByName:
 
         Returns:
             The angle in the plane, (states,); the rotation vector in space, the axis times the angle, (states, 3)
-            [rad]. It is differentiable at zero rotation too.
+            [rad], within a full turn to either side: past it, a hinge's deformation counts on. It is differentiable at
+            zero rotation too.
 
         Raises:
             KeyError: No such node or component, or the node has no rotation.

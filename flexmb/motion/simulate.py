@@ -34,6 +34,7 @@ from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, acted_on, driven_by, jump_times
 from .events import as_it_is, check_at_start, conditions_of
+from .full_turns import warn_of_full_turns
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
 from .integrator import Integrator
 from .loop import Loop, as_feedback
@@ -186,6 +187,8 @@ def simulate(
     if model.labels.found and driving(model.parameters, driven) and is_concrete((found, start)):
         warn_of_found(found, start)
     _tell(found, drives, run.jumped, throw and not stopped)
+    if feedback is not None:
+        warn_of_full_turns(found)
     rows, numbers = {"x": found.x, "xd": found.xd, "u": found.u}, (model.parameters, driven, times)
     return dataclasses.replace(found, **or_nan(rows, found.result, throw, numbers))
 

@@ -9,9 +9,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
-from ..compilation.compile import jit_beside_options
-from ..errors import ModelError, warn
-from ..mechanics.extent import extent_of
+from ..compilation.compile import jit, jit_beside_options
+from ..display import listed, short
+from ..errors import AnalysisError, ModelError, warn
+from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.extent import extent_of, sizes_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -19,8 +21,10 @@ from ..model.topology import Topology
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.element_forces import deformed
+from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
+from ..results import RESULTS
 
 # What measures what an input moves, of coordinates and of deformations.
 MEASURES = {
@@ -191,6 +195,45 @@ def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]
     return tuple(found)
 
 
+def check_freedoms(motion: Motion) -> None:
+    """Refuse a motion on which the degrees of freedom do not determine the configuration, between two times too.
+
+    There a determinant changes its sign, and the matrices of what vibrates have a pole, which no curve through those at
+    the times tells.
+
+    Args:
+        motion: Motion; nothing is asked where it is traced.
+
+    Raises:
+        AnalysisError: singular_configuration, with the first times.
+    """
+    model, top = motion.model, motion.model.topology
+    if not is_concrete((model, motion.x, motion.near)) or top.e.given.shape[0] != top.x.dependent.shape[0]:
+        return
+    signs = np.asarray(_sides(model.without_names(), motion.x, motion.near))
+    if len(passed := np.flatnonzero(signs[1:] * signs[:-1] < 0)):
+        first, last = (short(float(motion.t[passed[0] + i])) for i in range(2))
+        raise AnalysisError(
+            RESULTS.singular_configuration.name,
+            f"Between t = {first} and {last} s the motion passes a place where the degrees of freedom"
+            f" ({listed(model.q_labels)}) do not determine the configuration, about which no vibration can be told by"
+            " them. Name others, such as the turn of a hinge in place of a coordinate or of Euler parameters.",
+        )
+
+
+@jit
+def _sides(model: Model, x: Float[Array, "n_t n_x"], near: Float[Array, "n_t n_e"]) -> Float[Array, "n_t"]:
+    """Signs of the determinants of what is given by what is dependent, in pure numbers."""
+    top, parameters = model.topology, model.parameters
+    sizes = sizes_of(top, parameters)[top.x.dependent]
+
+    def side(at: tuple[Array, Array]):
+        rows = deformation_jacobian(top, parameters, *at)[1][top.e.given][:, top.x.dependent] * sizes
+        return jnp.linalg.slogdet(rows / jnp.max(jnp.abs(rows), axis=1, keepdims=True, initial=1e-300))[0]
+
+    return jax.lax.map(side, (x, near))
+
+
 def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
     """Outputs along a motion, as sensors give them; rotations in space since the undeformed mechanism.
 
@@ -199,7 +242,11 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
 
     Returns:
         (n_t, n_y) [m, rad, ..].
+
+    Warns:
+        FlexmbWarning: A rotation about an axis in space passes a full turn, where it jumps.
     """
+    warn_of_full_turns(motion)
     count = len(motion.labels.inputs)
     u = motion.u if motion.u.shape[1] == count else jnp.zeros((len(motion.t), count))
     rows = motion.t, motion.x, motion.xd, motion.near, u

@@ -29,6 +29,7 @@ from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.drives_by_name import Drives, driven_by
 from ..motion.element_forces import Moving, deformed
+from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import under_inputs
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
@@ -214,7 +215,9 @@ def inverse_dynamics(
         "inverse dynamics",
     )
     y0 = found.y0
-    if not _are_of_the_motion(model.labels.outputs):
+    if _are_of_the_motion(model.labels.outputs):
+        warn_of_full_turns(motion)
+    else:
         y0 = outputs_of(motion)
         if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(found.result) == 0])):
             raise AnalysisError(

@@ -18,7 +18,7 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Result, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from .about_motion import about, freedoms_of, outputs_of
+from .about_motion import about, check_freedoms, freedoms_of, outputs_of
 from .cubic import Spline, spline
 from .radau import march
 from .reduction import reduced_system
@@ -391,7 +391,8 @@ def time_varying(along: Any) -> TimeVarying:
 
     Raises:
         TypeError: It is neither.
-        ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or it did not reach its end.
+        ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or it did not reach its end, or passes a
+            place where the degrees of freedom do not determine the configuration.
 
     Warns:
         FlexmbWarning: What one input moves, such as two supports, does not move together along the motion.
@@ -403,6 +404,7 @@ def time_varying(along: Any) -> TimeVarying:
     y0 = getattr(along, "y0", None)
     y0 = outputs_of(motion) if y0 is None else y0
     model = motion.model
+    check_freedoms(motion)
     lin = motion.linearizations()
     (a, b, c, d), states = state_matrices(lin)
     orders = [signal.terms[0].order or 0 for signal in model.signals()[0]]

@@ -27,7 +27,7 @@ from ..motion.drive import Driven
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried
 from ..results import RESULTS, check
-from .about_motion import about, freedoms_of, released
+from .about_motion import about, check_freedoms, freedoms_of, released
 from .cubic import Spline, spline
 from .radau import march
 from .refined import refined
@@ -253,7 +253,7 @@ def perturbation(
     Raises:
         TypeError: Neither a Nominal nor a Motion.
         ValueError: Sizes that do not agree; an unknown degree of freedom, or all are held; not so many modes.
-        AnalysisError: The degrees of freedom do not determine the configuration at one of the times.
+        AnalysisError: The degrees of freedom do not determine the configuration at one of the times, or between two.
 
     Warns:
         FlexmbWarning: ``rtol`` is not reached.
@@ -265,6 +265,7 @@ def perturbation(
     model, t, names = motion.model, motion.t, motion.model.q_labels
     start = [_as_freedoms(name, value, names) for name, value in (("q", q), ("qd", qd))]
     kept = _not_held(names, held)
+    check_freedoms(motion)
     lin = motion.linearizations()
     m = lin.matrices
     if is_concrete(m.result):

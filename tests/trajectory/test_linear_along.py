@@ -185,3 +185,24 @@ def test_what_cannot_be_asked_says_so(elevator):
 def test_frequencies_of_what_is_traced_are_refused(elevator):
     with pytest.raises(TypeError, match=r"outside jax\.jit, jax\.grad"):
         jax.jit(lambda a: dataclasses.replace(elevator, A=a).frequencies())(elevator.A)
+
+
+@pytest.mark.parametrize("what", [fm.trajectory.time_varying, fm.trajectory.perturbation])
+def test_a_motion_past_a_dead_point_of_its_freedoms_is_refused(what):
+    """A pendulum by its x, which is stationary where it lies level; to a quarter turn it may be told by that."""
+    b = fm.Builder()
+    b.node("o", (0, 0))
+    b.node("t", (0, -0.5))
+    b.add(planar.rigid_beam, "o", "t")
+    b.fix("o", "x", "y")
+    b.mass("t", 2.0)
+    b.dof("t", "x")
+    b.start("t", "x", 0.0, velocity=6.0)
+    b.input("t", "x")
+    b.output("t", "x")
+    motion = fm.simulate(b.build(), np.linspace(0, 0.2, 21), rtol=1e-9)
+    # 12 rad/s: a quarter turn after 0.1309 s.
+    with pytest.raises(fm.AnalysisError, match=r"Between t = 0\.13 and 0\.14 s .* \(t\.x\) do not determine") as told:
+        what(motion)
+    assert told.value.code == "singular_configuration"
+    what(motion.until(13))
