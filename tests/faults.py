@@ -3936,14 +3936,14 @@ FAULTS = [
     Fault("statics/solve.py", "topology.n_q > 0 and not moved", "True", "statics/test_refusals.py -k crank"),
     Fault(
         "control/stability.py",
-        "np.concatenate([poles, closed, zeros])",
-        "np.concatenate([poles, zeros])",
+        "seen = np.concatenate([poles, closed])",
+        "seen = poles",
         "control/test_loops.py -k lightly_damped",
     ),
     Fault(
         "control/stability.py",
-        "[(1.0 if period else 0.0, 0.0)] if",
-        "[] if",
+        "found.append((0.0, float(",
+        "((0.0, float(",
         "control/test_loops.py -k jumps_at",
     ),
     Fault(
@@ -3996,6 +3996,30 @@ FAULTS = [
         "motion/test_full_turns.py -k plan",
     ),
     Fault(
+        "motion/simulate.py",
+        "if places == list(range(len(known))):",
+        "if True:",
+        "motion/test_simulate.py -k turns",
+    ),
+    Fault(
+        "control/stability.py",
+        "at, values = _with_turns(function, at, values)",
+        "pass",
+        "control/test_loops.py -k close_to_each_other",
+    ),
+    Fault(
+        "control/stability.py",
+        "self._d if far is None",
+        "0.0 if far is None",
+        "control/test_loops.py -k passes_at_once",
+    ),
+    Fault(
+        "control/stability.py",
+        "most = 10 * np.max(np.abs(seen))",
+        "most = 10 * np.max(np.abs(poles))",
+        "control/test_loops.py -k far_beyond",
+    ),
+    Fault(
         "paths/walk.py",
         "if departure.coincide and",
         "if False and",
@@ -4015,9 +4039,9 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "if np.abs(function(one)) < JUMP",
-        "if True",
-        "control/test_loops.py -k jumps_at",
+        "< -np.log(ROUND_OFF))",
+        "< np.inf)",
+        "control/test_loops.py -k free_mass",
     ),
     Fault(
         "control/stability.py",
@@ -4039,8 +4063,8 @@ FAULTS = [
     ),
     Fault(
         "motion/simulate.py",
-        "isinstance(initial, Configuration) else rest, initial.e)",
-        "isinstance(initial, Configuration) else rest)",
+        "Start(initial.x, rates, _counted(model, initial, initial.e))",
+        "Start(initial.x, rates)",
         "motion/test_simulate.py -k turns",
     ),
     Fault(
@@ -4070,8 +4094,8 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "([(-1.0, np.pi / period)] if period else [])",
-        "([])",
+        "(np.pi / self.period, -1.0) if self.period",
+        "(np.pi / self.period, 1.0) if self.period",
         "control/test_loops.py -k sampled_loop_feels",
     ),
     Fault(

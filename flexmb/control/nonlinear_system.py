@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 # Newton's method has found the dependent coordinates where as many steps again change them by less than this share of
 # the extent, or radians: the error is then the square of that, or less.
 FOUND = 1e-6
-# From where the last evaluation was, degrees of freedom go in steps of this many extents or radians at most, so that
-# turns are counted, and so far in all; where that is not found, in four times as many, so often.
+# From where the last evaluation was, degrees of freedom go in steps of this many extents, metres (of deformations) or
+# radians at most, so that turns are counted, and in so many at most; where nothing is found, in four times as many, so
+# often.
 STEP, FARTHEST, FINER = 1.0, 20_000, 4
 
 
@@ -131,8 +132,10 @@ def to_nonlinear_system(
         before = memory[freedoms.places] - freedoms.origins
         way = np.asarray(x, float)[:n] - before
         least = np.ceil(np.max(np.abs(way) / freedoms.sizes, initial=0.0) / STEP)
-        for tries in range(FINER + 1 if least <= FARTHEST else 0):
-            steps, at = int(max(least, 1)) * 4**tries, memory
+        for finer in 4 ** np.arange(FINER + 1):
+            if not max(least, 1) * finer <= FARTHEST:
+                break
+            steps, at = int(max(least, 1) * finer), memory
             for k in range(1, steps + 1):
                 state = np.concatenate([before + way * k / steps, np.zeros(n)]) if k < steps else np.asarray(x, float)
                 numbers = (np.asarray(own, float) for own in (t, state, at, u))

@@ -21,15 +21,21 @@ if TYPE_CHECKING:
 
 # A pole this share of the largest to the right of the imaginary axis is there by round-off.
 ROUND_OFF = 1e-9
-# Frequencies at which the open loop is looked at: so many, from a hundredth of the slowest pole to ten times the
-# fastest, and beside every pole and zero, and every pole of the closed loop, at so many of its half widths, but never
-# on it, where an undamped one has no response.
-POINTS = 1200
+# Frequencies at which the open loop is looked at: so many, or so many a decade, from a hundredth of the slowest pole or
+# zero, those of the closed loop included, to ten times the fastest; and beside each of them at so many of its half
+# widths, but never on it, where an undamped one has no response.
+POINTS, A_DECADE = 1200, 150
 BESIDE = np.linspace(-8.0, 8.0, 32)
 NARROWEST = 1e-6
-# What lies between is found to this share, and of so many dips the smallest.
+# Two poles at the origin are off it by this share of the fastest pole, the root of round-off; and so many times as far
+# as that are zeros which are none.
+AT_ORIGIN, FARTHEST = 1e-7, 1e4
+# What lies between is found to this share, and of so many dips the smallest; so many turns of what comes as near to
+# zero as this are looked at.
 RIGHT, DIPS = 1e-14, 8
-JUMP = 1e-3
+TURNS, NEARLY = 64, 0.3
+# So many frequencies at a time.
+ROW = 4096
 # Phases are the same where their sines differ by less: an undamped mechanism answers in phase but for round-off.
 SAME_PHASE = 1e-12
 
@@ -199,34 +205,82 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
         others: Any = control.ss([], [], [], np.diag([float(i != place) for i in range(count)]))
         returned = control.feedback(returned, others, sign)
     one: Any = -sign * returned[place, place]
-    rates = _frequencies(one, period, closed)
-    if not rates.size or not np.any(one.B) or not np.any(one.C):
-        return Margins(name, *([np.inf, np.nan] * 3))
-
-    def opened(rates: Any):
-        return one(_laplace(1j * np.asarray(rates), period))
-
+    opened = _Opened(one, period)
+    rates = _frequencies(opened, closed)
     response = opened(rates)
+    # Where a response is real whatever the system, no phase crosses: at rest, and at the highest frequency.
+    ends = opened.ends()
     crossings = _crossings(lambda rate: _sine(opened(rate)), rates, _sine(response))
-    reals = np.real(opened(crossings)) if crossings.size else np.zeros(0)
-    gains, gains_at = -1 / reals[reals < 0], crossings[reals < 0]
-    # Where a response is real whatever the frequency, no phase crosses: at rest, and at the highest of samples.
-    ends = [(1.0 if period else 0.0, 0.0)] if np.all(np.abs(one.poles() - bool(period)) > ROUND_OFF) else []
-    for s, at in (*ends, *([(-1.0, np.pi / period)] if period else [])):
-        if (real := float(np.real(one(s)))) < 0:
-            gains, gains_at = np.append(gains, -1 / real), np.append(gains_at, at)
-    gain, gain_at = _least(np.abs(np.log(gains)), gains, gains_at)
-    crossovers = _crossings(lambda rate: np.log(np.abs(opened(rate))), rates, np.log(np.abs(response)))
-    phases = np.degrees(np.angle(-opened(crossovers))) if crossovers.size else np.zeros(0)
+    reals, places = np.real(opened(crossings)), crossings
+    for at, real in ends:
+        reals, places = np.append(reals, real), np.append(places, at)
+    # What is farther from one is where a phase jumps, at an undamped pole, or one at the origin.
+    told = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(ROUND_OFF))
+    gain, gain_at = _least(np.abs(np.log(-reals[told])), -1 / reals[told], places[told])
+    crossovers = _crossings(lambda rate: np.log(np.abs(opened(rate))), rates, np.log(np.abs(response) + 1e-300))
+    phases = np.degrees(np.angle(-opened(crossovers)))
     phase, phase_at = _least(np.abs(phases), phases, crossovers)
-    modulus, modulus_at = _smallest(lambda rate: np.abs(1 + opened(rate)), rates, np.abs(1 + response))
+    distances = [(abs(1 + real), at) for at, real in ends]
+    if rates.size:
+        distances.append(_smallest(lambda rate: np.abs(1 + opened(rate)), rates, np.abs(1 + response)))
+    modulus, modulus_at = min(distances, default=(np.inf, np.nan))
     turn = 2 * np.pi
     return Margins(name, gain, gain_at / turn, phase, phase_at / turn, modulus, modulus_at / turn)
 
 
+class _Opened:
+    """Response of an opened loop with one input and one output, at rates of frequencies [rad/s].
+
+    By a Schur form, of which a whole row of frequencies costs less than one by the system itself.
+    """
+
+    def __init__(self, system: Any, period: float | None):
+        from scipy.linalg import matrix_balance, schur
+
+        self.period, self.system = period, system
+        balanced, turn = matrix_balance(system.A) if len(system.A) else (system.A, np.eye(0))
+        self._triangle, own = schur(balanced, output="complex") if len(balanced) else (balanced, turn)
+        self._b, self._c = own.conj().T @ np.linalg.solve(turn, system.B), system.C @ turn @ own
+        self._d = float(np.real(system.D[0, 0]))
+
+    def __call__(self, rates: Any) -> Any:
+        """Responses, of the shape of the rates."""
+        rates = np.asarray(rates, float)
+        s = np.exp(1j * rates.ravel() * self.period) if self.period else 1j * rates.ravel()
+        return np.concatenate([self._at(part) for part in np.split(s, range(ROW, len(s), ROW))]).reshape(rates.shape)
+
+    def _at(self, s: np.ndarray) -> np.ndarray:
+        n = len(self._triangle)
+        x = np.zeros((n, len(s)), complex)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for i in reversed(range(n)):
+                x[i] = (self._b[i] + self._triangle[i, i + 1 :] @ x[i + 1 :]) / (s - self._triangle[i, i])
+            found = (self._c @ x)[0] + self._d
+        # On an undamped pole.
+        return np.where(np.isfinite(found), found, np.inf)
+
+    def ends(self) -> list[tuple[float, float]]:
+        """Rates at which the response is real whatever the system, and the responses: at rest, and the highest."""
+        highest, far = (np.pi / self.period, -1.0) if self.period else (np.inf, None)
+        found = [(highest, self._d if far is None else float(np.real(self._at(np.array([far + 0j]))[0])))]
+        if not np.any(self.at_origin()):
+            found.append((0.0, float(np.real(self(0.0)))))
+        return found
+
+    def at_origin(self) -> np.ndarray:
+        """Which poles are those of integrators, but for round-off: two of them split by its root."""
+        poles = self.poles()
+        return np.abs(poles) <= AT_ORIGIN * max(np.max(np.abs(poles), initial=0.0), np.pi / (self.period or np.inf))
+
+    def poles(self) -> np.ndarray:
+        """Poles, of a sampled loop those of the continuous one [rad/s]."""
+        return _continuous(np.diag(self._triangle).astype(complex), self.period)
+
+
 def _sine(response: Any) -> Any:
     """Sine of the phase of a response; zero where it is real but for round-off."""
-    found = np.imag(response) / np.abs(response)
+    with np.errstate(invalid="ignore"):
+        found = np.nan_to_num(np.imag(response) / np.abs(response), nan=1.0)
     return np.where(np.abs(found) > SAME_PHASE, found, 0.0)
 
 
@@ -234,10 +288,34 @@ def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarra
     """Where a function of the frequency is zero, of which values at ascending ones show all changes of sign."""
     from scipy.optimize import brentq
 
+    at, values = _with_turns(function, at, values)
     between = np.flatnonzero(values[:-1] * values[1:] < 0)
     found = [float(brentq(function, at[i], at[i + 1], xtol=1e-300, rtol=RIGHT)) for i in between]
-    # At an undamped pole a phase jumps.
-    return np.array([*at[values == 0], *(one for one in found if np.abs(function(one)) < JUMP)])
+    return np.array([*at[values == 0], *found])
+
+
+def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies and values, with those where a function comes nearest to zero and turns back, or goes beyond it."""
+    from scipy.optimize import minimize_scalar
+
+    sizes = np.abs(values)
+    inner = (sizes[1:-1] < sizes[:-2]) & (sizes[1:-1] < sizes[2:]) & (sizes[1:-1] < NEARLY)
+    alike = (values[1:-1] * values[:-2] > 0) & (values[1:-1] * values[2:] > 0)
+    dips = np.flatnonzero(inner & alike) + 1
+    more = []
+    for i in dips[np.argsort(sizes[dips])][:TURNS]:
+        side = np.sign(values[i])
+        options = {"xatol": 1e-6 * (at[i + 1] - at[i - 1])}
+        found: Any = minimize_scalar(
+            lambda rate, side=side: side * function(rate),
+            bounds=(at[i - 1], at[i + 1]),
+            method="bounded",
+            options=options,
+        )
+        more.append((found.x, side * found.fun))
+    every = np.concatenate([np.stack([at, values], axis=1), np.reshape(more, (-1, 2))])
+    every = every[np.argsort(every[:, 0])]
+    return every[:, 0], every[:, 1]
 
 
 def _least(sizes: np.ndarray, values: np.ndarray, at: np.ndarray) -> tuple[float, float]:
@@ -264,27 +342,26 @@ def _smallest(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray
     return smallest, where
 
 
-def _laplace(s: np.ndarray, period: float | None):
-    return np.exp(s * period) if period else s
-
-
-def _frequencies(system: Any, period: float | None, closed: np.ndarray) -> np.ndarray:
+def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:
     """Frequencies between which the open and the closed loop have no pole or zero that is not seen, ascending [rad/s].
 
     Args:
+        opened: The loop.
         closed: Poles of the closed loop, (n,) [rad/s].
     """
-    poles, zeros = (_continuous(np.asarray(own, complex), period) for own in (system.poles(), _zeros(system)))
-    sizes = np.abs(poles)
-    sizes = sizes[sizes > ROUND_OFF * np.max(sizes, initial=0.0)]
-    if not sizes.size:
-        # Integrators alone, whose crossover the gain at one rad/s tells.
-        sizes = np.array([1e-3, 1e3])
-    most = 10 * np.max(sizes) if not period else 0.9999 * np.pi / period
-    least = min(np.min(sizes), most) / 100
-    seen = np.concatenate([poles, closed, zeros])
+    poles = opened.poles()[~opened.at_origin()]
+    zeros = _continuous(_zeros(opened.system), opened.period)
+    seen = np.concatenate([poles, closed])
+    largest = np.max(np.abs(seen), initial=0.0)
+    seen = np.concatenate([seen, zeros[np.abs(zeros) < FARTHEST * largest]])
+    seen = seen[np.abs(seen) > AT_ORIGIN * largest]
+    if not seen.size:
+        return np.zeros(0)
+    most = 10 * np.max(np.abs(seen)) if not opened.period else 0.9999 * np.pi / opened.period
+    least = min(np.min(np.abs(seen)), most) / 100
     beside = [abs(p) + max(abs(np.real(p)), NARROWEST * abs(p)) * BESIDE for p in seen]
-    found = np.concatenate([np.geomspace(least, most, POINTS), *beside])
+    count = max(POINTS, int(A_DECADE * np.log10(most / least)))
+    found = np.concatenate([np.geomspace(least, most, count), *beside])
     return np.unique(found[(found >= least) & (found <= most)])
 
 

@@ -27,15 +27,15 @@ static int plant(const double *p, double t, const double *x, const double *u, do
     double *w = work, *from = w + %(w)d, *next = from + %(m)d, *at = next + %(m)d, gap = 1, far = 0;
     int64_t *n = (int64_t *)(at + %(x)d);
     (void)p;
-    /* In steps from where the degrees of freedom were, such that turns are counted. */
+    /* In steps from where the degrees of freedom were, such that turns are counted; in more where that is not found. */
     for (int i = 0; i < %(q)d; i++) {
         from[i] = memory[DOF_AT[i]] - DOF_FROM[i];
         double own = fabs(x[i] - from[i]) / DOF_SIZE[i];
-        if (!(own <= %(farthest)r * %(step)r)) return 1;
+        if (!(own <= %(farthest)d * %(step)r)) return 1;
         if (own > far) far = own;
     }
     int64_t steps = far > %(step)r ? (int64_t)ceil(far / %(step)r) : 1;
-    for (int tries = 0; !(gap < %(found)r) && tries <= %(finer)d; tries++, steps *= 4) {
+    for (int tries = 0; !(gap < %(found)r) && tries <= %(finer)d && steps <= %(farthest)d; tries++, steps *= 4) {
         memcpy(next, memory, %(m)d * sizeof *next);
         for (int64_t k = 1; k <= steps; k++) {
             for (int i = 0; i < %(q)d; i++) {
@@ -66,8 +66,8 @@ class PlantSource(NamedTuple):
         states: Names of the states: degrees of freedom, then their rates.
         inputs: Names of the inputs.
         outputs: Names of the outputs.
-        memory: What the memory begins with: coordinates and deformations of the undeformed mechanism, (n_x + n_e,)
-            [m, rad, -].
+        memory: What the memory begins with: coordinates and deformations where the builder lets a motion begin,
+            (n_x + n_e,) [m, rad, -].
         work: So many numbers (double) of workspace it needs.
     """
 
@@ -129,7 +129,7 @@ def plant(
     )
     (w, n), m = done.work, memory.size
     sizes = {"w": w, "m": m, "x": 2 * n_q, "q": n_q}
-    call = CALL % {**sizes, "found": FOUND, "step": STEP, "farthest": float(FARTHEST), "finer": FINER}
+    call = CALL % {**sizes, "found": FOUND, "step": STEP, "farthest": FARTHEST, "finer": FINER}
     names = tuple(model.q_labels)
     return PlantSource(
         "\n".join([unit.source(), table, call]),

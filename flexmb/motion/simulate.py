@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, checked_times, is_concrete, shown
+from ..arguments import as_floats, checked_times, computed, is_concrete, shown
 from ..compilation.compile import jit_beside_options
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
@@ -422,9 +422,18 @@ def _initial(model: Model, initial: Any):
     if isinstance(initial, Motion):
         if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x[-1]))):
             raise ModelError("Argument `initial` is a motion that did not reach its end: give motion.until(count).")
-        return Start(initial.x[-1], initial.xd[-1], initial.near[-1])
+        return Start(initial.x[-1], initial.xd[-1], _counted(model, initial, initial.near[-1]))
     if is_concrete(initial.result):
         check(initial.result, True)
     rest = as_floats(np.zeros(model.topology.n_x))
-    # Turns are counted on from there.
-    return Start(initial.x, initial.xd if isinstance(initial, Configuration) else rest, initial.e)
+    rates = initial.xd if isinstance(initial, Configuration) else rest
+    return Start(initial.x, rates, _counted(model, initial, initial.e))
+
+
+def _counted(model: Model, initial: Any, e: Float[Array, "n"]) -> Float[Array, "n_e"]:
+    """Deformations from which turns are counted on, by their names; zero of elements that were not there."""
+    known = {(one.of, one.component): i for i, one in enumerate(initial.labels.e)}
+    places = [known.get((one.of, one.component), len(known)) for one in model.labels.e]
+    if places == list(range(len(known))):
+        return e
+    return computed(lambda xp, e: xp.append(e, 0.0)[np.array(places, int)], e)

@@ -347,6 +347,57 @@ def test_margins_of_lightly_damped_loops_are_those_of_their_polynomials(damping,
         assert own.phase == np.inf
 
 
+def lag(gain, rate=1.0):
+    return control.ss([[-rate]], [[1.0]], [[gain]], [[0.0]])
+
+
+UNIT = control.ss([], [], [], [[1.0]])
+
+
+@pytest.mark.parametrize("gain", [20.0, 1e3, 1e6])
+def test_a_crossover_far_beyond_the_poles_is_found(gain):
+    """gain/(s + 1): |L| = 1 at the root of gain^2 - 1, with the phase of that left to -180 degrees."""
+    (own,) = fm.control.closed_loop(lag(gain), UNIT).margins
+    rate = np.sqrt(gain**2 - 1)
+    assert own.crossover == pytest.approx(rate / (2 * np.pi), rel=1e-9)
+    assert own.phase == pytest.approx(180 - np.degrees(np.arctan(rate)), rel=1e-9)
+    assert own.gain == np.inf
+
+
+@pytest.mark.parametrize(("d", "gain"), [(-0.9, 1 / 0.9), (-0.5, 2.0), (0.5, np.inf)])
+def test_a_gain_that_passes_at_once_has_its_margin_at_the_highest_frequency(d, gain):
+    """What is passed on without delay loses its solution where it is -1: s^2 d/(s^2 + s + 4), and d alone."""
+    for plant in (control.tf([d, 0, 0], [1, 1, 4]), control.ss([], [], [], [[d]])):
+        (own,) = fm.control.closed_loop(control.ss(plant), UNIT).margins
+        assert own.gain == pytest.approx(gain, rel=1e-12)
+        assert own.modulus <= 1 + d + 1e-12
+
+
+def test_a_free_mass_has_no_margin_at_rest_whatever_its_coordinates():
+    """Two poles at the origin, which round-off parts by its root."""
+    s = control.tf("s")
+    phase = control.stability_margins((1 / s**2 + 0.1 / (s**2 + s + 900)) * (s + 4))[1]
+    for seed in range(20):
+        turn = np.random.default_rng(seed).standard_normal((4, 4))
+        a = np.zeros((4, 4))
+        a[0, 2], a[1, 3], a[3, 1], a[3, 3] = 1.0, 1.0, -900.0, -1.0
+        b, c = np.array([[0.0], [0], [1], [1]]), np.array([[1.0, 0.1, 0, 0], [0, 0, 1, 0.1]])
+        free = control.ss(turn @ a @ np.linalg.inv(turn), turn @ b, c @ np.linalg.inv(turn), 0)
+        (own,) = fm.control.closed_loop(free, control.ss([], [], [], [[4.0, 1.0]])).margins
+        assert own.gain == np.inf
+        assert own.phase == pytest.approx(phase, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:The closed loop is unstable")
+def test_two_crossings_close_to_each_other_are_found():
+    """Beside a resonance a phase goes a little beyond -180 degrees and back, with no pole or zero between."""
+    poles = np.poly([-4.71493307e-03 + 267.15741282j, -4.71493307e-03 - 267.15741282j, 18.0931465])
+    loop = control.tf(-1.0 * np.poly([-42.78801335, -1130.36046738]), poles)
+    (own,) = fm.control.closed_loop(control.ss(loop), UNIT).margins
+    gains = control.stability_margins(loop, returnall=True)[0]
+    assert own.gain == pytest.approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
+
+
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
 @pytest.mark.parametrize(("sign", "gain"), [(1, 4.0), (-1, np.inf)])
 def test_a_phase_that_jumps_at_an_undamped_pole_crosses_nothing(sign, gain):
