@@ -4039,12 +4039,6 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "< -np.log(ROUND_OFF))",
-        "< np.inf)",
-        "control/test_loops.py -k free_mass",
-    ),
-    Fault(
-        "control/stability.py",
         "if found.fun < smallest:",
         "if False:",
         "control/test_loops.py -k lightly_damped",

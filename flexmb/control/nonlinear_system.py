@@ -1,7 +1,7 @@
 """The nonlinear mechanism as a system of python-control."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -136,6 +136,7 @@ def to_nonlinear_system(
             if not max(least, 1) * finer <= FARTHEST:
                 break
             steps, at = int(max(least, 1) * finer), memory
+            found: Any = None
             for k in range(1, steps + 1):
                 state = np.concatenate([before + way * k / steps, np.zeros(n)]) if k < steps else np.asarray(x, float)
                 numbers = (np.asarray(own, float) for own in (t, state, at, u))

@@ -238,8 +238,11 @@ class _Opened:
         from scipy.linalg import matrix_balance, schur
 
         self.period, self.system = period, system
-        balanced, turn = matrix_balance(system.A) if len(system.A) else (system.A, np.eye(0))
-        self._triangle, own = schur(balanced, output="complex") if len(balanced) else (balanced, turn)
+        size: Any = len(system.A)
+        found: Any = matrix_balance(system.A) if size else (system.A, np.eye(0))
+        balanced, turn = found
+        found = schur(balanced, output="complex") if size else found
+        self._triangle, own = found
         self._b, self._c = own.conj().T @ np.linalg.solve(turn, system.B), system.C @ turn @ own
         self._d = float(np.real(system.D[0, 0]))
 
@@ -290,8 +293,9 @@ def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarra
 
     at, values = _with_turns(function, at, values)
     between = np.flatnonzero(values[:-1] * values[1:] < 0)
-    found = [float(brentq(function, at[i], at[i + 1], xtol=1e-300, rtol=RIGHT)) for i in between]
-    return np.array([*at[values == 0], *found])
+    finer: dict[str, Any] = {"xtol": 1e-300, "rtol": RIGHT}
+    found: list[Any] = [brentq(function, at[i], at[i + 1], **finer) for i in between]
+    return np.array([*at[values == 0], *found], float)
 
 
 def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -376,6 +380,7 @@ def _zeros(system: Any) -> np.ndarray:
 
     n = len(system.A)
     whole = np.block([[system.A, system.B], [system.C, system.D]])
-    above, below = eigvals(whole, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
+    found: Any = eigvals(whole, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
+    above, below = found
     finite = np.abs(below) > ROUND_OFF * np.abs(above)
     return above[finite] / below[finite]

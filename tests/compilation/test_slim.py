@@ -98,7 +98,7 @@ def test_it_says_bit_by_bit_the_same(function, options):
         np.testing.assert_array_equal(one, other)
     assert len(quick) < len(code)
     # In the text of a program each kernel is one operation, and nothing is left of what a loop does.
-    whole, text = compiled.as_text(), own.as_text()
+    whole, text = str(compiled.as_text()), str(own.as_text())
     assert "kind=kLoop" not in text
     assert 'custom_call_target="compiled"' in text
     if function is nested:

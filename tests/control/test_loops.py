@@ -375,7 +375,7 @@ def test_a_gain_that_passes_at_once_has_its_margin_at_the_highest_frequency(d, g
 
 def test_a_free_mass_has_no_margin_at_rest_whatever_its_coordinates():
     """Two poles at the origin, which round-off parts by its root."""
-    s = control.tf("s")
+    s: Any = control.tf("s")
     phase = control.stability_margins((1 / s**2 + 0.1 / (s**2 + s + 900)) * (s + 4))[1]
     for seed in range(20):
         turn = np.random.default_rng(seed).standard_normal((4, 4))
