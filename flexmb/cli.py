@@ -15,7 +15,6 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from .compilation.alone import THREADS_OF_BLAS
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
 from .lazy import end_quickly
 
@@ -802,7 +801,7 @@ def edit(
 def main() -> None:
     """Run the command line."""
     # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
-    os.environ.setdefault(THREADS_OF_BLAS, "1")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app()
     finally:

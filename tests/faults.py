@@ -3959,12 +3959,6 @@ FAULTS = [
         "trajectory/test_inverse.py -k no_operation",
     ),
     Fault(
-        "compilation/threads.py",
-        'if os.environ.get(THREADS_OF_BLAS) == "1":',
-        "if False:",
-        "compilation/test_alone.py -k refused_before",
-    ),
-    Fault(
         "trajectory/laws.py",
         "np.shape(self.coefficients)[2:]",
         "()",

@@ -7,9 +7,6 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-# What OpenBLAS looks at when it is loaded, and never again.
-THREADS_OF_BLAS = "OPENBLAS_NUM_THREADS"
-
 
 @contextlib.contextmanager
 def empty(package: str) -> Iterator[None]:

@@ -11,7 +11,7 @@ from typing import Any
 import jax
 
 from ..lazy import no_garbage_looked_for
-from .alone import THREADS_OF_BLAS, find_lapack
+from .alone import find_lapack
 
 _lock = threading.Lock()
 _inside = 0
@@ -20,13 +20,12 @@ _before: list[tuple[Any, int]] = []
 
 @functools.cache
 def _libraries() -> tuple[Any, ...]:
-    """The BLAS libraries that may take several threads, found once: that takes longer than most kernels run."""
+    """The BLAS libraries that are loaded, found once: looking for them takes longer than most kernels run."""
+    from threadpoolctl import ThreadpoolController
+
     # What it finds are the libraries that are loaded; SciPy's LAPACK is that of jax.
     with no_garbage_looked_for():
         find_lapack()
-    if os.environ.get(THREADS_OF_BLAS) == "1":
-        return ()
-    from threadpoolctl import ThreadpoolController
 
     return tuple(ThreadpoolController().select(user_api="blas").lib_controllers)
 

@@ -33,25 +33,6 @@ np.testing.assert_allclose(expm(0 * matrix), np.eye(3), atol=1e-15)  # round-off
 """
 
 
-BEFORE = """
-import os
-from flexmb.compilation.alone import THREADS_OF_BLAS
-os.environ[THREADS_OF_BLAS] = "1"
-import sys
-import jax.numpy
-from flexmb.compilation.threads import one_thread
-with one_thread():
-    assert "threadpoolctl" not in sys.modules
-from threadpoolctl import threadpool_info
-assert {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"} == {1}
-"""
-
-
-def test_threads_that_were_refused_before_are_not_looked_for():
-    said = subprocess.run([sys.executable, "-c", BEFORE], capture_output=True, text=True)
-    assert said.returncode == 0, said.stderr
-
-
 def test_lapack_is_found_and_packages_are_whole_afterwards():
     said = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True)
     assert said.returncode == 0, said.stderr
