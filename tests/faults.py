@@ -3976,7 +3976,13 @@ FAULTS = [
         "False",
         "motion/test_full_turns.py",
     ),
-    Fault("motion/full_turns.py", "- np.cross(a[:, 1:], b[:, 1:])", "", "motion/test_full_turns.py"),
+    Fault("motion/full_turns.py", "speed = 2 *", "speed = 4 *", "motion/test_full_turns.py"),
+    Fault(
+        "motion/full_turns.py",
+        "np.all(np.isfinite(x), axis=1)",
+        "np.isfinite(t)",
+        "motion/test_full_turns.py -k failure",
+    ),
     Fault(
         "motion/simulate.py",
         "    if feedback is not None:\n        warn_of",
@@ -4003,8 +4009,8 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "self._d if far is None",
-        "0.0 if far is None",
+        "if self.period else self._d)]",
+        "if self.period else 0.0)]",
         "control/test_loops.py -k passes_at_once",
     ),
     Fault(
@@ -4033,8 +4039,8 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "if found.fun < smallest:",
-        "if False:",
+        "*(_bottom(function, at, i) for i in dips))",
+        "(np.inf, 0.0))",
         "control/test_loops.py -k lightly_damped",
     ),
     Fault(
@@ -4082,8 +4088,8 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "(np.pi / self.period, -1.0) if self.period",
-        "(np.pi / self.period, 1.0) if self.period",
+        "float(np.real(self(highest)))",
+        "self._d",
         "control/test_loops.py -k sampled_loop_feels",
     ),
     Fault(

@@ -714,7 +714,8 @@ class Builder(Description):
             dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
                 the coefficients of spectral beams that they leave undetermined. Or the names themselves, as
                 ``model.q_labels`` gives them: "top.x", "top.rotation.phi", "hinge.e2".
-            release: "auto" releases deformations until no over-constraint is left; of known places of nodes alone.
+            release: "auto" releases deformations until no over-constraint is left, which asks for checks, and for
+                places of nodes that are not traced.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
         Returns:

@@ -2,7 +2,7 @@
 
 Beside its code a program holds its operations: what its kernels do, and what loops do. To load it, XLA makes objects of
 them three times, follows through them where each value comes from, and asks where parameters, constants and results
-lie: that is four fifths of the time. Here a loop fusion is one operation of its operands that is already compiled, and
+lie: that is three fifths of the time. Here a loop fusion is one operation of its operands that is already compiled, and
 so is what a loop does and whether it goes on, of its parameters. Constants within them move to the outermost
 operations. Code, the order of kernels, and buffers stay, but for the list of values that no operation is left of.
 Fusions of other kinds keep their bodies, of which a library makes its code when the program is loaded or run.
@@ -32,6 +32,8 @@ NAME, OPERATION, SHAPE, KIND, TARGET, INSTRUCTION, CALLED = 1, 2, 3, 11, 28, 35,
 VALUES, ALIASES, ALLOCATIONS, LARGEST = 1, 2, 3, 5
 ASSIGNED, CONSTANT, LARGEST_VALUES = 9, 12, 2
 VALUE, DEFINED, DEFINING = 1, 3, 4
+# Fusions whose code is part of a program.
+COMPILED = ([b"kLoop"], [b"kOutput"])
 # Kinds of parts: a number, bytes behind their count, and how many bytes others have.
 NUMBER, BYTES, SIZES = 0, 2, {1: 8, 5: 4}
 # Bytes of a number.
@@ -45,7 +47,7 @@ def slim(program: bytes) -> bytes:
         program: As ``jax.experimental.serialize_executable.serialize`` writes it.
 
     Returns:
-        The same but for the bodies of fusions.
+        The same but for the bodies of fusions and of loops.
 
     Raises:
         ValueError: It is made otherwise, for another device, or by a version of jaxlib that is not known.
@@ -287,6 +289,5 @@ def _written(number: int) -> bytes:
     return bytes([*found, number])
 
 
-# How an operation is written that is already compiled, and of which fusions each kernel's code is part of a program.
+# How an operation is written that is already compiled.
 _COMPILED = (_part(OPERATION, b"custom-call"), _part(TARGET, b"compiled"))
-COMPILED = ([b"kLoop"], [b"kOutput"])

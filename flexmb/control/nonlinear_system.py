@@ -78,13 +78,13 @@ class Freedoms(NamedTuple):
     sizes: np.ndarray
 
 
-def freedoms_of(model: Model) -> Freedoms:
+def freedoms_in_memory(model: Model) -> Freedoms:
     """Degrees of freedom of a model of known numbers."""
     top, parameters = model.topology, model.parameters
     x, e = np.asarray(top.x.dof), np.asarray(top.e.dof)
-    undeformed, sizes = (np.asarray(own, float)[x] for own in (parameters.reference, sizes_of(top, parameters)))
-    found = (x, top.n_x + e), (undeformed, np.zeros(len(e))), (sizes, np.ones(len(e)))
-    return Freedoms(*map(np.concatenate, found))
+    sizes = reduced_form(coordinates_form(top, parameters)).sizes
+    origins = np.concatenate([np.asarray(parameters.reference)[x], np.zeros(len(e))])
+    return Freedoms(np.concatenate([x, top.n_x + e]), origins, np.asarray(sizes))
 
 
 def memory_at_start(model: Model) -> np.ndarray:
@@ -124,7 +124,7 @@ def to_nonlinear_system(
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))
-    nameless, freedoms = model.without_names(), freedoms_of(model)
+    nameless, freedoms = model.without_names(), freedoms_in_memory(model)
     n, memory = model.topology.n_q, memory_at_start(model)
 
     def evaluated(t: float, x: np.ndarray, u: np.ndarray):

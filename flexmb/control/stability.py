@@ -27,8 +27,8 @@ ROUND_OFF = 1e-9
 POINTS, A_DECADE = 1200, 150
 BESIDE = np.linspace(-8.0, 8.0, 32)
 NARROWEST = 1e-6
-# Two poles at the origin are off it by this share of the fastest pole, the root of round-off; and so many times as far
-# as that are zeros which are none.
+# Two poles at the origin are off it by less than this share of the fastest pole, the root of round-off; and what is so
+# many times as fast as that is no zero, but round-off of one at infinity.
 AT_ORIGIN, FARTHEST = 1e-7, 1e4
 # What lies between is found to this share, and of so many dips the smallest; so many turns of what comes as near to
 # zero as this are looked at.
@@ -47,7 +47,7 @@ class Margins:
     Attributes:
         input: Where it is opened.
         gain: Factor of the gain that makes it unstable, the nearest to one, above or below [-].
-        gain_hertz: Frequency of that [Hz].
+        gain_hertz: Frequency of that; infinite where it is that of what passes at once [Hz].
         phase: Phase that may be lost at the crossover [degrees].
         crossover: Frequency where the gain of the open loop is one [Hz].
         modulus: Smallest distance of the open loop from -1 [-].
@@ -263,9 +263,9 @@ class _Opened:
         return np.where(np.isfinite(found), found, np.inf)
 
     def ends(self) -> list[tuple[float, float]]:
-        """Rates at which the response is real whatever the system, and the responses: at rest, and the highest."""
-        highest, far = (np.pi / self.period, -1.0) if self.period else (np.inf, None)
-        found = [(highest, self._d if far is None else float(np.real(self._at(np.array([far + 0j]))[0])))]
+        """Rates at which the response is real whatever the system, and the responses: at the highest, and at rest."""
+        highest = np.pi / self.period if self.period else np.inf
+        found = [(highest, float(np.real(self(highest))) if self.period else self._d)]
         if not np.any(self.at_origin()):
             found.append((0.0, float(np.real(self(0.0)))))
         return found
@@ -300,8 +300,6 @@ def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarra
 
 def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies and values, with those where a function comes nearest to zero and turns back, or goes beyond it."""
-    from scipy.optimize import minimize_scalar
-
     sizes = np.abs(values)
     inner = (sizes[1:-1] < sizes[:-2]) & (sizes[1:-1] < sizes[2:]) & (sizes[1:-1] < NEARLY)
     alike = (values[1:-1] * values[:-2] > 0) & (values[1:-1] * values[2:] > 0)
@@ -309,17 +307,20 @@ def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarr
     more = []
     for i in dips[np.argsort(sizes[dips])][:TURNS]:
         side = np.sign(values[i])
-        options = {"xatol": 1e-6 * (at[i + 1] - at[i - 1])}
-        found: Any = minimize_scalar(
-            lambda rate, side=side: side * function(rate),
-            bounds=(at[i - 1], at[i + 1]),
-            method="bounded",
-            options=options,
-        )
-        more.append((found.x, side * found.fun))
+        value, rate = _bottom(lambda rate, side=side: side * function(rate), at, i)
+        more.append((rate, side * value))
     every = np.concatenate([np.stack([at, values], axis=1), np.reshape(more, (-1, 2))])
     every = every[np.argsort(every[:, 0])]
     return every[:, 0], every[:, 1]
+
+
+def _bottom(function: Callable[[Any], Any], at: np.ndarray, i: int) -> tuple[float, float]:
+    """Least value of a function about one of the frequencies, between those beside it, and where that is."""
+    from scipy.optimize import minimize_scalar
+
+    ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
+    found: Any = minimize_scalar(function, bounds=ends, method="bounded", options={"xatol": 1e-6 * np.ptp(ends)})
+    return float(found.fun), float(found.x)
 
 
 def _least(sizes: np.ndarray, values: np.ndarray, at: np.ndarray) -> tuple[float, float]:
@@ -332,18 +333,11 @@ def _least(sizes: np.ndarray, values: np.ndarray, at: np.ndarray) -> tuple[float
 
 def _smallest(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     """Smallest value of a function of the frequency, of which values at ascending ones show all its dips; and where."""
-    from scipy.optimize import minimize_scalar
-
     around = np.concatenate([[np.inf], values, [np.inf]])
     dips = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
     dips = dips[np.argsort(values[dips])][:DIPS]
-    smallest, where = float(values[dips[0]]), float(at[dips[0]])
-    for i in dips:
-        ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
-        found: Any = minimize_scalar(function, bounds=ends, method="bounded", options={"xatol": 1e-6 * np.ptp(ends)})
-        if found.fun < smallest:
-            smallest, where = float(found.fun), float(found.x)
-    return smallest, where
+    # That at a frequency itself may be less than what is found about it.
+    return min((float(values[dips[0]]), float(at[dips[0]])), *(_bottom(function, at, i) for i in dips))
 
 
 def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:

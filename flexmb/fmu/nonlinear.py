@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..control.nonlinear_system import FARTHEST, FINER, FOUND, STEP, freedoms_of, memory_at_start, plant_rates
+from ..control.nonlinear_system import FARTHEST, FINER, FOUND, STEP, freedoms_in_memory, memory_at_start, plant_rates
 from ..errors import AnalysisError
 from ..linear.loose import without_mass
 from ..model.model import Model, as_model
@@ -117,7 +117,7 @@ def plant(
     like = jnp.zeros(()), jnp.zeros(2 * n_q), jnp.zeros(n_u), jnp.asarray(memory)
     unit = Unit()
     done = unit.add("plant_rates", rates, like, ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap"), static=True)
-    freedoms = freedoms_of(model)
+    freedoms = freedoms_in_memory(model)
     bends = kinks_of(coordinates_form(topology, model.parameters, driven)) is not None
     table = (
         f"/* Whether laws may have kinks, which are then looked for within steps. */\n#define BENDS {int(bends)}\n"

@@ -1,10 +1,14 @@
 """A word where a rotation in space that is measured passes a full turn, where it jumps."""
 
+from typing import Any
+
 import numpy as np
 
 from ..arguments import is_concrete
 from ..display import listed
 from ..errors import warn
+from ..math.rigid import compose_turns
+from ..math.rotation import CONJUGATE
 from ..mechanics.signals import terms_of
 from .motion import Motion
 
@@ -24,6 +28,9 @@ def warn_of_full_turns(motion: Motion) -> None:
     if not asked or not is_concrete((motion.t, motion.x, motion.xd)):
         return
     t, x, xd = (np.asarray(own) for own in (motion.t, motion.x, motion.xd))
+    # What failed ends before its last time.
+    there = np.all(np.isfinite(x), axis=1)
+    t, x, xd = t[there], x[there], xd[there]
     found = []
     for signal in asked:
         at = {part.index for part in terms_of((signal,)) if part.axis is not None and part.quantity == "position"}
@@ -31,27 +38,19 @@ def warn_of_full_turns(motion: Motion) -> None:
             found.append(f"'{signal.name}'")
     if found:
         warn(
-            f"What output {listed(found)} measures turns by more than a full turn along this motion, and a rotation"
-            " about an axis in space is told within one to either side alone: beyond it the output jumps. Measure a"
-            " hinge, whose angle is counted past full turns: output('hinge', 1)."
+            f"What {listed(found)} measures turns by more than a full turn along this motion, and a rotation about an"
+            " axis in space is told within one to either side alone: beyond it what is measured jumps. Measure a hinge,"
+            " whose angle is counted past full turns: output('hinge', 1)."
         )
 
 
-def _turns_over(t: np.ndarray, lam: np.ndarray, rate: np.ndarray) -> bool:
+def _turns_over(t: np.ndarray, lam: Any, rate: Any) -> bool:
     """Whether a rotation passes a full turn, by Euler parameters and their rates at times, each (n_t, 4)."""
-    vector = _product(lam, lam[:1])
-    size = np.linalg.norm(vector[:, 1:], axis=1, keepdims=True)
-    vector = 2 * np.arctan2(size, vector[:, :1]) * vector[:, 1:] / np.where(size > 0, size, 1.0)
+    since = compose_turns(lam, CONJUGATE * lam[:1])
+    size = np.linalg.norm(since[:, 1:], axis=1, keepdims=True)
+    vector = 2 * np.arctan2(size, since[:, :1]) * since[:, 1:] / np.where(size > 0, size, 1.0)
     # Between times that are far apart it may have come round; then the rates tell.
-    speed = 2 * _product(rate, lam)[:, 1:]
+    speed = 2 * compose_turns(rate, CONJUGATE * lam)[:, 1:]
     turned = np.cumsum(np.diff(t)[:, None] * (speed[1:] + speed[:-1]) / 2, axis=0)
     jumps = np.linalg.norm(np.diff(vector, axis=0), axis=1)
     return bool(np.any(jumps > FULL) or np.any(np.linalg.norm(turned, axis=1) > FULL))
-
-
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Euler parameters of a after those of b turned back, (n, 4)."""
-    b = np.broadcast_to(b, a.shape)
-    scalar = np.sum(a * b, axis=1, keepdims=True)
-    vector = b[:, :1] * a[:, 1:] - a[:, :1] * b[:, 1:] - np.cross(a[:, 1:], b[:, 1:])
-    return np.concatenate([scalar, vector], axis=1)

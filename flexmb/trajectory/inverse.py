@@ -527,27 +527,6 @@ def _distance(places: Sequence[Quantity], sizes: Float[Array, "n_x"], a: _Goal, 
     return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
 
 
-def _walked(
-    form: CoordinatesForm,
-    wanted: tuple[Wanted, ...],
-    moved: tuple[int, ...],
-    sizes: Float[Array, "n_x"],
-    goals: tuple[_Goal, _Goal],
-    at: _At,
-) -> _At:
-    """From one goal to another, in steps that Newton's method can follow; not a number where these are too many."""
-    count = jnp.ceil(_distance([one.place for one in wanted], sizes, *goals) / STEP)
-    within = count <= MOST_STEPS
-    count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
-
-    def step(i: Array, at: _At):
-        share = (i + 1).astype(float) / count.astype(float)
-        return _settled(form, wanted, moved, sizes, _between(*goals, share), at)
-
-    at = jax.lax.fori_loop(0, count, step, at)
-    return at._replace(x=jnp.where(within, at.x, jnp.nan))
-
-
 def _settled(
     form: CoordinatesForm,
     wanted: tuple[Wanted, ...],
@@ -568,6 +547,27 @@ def _settled(
         return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
 
     return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
+
+
+def _walked(
+    form: CoordinatesForm,
+    wanted: tuple[Wanted, ...],
+    moved: tuple[int, ...],
+    sizes: Float[Array, "n_x"],
+    goals: tuple[_Goal, _Goal],
+    at: _At,
+) -> _At:
+    """From one goal to another, in steps that Newton's method can follow; not a number where these are too many."""
+    count = jnp.ceil(_distance([one.place for one in wanted], sizes, *goals) / STEP)
+    within = count <= MOST_STEPS
+    count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
+
+    def step(i: Array, at: _At):
+        share = (i + 1).astype(float) / count.astype(float)
+        return _settled(form, wanted, moved, sizes, _between(*goals, share), at)
+
+    at = jax.lax.fori_loop(0, count, step, at)
+    return at._replace(x=jnp.where(within, at.x, jnp.nan))
 
 
 def _configurations(

@@ -1,16 +1,15 @@
 """Rotations in space that are measured past a full turn are told, since what measures them jumps there."""
 
+import dataclasses
 import warnings
 
 import control
-import jax
 import numpy as np
 import pytest
 
 import flexmb as fm
 from flexmb import spatial
-from flexmb.math.rotation import rotation_since
-from flexmb.motion.full_turns import _product
+from flexmb.motion.full_turns import warn_of_full_turns
 
 TIMES = np.linspace(0.0, 1.0, 11)
 
@@ -48,15 +47,15 @@ def test_what_is_counted_is_not():
         fm.simulate(rotor(200.0, ("hinge", 1)).build(), TIMES, control=control.ss([], [], [], [[0.0]]))
 
 
-def test_turns_from_one_to_another_are_those_that_are_measured():
-    lam = np.random.default_rng(0).standard_normal((2, 7, 4))
-    own, start = lam / np.linalg.norm(lam, axis=2, keepdims=True)
-    found = _product(own, start)
-    size = np.linalg.norm(found[:, 1:], axis=1, keepdims=True)
-    vectors = 2 * np.arctan2(size, found[:, :1]) * found[:, 1:] / size
-    np.testing.assert_allclose(vectors, jax.vmap(rotation_since)(start, own), atol=1e-13)  # round-off
+def test_what_comes_after_a_failure_is_no_motion():
+    """As where it was watched and failed: infinite."""
+    found = fm.simulate(rotor(6.0, ("o", "rx")).build(), TIMES)
+    left = np.arange(len(TIMES))[:, None] > 6
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_full_turns(dataclasses.replace(found, x=np.where(left, np.inf, found.x)))
 
 
 def test_so_are_outputs_along_a_plan():
-    with pytest.warns(fm.FlexmbWarning, match="What output 'angle' measures turns by more than a full turn"):
+    with pytest.warns(fm.FlexmbWarning, match="What 'angle' measures turns by more than a full turn"):
         fm.trajectory.inverse_dynamics(rotor(0.0, ("o", "rx")).build(), {"hinge.e1": lambda t: 7.0 * t**2}, TIMES)
