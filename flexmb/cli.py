@@ -27,6 +27,8 @@ LONGEST_MESSAGE = 300
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
 # Modes whose answer is a unit for co-simulation.
+# Whether nothing but this package has run in this process.
+_alone = False
 OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
 
@@ -197,7 +199,9 @@ def _store(path: Any, write: Callable[[Any], None]) -> None:
 def _prepare_jax() -> None:
     """Double precision, and the cache of compiled code."""
     from . import enable_cache, enable_x64
+    from .compilation.kept import take_as_written
 
+    take_as_written(_alone)
     enable_x64()
     with contextlib.suppress(OSError):
         # Without a writable cache folder the program is slower and otherwise the same.
@@ -800,6 +804,9 @@ def edit(
 
 def main() -> None:
     """Run the command line."""
+    global _alone
+    # Whoever replaces a function of this package before has imported it, and with it JAX.
+    _alone = "jax" not in sys.modules
     # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:

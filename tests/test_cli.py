@@ -871,5 +871,8 @@ def test_no_thread_of_linear_algebra_waits_for_work(monkeypatch, given):
         monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     monkeypatch.setattr(cli, "app", lambda: None)
     monkeypatch.setattr(cli, "end_quickly", lambda: ended.append(True))
+    monkeypatch.setattr(cli, "_alone", True)
     cli.main()
     assert (os.environ["OPENBLAS_NUM_THREADS"], ended) == (given or "1", [True])
+    # Here other things may have been done to this package.
+    assert not cli._alone

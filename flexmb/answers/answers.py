@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import importlib
+import math
 import pkgutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -163,6 +164,8 @@ def _finite(value: Any) -> bool:
         return all(_finite(v) for key, v in value.items() if key != "compliance")
     if isinstance(value, list | tuple):
         return all(map(_finite, value))
+    if type(value) is float:
+        return math.isfinite(value)
     numeric = isinstance(value, float | complex | np.generic) or (
         isinstance(value, np.ndarray) and value.dtype.kind in "fc"
     )

@@ -12,9 +12,9 @@ from jaxtyping import Array, ArrayLike, Float
 
 from ..control.state_space import state_matrices
 from ..errors import SpacarError, heard
-from ..linear.linearize import Linearization
+from ..linear.linearize import Linearization, Matrices
 from ..linear.loose import without_mass
-from ..linear.spectrum import general_spectrum, is_real, to_frequency
+from ..linear.spectrum import general_spectrum, is_real, massless_freedoms, to_frequency
 from ..mechanics.extent import extent_of
 from ..model.model import Entry, Model
 from ..model.roles import Role
@@ -148,6 +148,7 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
     named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
     # Once as numpy's, of which the parts at a time cost nothing.
     matrices, steps, lost = jax.tree.map(np.asarray, along.matrices), [], []
+    state_spaces = _state_spaces(matrices, found.model) if all(named.values()) else {}
     for i, t in enumerate(np.asarray(found.t).tolist()):
         m = jax.tree.map(lambda a, i=i: a[i], matrices)
         own: dict[str, Any] = {name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
@@ -160,9 +161,7 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
         values = values[np.isfinite(values)]
         real = is_real(values) & (values.real >= 0)
         hertz = [f if known else None for f, known in zip(to_frequency(values.real).tolist(), real, strict=True)]
-        if all(named.values()):
-            of_state, _ = state_matrices(Linearization(m, found.model))
-            own |= {name: np.asarray(value) for name, value in of_state._asdict().items()}
+        own |= state_spaces.get(i, {})
         lower = {name.lower() if len(name) > 1 else name: value for name, value in own.items()}
         steps.append({"time": t, "frequencies_hz": hertz, **lower})
     warnings = [
@@ -171,6 +170,20 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
         for t in lost[:1]
     ]
     return {"steps": steps, **named}, warnings
+
+
+def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.ndarray]]:
+    """A, B, C, D by the places of the times that have them; those at which the same motions carry no mass in one."""
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for i in np.flatnonzero(matrices.result == RESULTS.successful).tolist():
+        alike.setdefault(tuple(massless_freedoms(np.asarray(matrices.M0[i]))), []).append(i)
+    found = {}
+    for own in alike.values():
+        some = Linearization(jax.tree.map(lambda a, own=own: a[own], matrices), model)
+        of_state, _ = state_matrices(some)
+        named = {name: np.asarray(value) for name, value in of_state._asdict().items()}
+        found |= {i: {name: values[place] for name, values in named.items()} for place, i in enumerate(own)}
+    return found
 
 
 def _idle_ways(asked: Question) -> list[str]:

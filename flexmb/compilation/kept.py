@@ -61,6 +61,8 @@ class _Seen(NamedTuple):
 
 _SEEN: dict[str, _Seen] = {}
 _NOTHING = _Seen([], [], [], [], [])
+_UNSEARCHED = _Seen([], [], [], [], [])
+_runs_alone = False
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")
 
 
@@ -116,6 +118,18 @@ def kept_number(function: Callable[..., int], things: tuple) -> int:
     with contextlib.suppress(OSError):
         _write(path, str(found).encode(), b"")
     return found
+
+
+def take_as_written(yes: bool) -> None:
+    """Whether functions and numbers are taken to be those of the text, where a process runs this package alone.
+
+    To look at each of them takes a fifteenth of a command.
+
+    Args:
+        yes: Nothing else has run that could have replaced them.
+    """
+    global _runs_alone
+    _runs_alone = yes
 
 
 def _path(*things: Any) -> Path:
@@ -231,7 +245,14 @@ def _surroundings() -> Any:
     """What a traced program depends on beside its arguments; an error where someone replaced functions or numbers."""
     own = [name for name in sys.modules if name.startswith("flexmb.") and name not in UNTRACED]
     for module in [sys.modules[name] for name in sorted([*own, *WATCHED]) if name in sys.modules]:
-        values, before = list(vars(module).values()), _SEEN.get(module.__name__, _NOTHING)
+        before = _SEEN.get(module.__name__, _NOTHING)
+        # A folder without code of its own has no file.
+        if before is _NOTHING and module.__file__ and os.stat(module.__file__).st_mtime_ns > begun:
+            raise TypeError(f"the text of {module.__name__} changed, maybe after it was read")
+        if _runs_alone:
+            _SEEN[module.__name__] = _UNSEARCHED
+            continue
+        values = list(vars(module).values())
         kinds, seen = before.kinds, _are_same(values, before.values)
         if not seen:
             kinds = [one for one in values if isinstance(one, type) and one.__module__ == module.__name__]
@@ -239,9 +260,6 @@ def _surroundings() -> Any:
         # An array may be written into.
         if seen and _are_same(methods, before.methods) and _numbers_of(before.arrays) == before.numbers:
             continue
-        # A folder without code of its own has no file.
-        if before is _NOTHING and module.__file__ and os.stat(module.__file__).st_mtime_ns > begun:
-            raise TypeError(f"the text of {module.__name__} changed, maybe after it was read")
         for name, value in list(vars(module).items()):
             _refuse_replaced(module, name, value)
         for one in methods:

@@ -78,18 +78,30 @@ def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
 
 
 def negative_mass(lin: Linearization) -> str:
-    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none."""
+    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none.
+
+    Along a motion those of the first time that has one.
+    """
     m = lin.matrices
     mass = np.asarray(m.M0)
-    if mass.ndim != 2 or not mass.size:
+    if not mass.size:
         return ""
-    values, motions = masses_of_motions(mass)
-    if not values[0] < -SEMIDEFINITE:
+    if mass.ndim > 2:
+        wrong = next((i for i, own in enumerate(mass) if _is_negative(own)), None)
+        return "" if wrong is None else negative_mass(lin.at_time(wrong))
+    if not _is_negative(mass):
         return ""
+    _, motions = masses_of_motions(mass)
     motion = np.asarray(m.DFx) @ motions[:, 0]
     share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
     own = [i for i in np.argsort(share) if share[i] < 0][:4]
     return ", ".join(str(lin.labels.x[i]) for i in own) or named(lin.model, motion[:, None])
+
+
+def _is_negative(mass: np.ndarray) -> bool:
+    """Whether a motion has a negative mass."""
+    values, _ = masses_of_motions(mass)
+    return bool(values[0] < -SEMIDEFINITE)
 
 
 def refuse_negative_mass(lin: Linearization) -> None:

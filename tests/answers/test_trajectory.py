@@ -1,19 +1,25 @@
 """Modes along a trajectory, against a rigid arm of two links by hand and against independent integrations."""
 
+import dataclasses
 import functools
 import re
 import zipfile
 
+import jax
 import numpy as np
 import pytest
 import scipy.integrate
 from cases.commands import command
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.answers.answers import answer
 from flexmb.answers.files import save
+from flexmb.answers.motion import _state_spaces
 from flexmb.answers.vibrations import MODES
+from flexmb.linear.linearize import Linearization
 from flexmb.mechanisms import mechanism_path
+from flexmb.results import RESULTS
 from flexmb.spacar.laws import law_of
 from flexmb.spacar.reading import Leg
 
@@ -154,6 +160,35 @@ def test_linearised_equations_of_the_joints():
         np.testing.assert_allclose(step["A"][6:, 6:], -np.linalg.solve(step["m0"], step["c0"] + step["d0"]), atol=1e-6)
         np.testing.assert_allclose(step["m0"] @ step["B"][6:], -np.eye(6)[:, :2], atol=1e-9)
         np.testing.assert_allclose(step["C"][:2], np.eye(12)[:2], atol=1e-12)
+
+
+def test_state_spaces_of_times_that_differ():
+    """Each time as by itself: where there are no matrices, no state space; where a motion has no mass, fewer states."""
+
+    def matrices(mass):
+        b = fm.Builder()
+        for place, node in enumerate("abc"):
+            b.node(node, (0.1 * place, 0))
+            b.fix(node, *("xy" if node == "a" else "y"))
+        for ends, stiffness in (("ab", 1e3), ("bc", 2e3)):
+            b.add(planar.truss, *ends, name=ends, section=fm.Rigidity(EA=stiffness * 0.1))
+            b.dof(ends, 1, kind="element")
+        b.mass("b", mass)
+        b.mass("c", 0.5)
+        b.input("c", "x")
+        b.output("b", "x")
+        lin = fm.linearize(b.build())
+        return jax.tree.map(np.asarray, lin.matrices), lin.model
+
+    (heavy, model), (light, _) = matrices(1.0), matrices(0.0)
+    lost = dataclasses.replace(heavy, result=np.array(RESULTS.singular_configuration), M0=np.nan * heavy.M0)
+    found = _state_spaces(jax.tree.map(lambda *a: np.stack(a), light, heavy, lost, light), model)
+    assert list(map(int, sorted(found))) == [0, 1, 3]
+    for i, m in ((0, light), (1, heavy), (3, light)):
+        expected, _ = fm.control.state_matrices(Linearization(m, model))
+        for name, value in expected._asdict().items():
+            np.testing.assert_allclose(found[i][name], value, rtol=1e-12)
+    assert [found[i]["A"].shape for i in (0, 1)] == [(2, 2), (4, 4)]
 
 
 def test_steps_are_saved_as_arrays(tmp_path):

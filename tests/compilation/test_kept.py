@@ -472,6 +472,30 @@ def test_what_was_replaced_is_noticed(monkeypatch, place, name, value):
         kept._surroundings()
 
 
+def test_a_process_that_runs_nothing_else_does_not_look(monkeypatch):
+    monkeypatch.setattr(kept, "_SEEN", {})
+    kept.take_as_written(True)
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(linear, "SMALL", 0)
+            known = kept._surroundings()
+            # Until something else runs.
+            kept.take_as_written(False)
+            with pytest.raises(TypeError):
+                kept._surroundings()
+    finally:
+        kept.take_as_written(False)
+    assert kept._surroundings() == known
+
+
+def test_a_text_that_changed_is_not_taken_either(monkeypatch):
+    monkeypatch.setattr(kept, "_SEEN", {})
+    monkeypatch.setattr(kept, "_runs_alone", True)
+    monkeypatch.setattr(kept, "begun", 0)
+    with pytest.raises(TypeError, match="changed, maybe after it was read"):
+        kept._surroundings()
+
+
 @pytest.mark.parametrize(
     ("array", "module"), [(beams.CUBIC_MASS, "elements.beams"), (stages.RODAS5P.a, "motion.stages")]
 )

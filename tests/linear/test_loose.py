@@ -1,5 +1,7 @@
 """Motions without stiffness, without mass or with a negative one: named, and no number that is none."""
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
@@ -22,6 +24,10 @@ def negative():
     return mechanisms.planar_guide(elongation=True, inertia=-0.01).build()
 
 
+def at_two_times(lin):
+    return dataclasses.replace(lin, matrices=jax.tree.map(lambda a: np.stack([a, a]), lin.matrices))
+
+
 @pytest.mark.parametrize(
     "ask",
     [
@@ -33,8 +39,9 @@ def negative():
         fm.to_statespace,
         lambda model: fm.frequencies(fm.linearize(model)),
         lambda model: fm.linear.frequency_like(model, np.array([1.0, 0, 0])),
+        lambda model: fm.control.state_matrices(at_two_times(fm.linearize(model))),
     ],
-    ids=["frequencies", "count", "modes", "poles", "state_matrices", "to_statespace", "of linearisation", "like"],
+    ids="frequencies count modes poles state_matrices to_statespace of_linearisation like along_a_motion".split(),
 )
 def test_a_negative_mass_is_refused_by_the_name_of_its_nodes(negative, ask):
     with pytest.raises(fm.AnalysisError, match=r"negative mass.*(left1|right1)\.rotation\.phi") as fault:
