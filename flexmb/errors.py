@@ -84,6 +84,10 @@ class BeamTheoryWarning(FlexmbWarning):
     """A leaf spring is modelled by plain beams, which leave out what would change a stiffness."""
 
 
+class CoarseWarning(FlexmbWarning):
+    """A beam is bent or twisted further than one beam is right for."""
+
+
 class IdleWarning(FlexmbWarning):
     """A stress or a strain is given that does nothing, since what it acts on is held."""
 

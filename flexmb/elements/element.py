@@ -91,6 +91,8 @@ class Element:
             none if not.
         measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose
             turns are counted. They are DEPENDENT whatever the caller releases.
+        angles: Numbers (from 1) of the deformations that are an angle times length by way of its sine, so that they
+            are told as long as that angle is small; from its first point to its second.
         third_order: Whether its energy is of third order in the deformations at least, so that nothing of it is felt in
             the undeformed mechanism.
         series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, where the strains
@@ -116,6 +118,7 @@ class Element:
     check: Callable[..., list[str]] | None = None
     released: tuple[int, ...] | str | None = None
     measured: tuple[int, ...] = ()
+    angles: tuple[int, ...] = ()
     third_order: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
     lengths: tuple[int, ...] = ()

@@ -157,6 +157,7 @@ beam = Element(
     resultants=_beam_resultants,
     thermal=_beam_thermal,
     check=beams.check_length,
+    angles=(2, 3),
 )
 """Flexible beam, a cubic between its ends.
 

@@ -206,6 +206,7 @@ beam = Element(
     resultants=_beam_resultants,
     thermal=_beam_thermal,
     check=_check_beam,
+    angles=(2, 3, 4, 5, 6),
 )
 """Flexible beam, cubics between its ends.
 
@@ -341,6 +342,7 @@ warping_beam = Element(
     thermal=_warping_thermal,
     check=_check_warping,
     measured=(7, 8),
+    angles=(2, 3, 4, 5, 6),
 )
 """Flexible beam whose warping is a coordinate of each end, shared by warping beams and leaf springs that meet there: e1
 to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping gives.

@@ -23,6 +23,7 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan, told
+from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
 from ..statics.stable import collect_unstable
@@ -567,6 +568,7 @@ def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization
     m: Matrices = _matrices(model.topology, model.parameters, target)
     check_stiffness(model, m.result, throw)
     collect_unstable([m.K0, m.G0], m.K0, m.symmetric)
+    warn_of_coarse(model, m.e)
     return Linearization(or_nan(m, m.result, throw), model)
 
 

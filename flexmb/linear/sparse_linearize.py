@@ -21,6 +21,7 @@ from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, collect, or_nan, told
+from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness
 from ..statics.sparse import sparse_equilibrium
 from ..statics.tangent import by_deformations, element_matrices
@@ -162,6 +163,7 @@ def sparse_linearization(model: Model, target: LoadFactors, throw: bool = True) 
     if is_concrete(unstable) and unstable:
         collect(RESULTS.unstable_state)
     check_stiffness(model, found[-1], throw)
+    warn_of_coarse(model, found[1])
     return about_state(model, target, *or_nan(found, found[-1], throw))
 
 

@@ -25,6 +25,7 @@ from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import tree_of
 from ..model.model import Model, as_model
 from ..results import RESULTS, check, collect, or_nan
+from ..statics.coarse import warn_of_coarse
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from ..statics.strained import warn_of_needless_strain, warn_of_stressed_start
@@ -187,6 +188,7 @@ def simulate(
     if model.labels.found and driving(model.parameters, driven) and is_concrete((found, start)):
         warn_of_found(found, start)
     _tell(found, drives, run.jumped, throw and not stopped)
+    warn_of_coarse(model, found.e)
     if feedback is not None:
         warn_of_full_turns(found)
     rows, numbers = {"x": found.x, "xd": found.xd, "u": found.u}, (model.parameters, driven, times)

@@ -32,6 +32,7 @@ from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS
 from ..statics.choice import by_sparse
+from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
@@ -422,6 +423,7 @@ def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, to_swit
     except AnalysisError as error:
         error.path = found
         raise
+    warn_of_coarse(found.model, found.e)
     if code == RESULTS.successful:
         _warn_of_unused(found, walker, stop, to_switch)
     return found

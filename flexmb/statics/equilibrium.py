@@ -25,6 +25,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan, told
 from .chain import is_long_chain
 from .choice import by_sparse
+from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
 from .stable import collect_unstable, unstable_motions, warn_of_unstable
@@ -165,6 +166,7 @@ def equilibrium(
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (of
             numbers that are traced the signs of :func:`flexmb.frequencies` tell).
+        CoarseWarning: A beam is bent or twisted further than one beam is right for.
 
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
@@ -181,6 +183,7 @@ def equilibrium(
         vars(solved)["asked_of"] = model
     solved = or_nan(solved, solved.result, throw)
     if known and int(solved.result) == RESULTS.successful:
+        warn_of_coarse(model, solved.e)
         if sparse and looked_at:
             warn_of_unstable(model)
         elif not sparse:

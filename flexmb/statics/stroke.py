@@ -19,6 +19,7 @@ from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, collect, or_nan
+from .coarse import warn_of_coarse
 from .equilibrium import Equilibrium, check_stiffness, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
@@ -184,6 +185,7 @@ def equilibria(
     check_stiffness(model, worst, throw)
     each: Any = (*or_nan(found, found[-1], throw), model.labels)
     if is_concrete((model, found, unstable)):
+        warn_of_coarse(model, each[1])
         _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(found[-1]) == RESULTS.successful))
     elif throw:
         collect(jnp.where(jnp.any(unstable), RESULTS.unstable_state, RESULTS.successful))
