@@ -250,18 +250,18 @@ def _first(message: bytes, chosen: int) -> int:
 
 def _parts(message: bytes) -> Iterator[tuple[int, Any, bytes]]:
     """Of each part of a message its number, its value, and all of it as written."""
-    end = 0
-    while end < len(message):
+    end, length = 0, len(message)
+    while end < length:
         start = end
         key, end = _number(message, start)
-        number, kind = divmod(key, 8)
+        number, kind = key >> 3, key & 7
         if kind == NUMBER:
             value, end = _number(message, end)
         else:
-            size, begin = _number(message, end) if kind == BYTES else (SIZES.get(kind, len(message)), end)
+            size, begin = _number(message, end) if kind == BYTES else (SIZES.get(kind, length), end)
             end = begin + size
             value = message[begin:end]
-        if end > len(message):
+        if end > length:
             raise ValueError(f"a part {number} of kind {kind} goes beyond what there is")
         yield number, value, message[start:end]
 
@@ -272,6 +272,9 @@ def _part(number: int, value: bytes) -> bytes:
 
 def _number(message: bytes, at: int) -> tuple[int, int]:
     """A number, seven bits a byte and the last ones last, and where it ends."""
+    # Most have one byte.
+    if at < len(message) and message[at] < 128:
+        return message[at], at + 1
     found = shift = 0
     for place, byte in enumerate(message[at : at + LONGEST], at + 1):
         found |= (byte & 127) << shift
