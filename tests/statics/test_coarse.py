@@ -7,6 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.errors import CoarseWarning
 
 fm.enable_x64()
 BEND, TWIST, LENGTH = 1.0, 0.5, 0.4
@@ -38,7 +39,7 @@ def said(ask):
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         found = ask()
-    return found, [str(one.message) for one in heard if one.category is fm.CoarseWarning]
+    return found, [str(one.message) for one in heard if one.category is CoarseWarning]
 
 
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.97])
