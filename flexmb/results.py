@@ -40,8 +40,9 @@ class RESULTS(enum.IntEnum):
     )
     singular_configuration = (
         2,
-        "The degrees of freedom do not determine the configuration: the constraint matrix is singular."
-        " Name other degrees of freedom, or run the mobility analysis to see which nodes and elements take part.",
+        "The degrees of freedom do not determine the configuration: the constraint matrix is singular, as at a dead"
+        " point. Name other degrees of freedom, or run the mobility analysis to see which nodes and elements take"
+        " part.",
     )
     not_converged = (
         3,

@@ -29,7 +29,14 @@ STEP = 0.2
 # 20 000 radians or extents; what is further away is out of reach, and no step is made.
 MOST_STEPS = 1e5
 CORRECTIONS = 8
-TOLERANCE = 1e-12
+# At the end they go on until they are this small, as shares of the extent and radians, for so many turns at most: near
+# a dead point each halves the error, until it is smaller than the way to there.
+SETTLED, MORE_TURNS = 1e-10, 8
+# What is left of the constraints, as a share of what their parts are for the whole extent.
+TOLERANCE = 1e-9
+# So many times its size a change of the constraints moves the mechanism at most: a crank whose line is a share y of its
+# length from its dead point is moved 1/y times, and its velocity is right to round-off times the square of that.
+FOLDED = 3e5
 
 
 class Configuration(ByName, Result, Record):
@@ -64,7 +71,7 @@ class _Way(NamedTuple):
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
     step: Int[Array, ""]
-    regular: Array
+    change: Float[Array, ""]
 
 
 def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], share: Float[Array, ""] | float = 1.0):
@@ -141,20 +148,22 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
 
     def turn(walk: _Way) -> _Way:
         parameters, q = settled
-        share = (walk.step + 1).astype(float) / steps.astype(float)
+        share = jnp.minimum(walk.step + 1, steps).astype(float) / steps.astype(float)
         wanted_x, wanted_e = _wanted(topology, parameters, q, share)
-        x, near, regular = walk.x, walk.near, walk.regular
 
         def corrected(_: Array, carried: tuple[Array, ...]):
-            x, near, regular = carried
-            x, e, tangent = _corrected(topology, parameters, x, near, wanted_x, wanted_e)
-            return x, e, regular & tangent.regular
+            x, near, _ = carried
+            after, e, _ = _corrected(topology, parameters, x, near, wanted_x, wanted_e)
+            return after, e, jnp.max(jnp.abs(after - x) / jax.lax.stop_gradient(sizes), initial=0.0)
 
-        x, near, regular = jax.lax.fori_loop(0, CORRECTIONS, corrected, (x, near, regular))
-        return _Way(x, near, walk.step + 1, regular)
+        x, near, change = jax.lax.fori_loop(0, CORRECTIONS, corrected, (walk.x, walk.near, walk.change))
+        return _Way(x, near, walk.step + 1, change)
 
-    start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(True))
-    end = jax.lax.stop_gradient(jax.lax.while_loop(lambda w: w.step < steps, turn, start))
+    def goes_on(walk: _Way):
+        return (walk.step < steps) | (within & (walk.step < steps + MORE_TURNS) & (walk.change > SETTLED))
+
+    start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(0.0))
+    end = jax.lax.stop_gradient(jax.lax.while_loop(goes_on, turn, start))
     wanted_x, wanted_e = _wanted(topology, parameters, q)
 
     def differentiated(_: Array, x: Float[Array, "n_x"]):
@@ -163,9 +172,14 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     x = jax.lax.fori_loop(0, DIFFERENTIATED, differentiated, end.x)
     e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
     tangent = transfer(topology, jacobian)
-    off = jnp.max(jnp.abs((e - wanted_e)[topology.e.given]), initial=0.0) / jnp.max(sizes)
-    result = jnp.where(within & (off < TOLERANCE**0.5), RESULTS.successful, RESULTS.out_of_reach)
-    astray = within & ~(tangent.regular & jnp.isfinite(off))
+    rows, dependent = topology.e.given, topology.x.dependent
+    parts = (jnp.abs(jacobian) @ sizes)[rows]
+    off = jnp.max(jnp.abs((e - wanted_e)[rows]) / jnp.where(parts > 0, parts, 1.0), initial=0.0)
+    moved = jnp.sum(jnp.abs(tangent.factors.solve(jnp.diag(parts))), axis=1) / sizes[dependent]
+    found = within & (off < TOLERANCE) & (end.change <= SETTLED)
+    result = jnp.where(found, RESULTS.successful, RESULTS.out_of_reach)
+    folded = found & (jnp.max(moved, initial=0.0) > FOLDED)
+    astray = within & ~(tangent.regular & jnp.isfinite(off) & ~folded)
     result = jnp.where(astray, RESULTS.singular_configuration, result)
     return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
 
@@ -190,7 +204,8 @@ def configuration(
 
     Raises:
         ValueError: q or qd has not one number for each degree of freedom.
-        AnalysisError: singular_configuration or out_of_reach.
+        AnalysisError: singular_configuration, also so near to a dead point that round-off decides where the mechanism
+            is or how it moves; or out_of_reach.
 
     Source:
         THEORY.md 4, eq. (4.2): Newton's method on D(x) = e, in steps.

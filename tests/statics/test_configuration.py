@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 import flexmb as fm
@@ -29,3 +30,44 @@ def test_second_derivatives_of_a_configuration(outer):
     (by_length, both), (_, by_moved) = fm.jit(outer(jax.grad(height, (0, 1)), (0, 1)))(1.0, jnp.asarray(0.2))
     found = [float(one) for one in (by_length, both, by_moved)]
     assert found == pytest.approx([-0.64 / 0.216, 0.8 / 0.216, -1 / 0.216], rel=1e-12)
+
+
+def crank(x, velocity):
+    """A rod of length 1 about the origin, whose end is led along x from (0.6, 0.8)."""
+    b = fm.Builder()
+    b.node("p", (0, 0))
+    b.node("m", (0.6, 0.8))
+    b.rotation("r")
+    b.add(planar.rigid_beam, "p", "r", "m", name="arm")
+    b.fix("p")
+    b.mass("m", 1.0)
+    b.start("m", "x", x - 0.6, velocity=velocity)
+    return b.build()
+
+
+@pytest.mark.parametrize("away", [0.4, 1e-3, 1e-6, 1e-8])
+def test_near_a_dead_point(away):
+    """y = sqrt(1 - x^2): of the root of what is left round-off remains, and of the velocity its share of y."""
+    x = 1 - away
+    found = fm.configuration(crank(x, 0.01))
+    y = np.sqrt((1 - x) * (1 + x))
+    error = 4 * np.finfo(float).eps / y
+    np.testing.assert_allclose(found.at("m"), [x, y], atol=error)
+    np.testing.assert_allclose(found.velocity("m"), [0.01, -0.01 * x / y], rtol=10 * error / y)
+
+
+@pytest.mark.parametrize(
+    ("x", "velocity", "code"),
+    [
+        (1.0, 0.0, "singular_configuration"),
+        (1.0, 1.0, "singular_configuration"),
+        (1 - 1e-11, 0.01, "singular_configuration"),
+        (1 + 1e-7, 0.0, "out_of_reach"),
+        (1 + 1e-3, 1.0, "out_of_reach"),
+    ],
+)
+def test_at_a_dead_point_and_beyond(x, velocity, code):
+    for ask in (fm.configuration, lambda model: fm.simulate(model, np.linspace(0, 0.1, 3))):
+        with pytest.raises(fm.AnalysisError) as fault:
+            ask(crank(x, velocity))
+        assert fault.value.code == code
