@@ -190,7 +190,7 @@ def simulate(
     _tell(found, drives, run.jumped, throw and not stopped)
     warn_of_coarse(model, found.e)
     if feedback is not None:
-        warn_of_full_turns(found)
+        warn_of_full_turns(found, start.x)
     rows, numbers = {"x": found.x, "xd": found.xd, "u": found.u}, (model.parameters, driven, times)
     return dataclasses.replace(found, **or_nan(rows, found.result, throw, numbers))
 

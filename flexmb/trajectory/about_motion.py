@@ -246,7 +246,7 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
     Warns:
         FlexmbWarning: A rotation about an axis in space passes a full turn, where it jumps.
     """
-    warn_of_full_turns(motion)
+    warn_of_full_turns(motion, motion.model.parameters.reference)
     count = len(motion.labels.inputs)
     u = motion.u if motion.u.shape[1] == count else jnp.zeros((len(motion.t), count))
     rows = motion.t, motion.x, motion.xd, motion.near, u

@@ -216,7 +216,7 @@ def inverse_dynamics(
     )
     y0 = found.y0
     if _are_of_the_motion(model.labels.outputs):
-        warn_of_full_turns(motion)
+        warn_of_full_turns(motion, model.parameters.reference)
     else:
         y0 = outputs_of(motion)
         if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(found.result) == 0])):
