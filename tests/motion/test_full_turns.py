@@ -86,6 +86,14 @@ def test_what_jumps_along_a_plan_is_told_and_nothing_else(law, measured, told):
         assert np.allclose(found.y0[:, 0], expected, atol=1e-9) is not told
 
 
+def test_two_times_are_enough():
+    model = rotor(0.0, ("o", "rx")).build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = fm.trajectory.inverse_dynamics(model, {"hinge.e1": lambda t: 12.0 * t - 6.0}, [0.0, 1.0])
+    np.testing.assert_allclose(found.y0[:, 0], [-6 * AXIS[0], 6 * AXIS[0]], rtol=1e-12)
+
+
 def test_so_are_outputs_along_a_plan():
     with pytest.warns(fm.FlexmbWarning, match="What 'angle' measures passes a full turn"):
         fm.trajectory.inverse_dynamics(rotor(0.0, ("o", "rx")).build(), {"hinge.e1": lambda t: 7.0 * t**2}, TIMES)
