@@ -24,20 +24,23 @@ def warn_of_coarse(model: Model, e: Any) -> None:
         e: Deformations, also at many times or states, (*times, n_e) [m, rad]. Nothing is looked at where they are
             traced; what is not finite is left out.
     """
-    told = [block for block in model.topology.blocks if block.element.angles and "deformation" in block.companions]
-    if not told or not is_concrete((model, e)):
+    blocks = [block for block in model.topology.blocks if block.element.angles and "deformation" in block.companions]
+    if not blocks or not is_concrete((model.parameters.reference, e)):
         return
     e = np.abs(np.asarray(e)).reshape(-1, model.topology.n_e)
+    # Most are asked about without loads.
+    if not e.any():
+        return
     reference, dims = np.asarray(model.parameters.reference), len(model.topology.axes)
     found: dict[str, float] = {}
-    for block in told:
+    for block in blocks:
         own = np.asarray(block.e)[:, np.array(block.element.angles) - 1]
         largest = np.fmax.reduce(e[:, own], axis=(0, 2), initial=0.0)
         ends, second = np.asarray(block.x), block.splits[1]
         chords = reference[ends[:, second : second + dims]] - reference[ends[:, :dims]]
-        angles = largest / np.linalg.norm(chords, axis=1)
-        for i in np.flatnonzero((angles > LARGE) & np.isfinite(angles)):
-            found[str(model.labels.e[own[i, 0]].of)] = float(angles[i])
+        squares = (chords * chords).sum(axis=1)
+        for i in np.flatnonzero((largest * largest > LARGE**2 * squares) & np.isfinite(largest)):
+            found[str(model.labels.e[own[i, 0]].of)] = float(largest[i] / np.sqrt(squares[i]))
     if found:
         names = sorted(found, key=lambda name: -found[name])
         more = f", and {len(names) - NAMED} more" if len(names) > NAMED else ""
