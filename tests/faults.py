@@ -3952,6 +3952,8 @@ FAULTS = [
         "if False:",
         "control/test_loops.py -k rigid_motion_that",
     ),
+    Fault("control/stability.py", "    if plant.dt:", "    if False:", "control/test_loops.py -k bad_controllers"),
+    Fault("control/stability.py", "    if wrong:", "    if False:", "control/test_loops.py -k bad_controllers"),
     Fault("control/stability.py", "low[passes]", "low", "control/test_loops.py -k weak_coupling"),
     Fault(
         "control/stability.py",

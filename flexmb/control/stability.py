@@ -133,7 +133,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         ClosedLoop.
 
     Raises:
-        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model.
+        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model; the
+            state space of the mechanism is sampled, or numbers of it or of the controller are not finite.
         TypeError: Numbers of the controller or the model are traced.
         ValueError: ``sign`` is neither.
 
@@ -156,6 +157,13 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             "fm.control.closed_loop makes a control.StateSpace, which holds concrete numbers: ask it outside jax.jit"
             " and jax.grad. What is to be differentiated by a gain is a motion under the controller."
         )
+    if plant.dt:
+        raise ModelError(
+            f"The mechanism's state space is sampled, with dt = {plant.dt}: give the continuous one, which is sampled"
+            " here where the controller is."
+        )
+    _check_finite((plant.A, plant.B, plant.C, plant.D), "mechanism's state space")
+    _check_finite((a, b, c, d), "controller")
     own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
@@ -182,6 +190,12 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             " phase at that frequency, or check the signs and the order of the signals."
         )
     return found
+
+
+def _check_finite(matrices: tuple[Any, ...], what: str) -> None:
+    wrong = [name for name, own in zip("ABCD", matrices, strict=True) if not np.all(np.isfinite(own))]
+    if wrong:
+        raise ModelError(f"Numbers of the {what} are not finite, in its {', '.join(wrong)}.")
 
 
 def _sampled(plant: Any, period: float) -> Any:

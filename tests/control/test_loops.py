@@ -236,6 +236,11 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.fed_forward(LAG, 1.0), "`law` must be a function of time"),
         (lambda: fm.control.closed_loop(MODEL, lambda t, y: y), "function is no linear system"),
         (lambda: fm.control.closed_loop(MODEL, LAG), "1 inputs and 1 outputs, but the mechanism has 2 outputs"),
+        (lambda: fm.control.closed_loop(LAG, np.nan * UNIT), "controller are not finite, in its D"),
+        (lambda: fm.control.closed_loop(LAG, lag(1.0, np.nan)), "controller are not finite, in its A"),
+        (lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG), "mechanism's state space are not finite, in its A"),
+        (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1: give the"),
+        (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "without delay, and has no solution"),
         (
             lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
             "'pace' is no output of the mechanism: rate, place",
@@ -347,11 +352,11 @@ def test_margins_of_lightly_damped_loops_are_those_of_their_polynomials(damping,
         assert own.phase == np.inf
 
 
-def lag(gain, rate=1.0):
+def lag(gain, rate=1.0) -> Any:
     return control.ss([[-rate]], [[1.0]], [[gain]], [[0.0]])
 
 
-UNIT = control.ss([], [], [], [[1.0]])
+UNIT: Any = control.ss([], [], [], [[1.0]])
 
 
 @pytest.mark.parametrize("gain", [20.0, 1e3, 1e6])
