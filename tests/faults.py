@@ -3954,6 +3954,7 @@ FAULTS = [
     ),
     Fault("control/stability.py", "    if plant.dt:", "    if False:", "control/test_loops.py -k bad_controllers"),
     Fault("control/stability.py", "    if wrong:", "    if False:", "control/test_loops.py -k bad_controllers"),
+    Fault("control/stability.py", "= UNSURE * np", "= 1e9 * np", "control/test_loops.py -k slow_motion_beside"),
     Fault("control/stability.py", "low[passes]", "low", "control/test_loops.py -k weak_coupling"),
     Fault(
         "control/stability.py",

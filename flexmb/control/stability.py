@@ -19,8 +19,9 @@ from .state_space import to_statespace
 if TYPE_CHECKING:
     import control
 
-# A pole this share of the largest to the right of the imaginary axis is there by round-off.
-ROUND_OFF = 1e-9
+# Share of a largest that is round-off. A pole is known but for so many times the precision, the norm of the matrix and
+# its own condition; those of undamped mechanisms are off the axis by less than once that.
+ROUND_OFF, UNSURE = 1e-9, 10
 # Frequencies at which the open loop is looked at: so many, or so many a decade, from a hundredth of the slowest pole or
 # zero, those of the closed loop included, to ten times the fastest; and beside each of them at so many of its half
 # widths, but never on it, where an undamped one has no response.
@@ -81,22 +82,29 @@ class ClosedLoop(Result):
         poles: Of a sampled loop those of the continuous one with the same values at the samples, (n,) [rad/s], the
             slowest to decay first.
         margins: One for each input of the mechanism.
+        uncertainty: How far round-off may have moved each of the poles, (n,) [rad/s].
     """
 
     system: control.StateSpace
     opened: control.StateSpace
     poles: np.ndarray
     margins: tuple[Margins, ...]
+    uncertainty: np.ndarray
 
     @property
     def stable(self) -> bool:
-        """Whether all motions decay."""
-        return bool(np.all(np.real(self.poles) < -ROUND_OFF * np.max(np.abs(self.poles), initial=0.0)))
+        """Whether all motions decay, beyond round-off."""
+        return bool(np.all(np.real(self.poles) < -self.uncertainty))
 
     @property
     def growth(self) -> float:
         """Rate of the motion that grows most or decays least, [1/s]."""
         return float(np.max(np.real(self.poles), initial=-np.inf))
+
+    @property
+    def _growing(self) -> np.ndarray:
+        """Poles of motions that grow, beyond round-off."""
+        return self.poles[np.real(self.poles) > self.uncertainty]
 
     def summary(self) -> Summary:
         """Whether it is stable, its slowest pole, and its margins."""
@@ -106,12 +114,8 @@ class ClosedLoop(Result):
                 f"gain {short(own.gain)} at {short(own.gain_hertz)} Hz, phase {short(own.phase)} degrees at"
                 f" {short(own.crossover)} Hz, modulus {short(own.modulus)} at {short(own.modulus_hertz)} Hz"
             )
-        word = "stable" if self.stable else "unstable" if _grows(self.poles) else "neither decays nor grows"
+        word = "stable" if self.stable else "unstable" if len(self._growing) else "neither decays nor grows"
         return Summary(f"ClosedLoop: {word}, {counted(len(self.poles), 'pole')}", rows)
-
-
-def _grows(poles: np.ndarray) -> bool:
-    return bool(np.max(np.real(poles), initial=-np.inf) > ROUND_OFF * np.max(np.abs(poles), initial=0.0))
 
 
 def closed_loop(model: Model | Linearization | control.StateSpace, controller: Any, *, sign: int = -1) -> ClosedLoop:
@@ -176,20 +180,41 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         loop: Any = control.feedback(opened, whole_error, sign)
     except ValueError as fault:
         raise ModelError(f"The loop passes on what it is given without delay, and has no solution: {fault}") from fault
-    values = _continuous(np.asarray(loop.poles(), complex), period)
-    values = values[np.lexsort((np.abs(np.imag(values)), -np.real(values)))]
+    values, uncertainty = _poles(loop, period)
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
     margins = tuple(_margins(returned, i, name, sign, period, values) for i, name in enumerate(inputs))
-    found = ClosedLoop(system, opened, values, margins)
-    if _grows(values):
-        first = values[0]
+    found = ClosedLoop(system, opened, values, margins, uncertainty)
+    for first in found._growing[:1]:
         warn(
             f"The closed loop is unstable: its pole at {first:.4g} rad/s lets a motion of"
             f" {abs(first.imag) / (2 * np.pi):.4g} Hz double every {np.log(2) / first.real:.3g} s. Lower the gains, add"
             " phase at that frequency, or check the signs and the order of the signals."
         )
     return found
+
+
+def _poles(loop: Any, period: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Poles of a loop, the slowest to decay first, and how far round-off may have moved each, (n,) and (n,) [rad/s].
+
+    Each by its own condition, since a stiff mode leaves a soft one where it is.
+    """
+    from scipy.linalg import eig, matrix_balance
+
+    if period or not len(loop.A):
+        # What the sampling of a plant has lost does not show in the matrix.
+        values, unsure = _continuous(np.asarray(loop.poles(), complex), period), np.inf
+    else:
+        found: Any = matrix_balance(loop.A)
+        balanced = found[0]
+        found = eig(balanced, left=True, right=True)
+        values, left, right = found
+        with np.errstate(divide="ignore"):
+            condition = 1 / np.abs(np.sum(np.conj(left) * right, axis=0))
+        unsure = UNSURE * np.finfo(float).eps * np.linalg.norm(balanced) * condition
+    uncertainty = np.minimum(unsure, np.full(len(values), ROUND_OFF * np.max(np.abs(values), initial=0.0)))
+    order = np.lexsort((np.abs(np.imag(values)), -np.real(values)))
+    return values[order], uncertainty[order]
 
 
 def _check_finite(matrices: tuple[Any, ...], what: str) -> None:

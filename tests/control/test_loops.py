@@ -485,6 +485,23 @@ def test_an_unstable_loop_is_reported_and_its_motion_is_refused():
     assert fault.value.code == "ran_away"
 
 
+@pytest.mark.parametrize(("rate", "stable"), [(-5e-3, True), (0.0, False), (5e-3, False)])
+def test_a_slow_motion_beside_a_stiff_one_is_told_from_one_that_stays(rate, stable):
+    """The speed of a mass of 30 rad/s is fed back, with one of 1e7 rad/s beside it, which leaves its pole as it is."""
+    own = [control.tf([1, 0], [1, 2 * d, w**2]) for w, d in ((30.0, 0.0), (1e7, 5e4))]
+    plant: Any = control.append(*[control.ss(one) for one in own])
+    with (
+        pytest.warns(fm.FlexmbWarning, match=r"pole at 0\.005.30j .* of 4\.775 Hz")
+        if rate > 0
+        else contextlib.nullcontext()
+    ):
+        found = fm.control.closed_loop(plant, control.ss([], [], [], np.diag([-2 * rate, 0.0])))
+    assert found.stable is stable
+    assert found.growth == pytest.approx(rate, rel=1e-6, abs=1e-8)
+    word = "stable" if stable else "unstable" if rate else "neither decays nor grows"
+    assert found.summary().title == f"ClosedLoop: {word}, 4 poles"
+
+
 def test_a_sampled_loop_is_stable_as_long_as_its_poles_are_within_the_circle():
     """A gain on the velocity of one free mass, held over h: z = 1 - K h/m, stable up to K = 2 m/h."""
     h = 0.1
