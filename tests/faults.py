@@ -3942,9 +3942,25 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "found.append((0.0, float(",
-        "((0.0, float(",
+        "found.append((0.0, float(np.real(self(0.0)))))",
+        "pass",
         "control/test_loops.py -k jumps_at",
+    ),
+    Fault(
+        "control/stability.py",
+        "if abs(abs(near) - abs(far)) < LEVEL * abs(far):",
+        "if False:",
+        "control/test_loops.py -k rigid_motion_that",
+    ),
+    Fault("control/stability.py", "    if plant.dt:", "    if False:", "control/test_loops.py -k bad_controllers"),
+    Fault("control/stability.py", "    if wrong:", "    if False:", "control/test_loops.py -k bad_controllers"),
+    Fault("control/stability.py", "= UNSURE * np", "= 1e9 * np", "control/test_loops.py -k slow_motion_beside"),
+    Fault("control/stability.py", "low[passes]", "low", "control/test_loops.py -k weak_coupling"),
+    Fault(
+        "control/stability.py",
+        "return found[np.diff(found, prepend=0.0) > TWINS * found]",
+        "return found",
+        "control/test_loops.py -k least_distance",
     ),
     Fault(
         "build/idle.py",
@@ -4081,7 +4097,7 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "*(_bottom(function, at, i) for i in dips))",
+        "*zip(least.tolist(), where.tolist(), strict=True))",
         "(np.inf, 0.0))",
         "control/test_loops.py -k lightly_damped",
     ),

@@ -19,8 +19,9 @@ from .state_space import to_statespace
 if TYPE_CHECKING:
     import control
 
-# A pole this share of the largest to the right of the imaginary axis is there by round-off.
-ROUND_OFF = 1e-9
+# Share of a largest that is round-off. A pole is known but for so many times the precision, the norm of the matrix and
+# its own condition; those of undamped mechanisms are off the axis by less than once that.
+ROUND_OFF, UNSURE = 1e-9, 10
 # Frequencies at which the open loop is looked at: so many, or so many a decade, from a hundredth of the slowest pole or
 # zero, those of the closed loop included, to ten times the fastest; and beside each of them at so many of its half
 # widths, but never on it, where an undamped one has no response.
@@ -30,10 +31,17 @@ NARROWEST = 1e-6
 # Two poles at the origin are off it by less than this share of the fastest pole, the root of round-off; and what is so
 # many times as fast as that is no zero, but round-off of one at infinity.
 AT_ORIGIN, FARTHEST = 1e-7, 1e4
-# What lies between is found to this share, and of so many dips the smallest; so many turns of what comes as near to
-# zero as this are looked at.
-RIGHT, DIPS = 1e-14, 8
-TURNS, NEARLY = 64, 0.3
+# Of two frequencies nearer to each other than this share, as two conjugate poles give them, one is enough.
+TWINS = 1e-12
+# So many of the smallest dips are looked at, of what changes its sign those as near to zero as this; each so many times
+# at these shares of what is left about it.
+DIPS, NEARLY = 64, 0.3
+NARROWED, SHARES = 12, np.linspace(0.0, 1.0, 11)
+# So many halvings leave nothing between two frequencies. Round-off blurs a pole by this share of the highest; what is
+# not down to that share so near to a zero jumps over it.
+HALVINGS, BLUR, JUMP = 50, 1e-14, 0.1
+# A response whose size near rest differs by less than this share from that at twice the rate goes by no power of it.
+LEVEL = 0.01
 # So many frequencies at a time.
 ROW = 4096
 # Phases are the same where their sines differ by less: an undamped mechanism answers in phase but for round-off.
@@ -74,22 +82,29 @@ class ClosedLoop(Result):
         poles: Of a sampled loop those of the continuous one with the same values at the samples, (n,) [rad/s], the
             slowest to decay first.
         margins: One for each input of the mechanism.
+        uncertainty: How far round-off may have moved each of the poles, (n,) [rad/s].
     """
 
     system: control.StateSpace
     opened: control.StateSpace
     poles: np.ndarray
     margins: tuple[Margins, ...]
+    uncertainty: np.ndarray
 
     @property
     def stable(self) -> bool:
-        """Whether all motions decay."""
-        return bool(np.all(np.real(self.poles) < -ROUND_OFF * np.max(np.abs(self.poles), initial=0.0)))
+        """Whether all motions decay, beyond round-off."""
+        return bool(np.all(np.real(self.poles) < -self.uncertainty))
 
     @property
     def growth(self) -> float:
         """Rate of the motion that grows most or decays least, [1/s]."""
         return float(np.max(np.real(self.poles), initial=-np.inf))
+
+    @property
+    def _growing(self) -> np.ndarray:
+        """Poles of motions that grow, beyond round-off."""
+        return self.poles[np.real(self.poles) > self.uncertainty]
 
     def summary(self) -> Summary:
         """Whether it is stable, its slowest pole, and its margins."""
@@ -99,12 +114,8 @@ class ClosedLoop(Result):
                 f"gain {short(own.gain)} at {short(own.gain_hertz)} Hz, phase {short(own.phase)} degrees at"
                 f" {short(own.crossover)} Hz, modulus {short(own.modulus)} at {short(own.modulus_hertz)} Hz"
             )
-        word = "stable" if self.stable else "unstable" if _grows(self.poles) else "neither decays nor grows"
+        word = "stable" if self.stable else "unstable" if len(self._growing) else "neither decays nor grows"
         return Summary(f"ClosedLoop: {word}, {counted(len(self.poles), 'pole')}", rows)
-
-
-def _grows(poles: np.ndarray) -> bool:
-    return bool(np.max(np.real(poles), initial=-np.inf) > ROUND_OFF * np.max(np.abs(poles), initial=0.0))
 
 
 def closed_loop(model: Model | Linearization | control.StateSpace, controller: Any, *, sign: int = -1) -> ClosedLoop:
@@ -126,7 +137,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         ClosedLoop.
 
     Raises:
-        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model.
+        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model; the
+            state space of the mechanism is sampled, or numbers of it or of the controller are not finite.
         TypeError: Numbers of the controller or the model are traced.
         ValueError: ``sign`` is neither.
 
@@ -149,6 +161,13 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             "fm.control.closed_loop makes a control.StateSpace, which holds concrete numbers: ask it outside jax.jit"
             " and jax.grad. What is to be differentiated by a gain is a motion under the controller."
         )
+    if plant.dt:
+        raise ModelError(
+            f"The mechanism's state space is sampled, with dt = {plant.dt}: give the continuous one, which is sampled"
+            " here where the controller is."
+        )
+    _check_finite((plant.A, plant.B, plant.C, plant.D), "mechanism's state space")
+    _check_finite((a, b, c, d), "controller")
     own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
@@ -161,20 +180,47 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         loop: Any = control.feedback(opened, whole_error, sign)
     except ValueError as fault:
         raise ModelError(f"The loop passes on what it is given without delay, and has no solution: {fault}") from fault
-    values = _continuous(np.asarray(loop.poles(), complex), period)
-    values = values[np.lexsort((np.abs(np.imag(values)), -np.real(values)))]
+    values, uncertainty = _poles(loop, period)
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
     margins = tuple(_margins(returned, i, name, sign, period, values) for i, name in enumerate(inputs))
-    found = ClosedLoop(system, opened, values, margins)
-    if _grows(values):
-        first = values[0]
+    found = ClosedLoop(system, opened, values, margins, uncertainty)
+    for first in found._growing[:1]:
         warn(
             f"The closed loop is unstable: its pole at {first:.4g} rad/s lets a motion of"
             f" {abs(first.imag) / (2 * np.pi):.4g} Hz double every {np.log(2) / first.real:.3g} s. Lower the gains, add"
             " phase at that frequency, or check the signs and the order of the signals."
         )
     return found
+
+
+def _poles(loop: Any, period: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Poles of a loop, the slowest to decay first, and how far round-off may have moved each, (n,) and (n,) [rad/s].
+
+    Each by its own condition, since a stiff mode leaves a soft one where it is.
+    """
+    from scipy.linalg import eig, matrix_balance
+
+    if period or not len(loop.A):
+        # What the sampling of a plant has lost does not show in the matrix.
+        values, unsure = _continuous(np.asarray(loop.poles(), complex), period), np.inf
+    else:
+        found: Any = matrix_balance(loop.A)
+        balanced = found[0]
+        found = eig(balanced, left=True, right=True)
+        values, left, right = found
+        with np.errstate(divide="ignore"):
+            condition = 1 / np.abs(np.sum(np.conj(left) * right, axis=0))
+        unsure = UNSURE * np.finfo(float).eps * np.linalg.norm(balanced) * condition
+    uncertainty = np.minimum(unsure, np.full(len(values), ROUND_OFF * np.max(np.abs(values), initial=0.0)))
+    order = np.lexsort((np.abs(np.imag(values)), -np.real(values)))
+    return values[order], uncertainty[order]
+
+
+def _check_finite(matrices: tuple[Any, ...], what: str) -> None:
+    wrong = [name for name, own in zip("ABCD", matrices, strict=True) if not np.all(np.isfinite(own))]
+    if wrong:
+        raise ModelError(f"Numbers of the {what} are not finite, in its {', '.join(wrong)}.")
 
 
 def _sampled(plant: Any, period: float) -> Any:
@@ -209,15 +255,15 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     rates = _frequencies(opened, closed)
     response = opened(rates)
     # Where a response is real whatever the system, no phase crosses: at rest, and at the highest frequency.
-    ends = opened.ends()
+    ends = opened.ends(rates)
     crossings = _crossings(lambda rate: _sine(opened(rate)), rates, _sine(response))
     reals, places = np.real(opened(crossings)), crossings
     for at, real in ends:
         reals, places = np.append(reals, real), np.append(places, at)
-    # What is farther from one is where a phase jumps, at an undamped pole, or one at the origin.
+    # What is farther from one is round-off of nothing, or of what is infinite.
     told = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(ROUND_OFF))
     gain, gain_at = _least(np.abs(np.log(-reals[told])), -1 / reals[told], places[told])
-    crossovers = _crossings(lambda rate: np.log(np.abs(opened(rate))), rates, np.log(np.abs(response) + 1e-300))
+    crossovers = _crossings(lambda rate: _level(opened(rate)), rates, _level(response))
     phases = np.degrees(np.angle(-opened(crossovers)))
     phase, phase_at = _least(np.abs(phases), phases, crossovers)
     distances = [(abs(1 + real), at) for at, real in ends]
@@ -262,12 +308,24 @@ class _Opened:
         # On an undamped pole.
         return np.where(np.isfinite(found), found, np.inf)
 
-    def ends(self) -> list[tuple[float, float]]:
-        """Rates at which the response is real whatever the system, and the responses: at the highest, and at rest."""
+    def ends(self, rates: np.ndarray) -> list[tuple[float, float]]:
+        """Rates at which the response is real whatever the system, and the responses: at the highest, and at rest.
+
+        Args:
+            rates: The least is far below all poles and zeros but those at the origin [rad/s].
+        """
         highest = np.pi / self.period if self.period else np.inf
         found = [(highest, float(np.real(self(highest))) if self.period else self._d)]
-        if not np.any(self.at_origin()):
+        at_origin = self.at_origin()
+        if not np.any(at_origin):
             found.append((0.0, float(np.real(self(0.0)))))
+        elif rates.size:
+            # A rigid motion that the loop does not see is no integrator: towards rest the response does not grow.
+            rate = max(rates[0], 10 * np.max(np.abs(self.poles()[at_origin])))
+            near, far = self(np.array([rate, 2 * rate]))
+            if abs(abs(near) - abs(far)) < LEVEL * abs(far):
+                # Its real part is even in the rate.
+                found.append((0.0, float(np.real(4 * near - far) / 3)))
         return found
 
     def at_origin(self) -> np.ndarray:
@@ -287,15 +345,25 @@ def _sine(response: Any) -> Any:
     return np.where(np.abs(found) > SAME_PHASE, found, 0.0)
 
 
+def _level(response: Any) -> Any:
+    """Logarithm of the size of a response, which is not zero."""
+    return np.log(np.abs(response) + 1e-300)
+
+
 def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Where a function of the frequency is zero, of which values at ascending ones show all changes of sign."""
-    from scipy.optimize import brentq
-
     at, values = _with_turns(function, at, values)
     between = np.flatnonzero(values[:-1] * values[1:] < 0)
-    finer: dict[str, Any] = {"xtol": 1e-300, "rtol": RIGHT}
-    found: list[Any] = [brentq(function, at[i], at[i + 1], **finer) for i in between]
-    return np.array([*at[values == 0], *found], float)
+    low, high, side = at[between], at[between + 1], np.sign(values[between])
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        before = side * function(middle) > 0
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    # A phase jumps at an undamped pole or zero, and is that of no crossing there.
+    beside = low + BLUR * np.max(at, initial=0.0) * np.array([[-1.0], [1.0]])
+    left = np.max(np.abs(function(beside)), axis=0)
+    passes = left < JUMP * np.maximum(np.abs(values[between]), np.abs(values[between + 1]))
+    return np.concatenate([at[values == 0], low[passes]])
 
 
 def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -304,23 +372,29 @@ def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarr
     inner = (sizes[1:-1] < sizes[:-2]) & (sizes[1:-1] < sizes[2:]) & (sizes[1:-1] < NEARLY)
     alike = (values[1:-1] * values[:-2] > 0) & (values[1:-1] * values[2:] > 0)
     dips = np.flatnonzero(inner & alike) + 1
-    more = []
-    for i in dips[np.argsort(sizes[dips])][:TURNS]:
-        side = np.sign(values[i])
-        value, rate = _bottom(lambda rate, side=side: side * function(rate), at, i)
-        more.append((rate, side * value))
-    every = np.concatenate([np.stack([at, values], axis=1), np.reshape(more, (-1, 2))])
-    every = every[np.argsort(every[:, 0])]
-    return every[:, 0], every[:, 1]
+    dips = dips[np.argsort(sizes[dips])][:DIPS]
+    side = np.sign(values[dips])
+    least, where = _bottoms(lambda rates: side * function(rates), at[dips - 1], at[dips + 1])
+    at, values = np.append(at, where), np.append(values, side * least)
+    order = np.argsort(at)
+    return at[order], values[order]
 
 
-def _bottom(function: Callable[[Any], Any], at: np.ndarray, i: int) -> tuple[float, float]:
-    """Least value of a function about one of the frequencies, between those beside it, and where that is."""
-    from scipy.optimize import minimize_scalar
+def _bottoms(function: Callable[[Any], Any], low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least values of a function between pairs of frequencies, each with one dip, and where they are.
 
-    ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
-    found: Any = minimize_scalar(function, bounds=ends, method="bounded", options={"xatol": 1e-6 * np.ptp(ends)})
-    return float(found.fun), float(found.x)
+    Args:
+        function: Values, (shares, pairs), at such frequencies.
+        low, high: The pairs, (pairs,).
+    """
+    at = values = np.zeros((1, len(low)))
+    columns, best = np.arange(len(low)), np.zeros(len(low), int)
+    for _ in range(NARROWED):
+        at = low + (high - low) * SHARES[:, None]
+        values = function(at)
+        best = np.argmin(values, axis=0)
+        low, high = at[np.maximum(best - 1, 0), columns], at[np.minimum(best + 1, len(SHARES) - 1), columns]
+    return values[best, columns], at[best, columns]
 
 
 def _least(sizes: np.ndarray, values: np.ndarray, at: np.ndarray) -> tuple[float, float]:
@@ -336,8 +410,9 @@ def _smallest(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray
     around = np.concatenate([[np.inf], values, [np.inf]])
     dips = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
     dips = dips[np.argsort(values[dips])][:DIPS]
+    least, where = _bottoms(function, at[np.maximum(dips - 1, 0)], at[np.minimum(dips + 1, len(at) - 1)])
     # That at a frequency itself may be less than what is found about it.
-    return min((float(values[dips[0]]), float(at[dips[0]])), *(_bottom(function, at, i) for i in dips))
+    return min((float(values[dips[0]]), float(at[dips[0]])), *zip(least.tolist(), where.tolist(), strict=True))
 
 
 def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:
@@ -360,7 +435,8 @@ def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:
     beside = [abs(p) + max(abs(np.real(p)), NARROWEST * abs(p)) * BESIDE for p in seen]
     count = max(POINTS, int(A_DECADE * np.log10(most / least)))
     found = np.concatenate([np.geomspace(least, most, count), *beside])
-    return np.unique(found[(found >= least) & (found <= most)])
+    found = np.unique(found[(found >= least) & (found <= most)])
+    return found[np.diff(found, prepend=0.0) > TWINS * found]
 
 
 def _continuous(roots: np.ndarray, period: float | None) -> np.ndarray:

@@ -236,6 +236,11 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.fed_forward(LAG, 1.0), "`law` must be a function of time"),
         (lambda: fm.control.closed_loop(MODEL, lambda t, y: y), "function is no linear system"),
         (lambda: fm.control.closed_loop(MODEL, LAG), "1 inputs and 1 outputs, but the mechanism has 2 outputs"),
+        (lambda: fm.control.closed_loop(LAG, np.nan * UNIT), "controller are not finite, in its D"),
+        (lambda: fm.control.closed_loop(LAG, lag(1.0, np.nan)), "controller are not finite, in its A"),
+        (lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG), "mechanism's state space are not finite, in its A"),
+        (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1: give the"),
+        (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "without delay, and has no solution"),
         (
             lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
             "'pace' is no output of the mechanism: rate, place",
@@ -347,11 +352,11 @@ def test_margins_of_lightly_damped_loops_are_those_of_their_polynomials(damping,
         assert own.phase == np.inf
 
 
-def lag(gain, rate=1.0):
+def lag(gain, rate=1.0) -> Any:
     return control.ss([[-rate]], [[1.0]], [[gain]], [[0.0]])
 
 
-UNIT = control.ss([], [], [], [[1.0]])
+UNIT: Any = control.ss([], [], [], [[1.0]])
 
 
 @pytest.mark.parametrize("gain", [20.0, 1e3, 1e6])
@@ -389,6 +394,61 @@ def test_a_free_mass_has_no_margin_at_rest_whatever_its_coordinates():
 
 
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
+@pytest.mark.parametrize("period", [0, 1e-3])
+def test_a_rigid_motion_that_the_loop_does_not_see_hides_no_margin_at_rest(period):
+    """Positive feedback of the stretch of a spring by a force in it: it falls over at its stiffness."""
+    a = np.block([[np.zeros((2, 2)), np.eye(2)], [100 * np.array([[-1.0, 1], [1, -1]]), np.zeros((2, 2))]])
+    free = control.ss(a, [[0.0], [0], [-1], [1]], [[-1.0, 1.0, 0, 0]], 0)
+    lag: Any = control.ss(control.tf([-80.0 * 144], [1, 12, 144]))
+    (own,) = fm.control.closed_loop(free, lag.sample(period) if period else lag).margins
+    assert own.gain == pytest.approx(100 / 80, rel=1e-6)
+    assert own.gain_hertz == 0
+    assert own.modulus == pytest.approx(0.2, rel=1e-6)
+
+
+@pytest.mark.parametrize(("light", "fastest"), [(1e-3, 1e4), (1e-3, 1e7), (2e-5, 1e4), (1e-5, 500.0)])
+def test_undamped_motions_of_weak_coupling_have_no_margins_of_their_own(light, fastest):
+    """PD on a carriage, whatever it carries: a phase jumps at every undamped pole and zero, and crosses nothing.
+
+    What it carries swings at 200 rad/s; a stiff part leaves the round-off that blurs the others.
+    """
+    carried = light * np.array([1.0, 1e-2])
+    stiff = carried * np.array([200.0, fastest]) ** 2
+    sums = np.array([[-np.sum(stiff), *stiff], [stiff[0], -stiff[0], 0], [stiff[1], 0, -stiff[1]]])
+    a = np.block([[np.zeros((3, 3)), np.eye(3)], [sums / np.array([[2.0], *carried[:, None]]), np.zeros((3, 3))]])
+    stage = control.ss(a, np.eye(6)[:, [3]] / 2, np.eye(6)[[0, 3]], 0)
+    (own,) = fm.control.closed_loop(stage, control.ss([], [], [], [[2400.0, 120.0]])).margins
+    assert own.gain == np.inf
+    # Of the carriage alone: m w^2 = |kp + i kd w|.
+    w = np.sqrt((120.0**2 + np.sqrt(120.0**4 + 16 * 2400.0**2)) / 8)
+    assert own.phase == pytest.approx(np.degrees(np.arctan(120 * w / 2400)), abs=0.05)
+
+
+@pytest.mark.filterwarnings("ignore:The closed loop is unstable")
+@pytest.mark.parametrize(
+    "sections",
+    [
+        [([1, 1.61e-5, 76591.8], [1, 1.61e-5, 76591.75]), ([-0.329114, 23.0841], [1, 70.101]), ([1, 0], [1, 3])],
+        [
+            ([-40.83, -38260], [1, 937.1]),
+            ([1, -42.38], [1, -55.64]),
+            ([1, 0.5776, 8752], [1, 0.194, 986.9]),
+            ([1, 0], [1, 3]),
+        ],
+    ],
+)
+def test_the_least_distance_is_found_in_a_dip_as_narrow_as_its_poles(sections):
+    """Beside poles of the closed loop with damping ratios of 3e-8 and 4e-3, against rows of frequencies."""
+    loop = UNIT
+    for numerator, denominator in sections:
+        loop = control.ss(control.tf(numerator, denominator)) * loop
+    found = fm.control.closed_loop(loop, UNIT)
+    w = np.abs(found.poles) + np.abs(np.real(found.poles)) * np.linspace(-2, 2, 200_001)[:, None]
+    response = np.prod([np.polyval(above, 1j * w) / np.polyval(below, 1j * w) for above, below in sections], axis=0)
+    assert found.margins[0].modulus == pytest.approx(np.min(np.abs(1 + response)), rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:The closed loop is unstable")
 def test_two_crossings_close_to_each_other_are_found():
     """Beside a resonance a phase goes a little beyond -180 degrees and back, with no pole or zero between."""
     poles = np.poly([-4.71493307e-03 + 267.15741282j, -4.71493307e-03 - 267.15741282j, 18.0931465])
@@ -423,6 +483,23 @@ def test_an_unstable_loop_is_reported_and_its_motion_is_refused():
     with pytest.raises(fm.AnalysisError, match="closed_loop") as fault:
         fm.simulate(MODEL, [0.0, 10.0], control=wrong, reference=held)
     assert fault.value.code == "ran_away"
+
+
+@pytest.mark.parametrize(("rate", "stable"), [(-5e-3, True), (0.0, False), (5e-3, False)])
+def test_a_slow_motion_beside_a_stiff_one_is_told_from_one_that_stays(rate, stable):
+    """The speed of a mass of 30 rad/s is fed back, with one of 1e7 rad/s beside it, which leaves its pole as it is."""
+    own = [control.tf([1, 0], [1, 2 * d, w**2]) for w, d in ((30.0, 0.0), (1e7, 5e4))]
+    plant: Any = control.append(*[control.ss(one) for one in own])
+    with (
+        pytest.warns(fm.FlexmbWarning, match=r"pole at 0\.005.30j .* of 4\.775 Hz")
+        if rate > 0
+        else contextlib.nullcontext()
+    ):
+        found = fm.control.closed_loop(plant, control.ss([], [], [], np.diag([-2 * rate, 0.0])))
+    assert found.stable is stable
+    assert found.growth == pytest.approx(rate, rel=1e-6, abs=1e-8)
+    word = "stable" if stable else "unstable" if rate else "neither decays nor grows"
+    assert found.summary().title == f"ClosedLoop: {word}, 4 poles"
 
 
 def test_a_sampled_loop_is_stable_as_long_as_its_poles_are_within_the_circle():
