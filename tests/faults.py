@@ -3710,6 +3710,22 @@ FAULTS = [
     ),
     Fault(
         "control/noise_frequencies.py",
+        "np.max(off, axis=1) > CURVED * size",
+        "np.max(off, axis=1) > 100 * size",
+        "control/test_noise.py -k lines_and_jumps",
+    ),
+    Fault("control/noise_frequencies.py", "steps == 1.0", "steps > 0.0", "control/test_noise.py -k lines_and_jumps"),
+    Fault(
+        "control/noise_frequencies.py",
+        "with jax.ensure_compile_time_eval():",
+        "with jax.disable_jit(False):",
+        "control/test_noise.py -k lines_and_jumps",
+    ),
+    Fault(
+        "control/noise_frequencies.py", "    if gaps.size:\n", "    if False:\n", "control/test_noise.py -k too_rough"
+    ),
+    Fault(
+        "control/noise_frequencies.py",
         "hertz >= grid[0]",
         "hertz >= grid[-1]",
         "control/test_noise.py -k resonance_without",
