@@ -3933,7 +3933,9 @@ FAULTS = [
         "paths/test_path.py -k takes_stability",
     ),
     Fault("answers/motion.py", "/ max(extent, 1.0)", "/ extent", "answers/test_answers.py -k tolerances"),
-    Fault("answers/answers.py", "if mode not in OF_MOTION or", "if True or", "answers/test_answers.py -k tolerances"),
+    Fault(
+        "answers/answers.py", "if not (moves and", "if not (mode == 1 and", "answers/test_trajectory.py -k rates_are"
+    ),
     Fault("cli.py", "        if name in found:\n", "        if False:\n", "test_cli.py -k wrong_call"),
     Fault(
         "motion/sudden.py",
