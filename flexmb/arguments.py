@@ -182,7 +182,8 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
         return
     traced = not is_concrete(value)
     array = None if traced else numbers(value)
-    if not traced and (array is None or (not array.size and shape is None)):
+    # Numbers by name that are traced as well.
+    if isinstance(value, dict) or (not traced and (array is None or (not array.size and shape is None))):
         wanted = "a number" if shape == () else "numbers"
         raise fault(f"{what} must be {wanted}, not {shown(value)}.")
     own = getattr(value, "shape", shape) if array is None else array.shape

@@ -557,6 +557,8 @@ def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, re
         check_writable(to)
     number = _number_of_unit(mode)
     _prepare_jax()
+    from .answers.answers import said_of
+
     read, _ = _read(model, given)
     said, unit, status, message = [], None, "ok", ""
     try:
@@ -571,7 +573,8 @@ def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, re
         _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
     except OSError as fault:
         _refuse(f"flexmb: cannot write '{clean(to)}': {fault.strerror or fault}.")
-    data = {"status": status, "message": message, "warnings": [*read.warnings, *dict.fromkeys(said)]}
+    warnings = [*said_of(number, read.warnings), *dict.fromkeys(said)]
+    data = {"status": status, "message": message, "warnings": warnings}
     _tell_answer(data, read.name, None if unit is None else repr(unit))
 
 

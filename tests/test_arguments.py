@@ -186,6 +186,10 @@ NUMBERS = {
         "`time` must be finite",
     ),
     "q that is none": (lambda: fm.configuration(MODEL, q=[np.nan, 0]), "`q` .*not a finite number"),
+    "q by name in a trace": (
+        lambda: jax.eval_shape(lambda x: fm.configuration(MODEL, q={"1.x": x}).x, 0.0),
+        r"`q` must be numbers, not \{'1\.x': ",
+    ),
     "q of words": (lambda: fm.configuration(MODEL, q=["a", "b"]), "`q` must be numbers"),
     "step of a path": (lambda: fm.path(MODEL, step=float("nan")), "`step` must be finite"),
     "steps of a path": (lambda: fm.path(MODEL, max_steps=1.5), "`max_steps` must be a whole number"),

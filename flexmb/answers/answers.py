@@ -23,8 +23,6 @@ from ..spacar.actions import RATES_IDLE
 from .mode import Found, Mode, Question
 from .parts import number
 
-# Modes in which what is prescribed moves in time.
-OF_MOTION = (1, 4)
 # Steps of a path at most unless more are asked for.
 STEPS = 200
 
@@ -117,7 +115,7 @@ def answer(
         Answer, also where the mechanism is not valid or the analysis failed.
     """
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
-    data["warnings"] = [text for text in warnings or [] if mode not in OF_MOTION or not text.endswith(RATES_IDLE)]
+    data["warnings"] = said_of(mode, warnings or [])
     # What does nothing has been told with the line that says it. Of overflow on the way nothing is said: what is not
     # finite in the end has a status.
     with heard(IdleWarning) as said, np.errstate(all="ignore"):
@@ -183,6 +181,17 @@ def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
         f" {' and '.join(str(one.number) for one in modes().values() if one.increments)}: mode {mode.number} answers"
         " without them."
     ]
+
+
+def said_of(mode: int, warnings: Sequence[str]) -> list[str]:
+    """What reading a file had to say that is so in a mode.
+
+    Args:
+        mode: Its number.
+        warnings: What it had to say.
+    """
+    moves = "times" in mode_of(mode).needs
+    return [text for text in warnings if not (moves and text.endswith(RATES_IDLE))]
 
 
 def plain(value: Any) -> Any:

@@ -1,5 +1,6 @@
 """Noise budgets: spectrum, cumulative spectrum and root mean square of outputs, source by source."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, one_of, places_of, plain, response_of
-from .noise_frequencies import DECAYS, areas, frequencies, refined, undamped_within
+from .noise_frequencies import DECAYS, areas, drawn, filled, frequencies, refined, undamped_within
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
 
@@ -142,8 +143,10 @@ def noise_budget(
             motion of a floor or noise of an actuator, or by "sensor " and the name of an output, for what adds to what
             a controller reads of it: a number, an array, (n_f,), that goes with ``hertz``, or a function of
             frequencies, (n_f,) [Hz].
-        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole; from
-            0 Hz it begins at 1e-4 of the slowest pole.
+        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole, and
+            where a density that is a function bends or jumps; from 0 Hz it begins at 1e-4 of the slowest pole. A line
+            of a density is met that is 1e-3 of its frequency wide at each side: narrower ones need ``hertz``, and so do
+            those of a density that ``jax.jit`` traces, of which nothing is known.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
             n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
             of one by one. Matrices and what functions return may be traced, so that gains are dimensions like others.
@@ -173,7 +176,7 @@ def noise_budget(
 
     Warns:
         FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band begins; the loop of
-            a controller that is a function of frequencies is too sharp to be drawn.
+            a controller that is a function of frequencies, or a density that is one, is too sharp to be drawn.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).
@@ -274,13 +277,14 @@ class _Frequencies(NamedTuple):
 
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
-        widths: Of the band, those that each stands for, (n_f,) [Hz]; None where the trapezoidal rule sums.
+        steps: Of the band, the width that each stands for, (n_f,) [Hz], and where they are in steps of such widths,
+            (n_f,); None where the trapezoidal rule sums.
         settles: Whether noise has an end.
         whole: Where the sum is over all frequencies: the state space that gives it.
     """
 
     hertz: Any
-    widths: Float[Array, "n_f"] | None
+    steps: tuple[Float[Array, "n_f"], Float[Array, "n_f"]] | None
     settles: Bool[Array | np.ndarray, ""]
     whole: EnergyForm | None
 
@@ -299,9 +303,10 @@ def _frequencies(
     refuse_without_anything(lin)
     system, orders = plain(second_order(lin))
     grid: Any
-    whole, poles, settles, (grid, widths) = _loop(
+    whole, poles, settles, (grid, steps) = _loop(
         system,
         None if loop is None else loop.matrices,
+        None if band is None else _asked_by_densities(entering, band),
         orders=orders,
         places=_places(loop) if by_states else None,
         entries=entries if by_states else (entries[0], ()),
@@ -311,19 +316,26 @@ def _frequencies(
     if by_states and is_concrete(poles):
         _refuse_unstable(np.asarray(poles), bool(settles), loop is not None)
     if hertz is not None:
-        grid, widths = check_hertz(hertz), None
+        grid, steps = check_hertz(hertz), None
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0) or grid[0] == grid[-1]):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
-        grid, widths = refined(lin, loop, entries, grid), None
+        grid, steps = refined(lin, loop, entries, grid), None
     if not by_states:
-        return _Frequencies(grid, widths, np.array(True), None)
+        return _Frequencies(grid, steps, np.array(True), None)
     if not exact:
         undamped = undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
         if is_concrete((undamped, poles)):
             _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
-    return _Frequencies(grid, widths, settles, whole if exact else None)
+    return _Frequencies(grid, steps, settles, whole if exact else None)
+
+
+def _asked_by_densities(entering: _Entering, band: tuple[float, float]) -> np.ndarray | None:
+    """Frequencies of a band that densities ask for which are functions, (n,) [Hz]; None of none."""
+    of_functions = [own for own in zip(entering.names, entering.densities, strict=True) if callable(own[1])]
+    found = [drawn(name, functools.partial(_density, name, given), *band) for name, given in of_functions]
+    return filled(np.unique(np.concatenate(found))) if found else None
 
 
 def _band(band: Any) -> tuple[float, float]:
@@ -408,6 +420,7 @@ def _tell_of_rest(found: NoiseBudget) -> None:
 def _loop(
     system: SecondOrder,
     matrices: Any,
+    asked: Float[Array, "n"] | None,
     *,
     orders: tuple[int, ...],
     places: Places | None,
@@ -424,7 +437,7 @@ def _loop(
     poles, _, _ = general_eigen(whole.A)
     # So that what is not a number does not count as unstable.
     settles = ~(jnp.max(jnp.real(poles)) >= (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles)))
-    return whole, poles, settles, frequencies(poles, *(band or (None, None)))
+    return whole, poles, settles, frequencies(poles, *(band or (None, None)), asked)
 
 
 @jit
@@ -439,16 +452,16 @@ def _budget(
     wanted: tuple[int, ...],
 ):
     """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or exactly."""
-    (grid, widths, settles, whole), own = over, np.array(wanted)
+    (grid, steps, settles, whole), own = over, np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
     spectra = jnp.where(density <= 0, 0.0, size * density)
-    if widths is None:
+    if steps is None:
         parts = jnp.diff(grid)[:, None, None] * (spectra[1:] + spectra[:-1]) / 2
         below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
     else:
-        below = areas(spectra * widths[:, None, None])
+        below = areas(spectra * steps[0][:, None, None], steps[1])
     variances = below[-1] if whole is None else _white(whole, density[0, 0])[own]
     return spectra, below, jnp.where(settles, variances, jnp.inf)
 

@@ -1,5 +1,6 @@
-"""Frequencies at which noise is summed: chosen by the poles, or where these are not known by the responses."""
+"""Frequencies at which noise is summed: chosen by the poles and the densities, or by the responses of a loop."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -27,6 +28,12 @@ FIRST, STILL = 1e-4, 1e-9
 LITTLE, FAINT, PIECE, MOST = 0.02, 1e-6, 256, 20000
 # Nor are they nearer to each other than this share.
 NARROWEST = 1e-9
+# A density that is a function is looked at so often between two of SPREAD frequencies in equal ratios, and as often in
+# equal steps: a line that is 1e-3 of its frequency wide at each side is met, also in a band that begins at STILL.
+LOOKS = 64
+# It is drawn where it leaves the straight line between two frequencies by this share of what it is there. FAINT of what
+# it is at most within so many of the SPREAD to each side is added to that: beside a line its tails are nothing.
+CURVED, ASIDE = 0.002, 16
 
 
 def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bool[Array, "n"]:
@@ -61,17 +68,12 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
     known_gain(np.ones(1))
     grid = np.asarray(grid)
 
-    def responses(hertz: np.ndarray):
-        # In pieces of one size, each compiled once.
-        many: Any = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
-        found = []
-        for piece in many.reshape(-1, PIECE):
-            plant = response_of(lin, piece, None, None, None, None).response
-            of = closed_by_frequency(plant, known_gain(piece), (loop.measured, loop.driven), *entries)
-            found.append(np.asarray(of).reshape(PIECE, -1))
-        return np.concatenate(found)[: len(hertz)]
+    def responses(hertz: Any):
+        plant = response_of(lin, hertz, None, None, None, None).response
+        of = closed_by_frequency(plant, known_gain(hertz), (loop.measured, loop.driven), *entries)
+        return np.asarray(of).reshape(len(hertz), -1)
 
-    known = responses(grid)
+    known = _in_pieces(responses, grid)
     while True:
         # Across a resonance halfway between two frequencies their sizes are equal, but not their phases.
         size = np.abs(known)
@@ -82,7 +84,8 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
         if not len(coarse) or len(grid) >= MOST:
             break
         more = np.sqrt(grid[coarse] * grid[coarse + 1])
-        grid, known = np.insert(grid, coarse + 1, more), np.insert(known, coarse + 1, responses(more), axis=0)
+        known = np.insert(known, coarse + 1, _in_pieces(responses, more), axis=0)
+        grid = np.insert(grid, coarse + 1, more)
     if np.any(sharp):
         warn(
             f"The loop around a controller that is a function of frequencies is not drawn to the end by {len(grid)}"
@@ -92,11 +95,95 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
     return grid
 
 
-def frequencies(poles: Complex[Array, "n"], low: float | None, high: float | None) -> tuple[Any, Any]:
+def _in_pieces(of: Callable[[Any], Any], hertz: np.ndarray) -> np.ndarray:
+    """What a function gives at frequencies, by calls of one size, each compiled once."""
+    many = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
+    return np.concatenate([np.asarray(of(piece)) for piece in many.reshape(-1, PIECE)])[: len(hertz)]
+
+
+def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> np.ndarray:
+    """Frequencies that draw a density beside those in equal ratios: halved until it is straight between two of them.
+
+    Args:
+        name: Name of the source.
+        density: Density at frequencies, (PIECE,) [Hz], or one for all of them.
+        low: Begin of the band; from 0 Hz a share of its end.
+        high: End of the band.
+
+    Returns:
+        (n,) [Hz], none where the density is smooth, or is traced.
+
+    Warns:
+        FlexmbWarning: It takes too many.
+    """
+    low = low or STILL * high
+    # Within jax.jit too, what is computed from known frequencies and known numbers is known.
+    with jax.ensure_compile_time_eval():
+        if not is_concrete(jax.lax.stop_gradient(density(np.full(PIECE, high)))):
+            return np.zeros(0)
+
+        def values(hertz: np.ndarray):
+            return _in_pieces(lambda f: np.broadcast_to(np.asarray(jax.lax.stop_gradient(density(f))), f.shape), hertz)
+
+        many = SPREAD * LOOKS
+        grid = np.sort(np.concatenate([np.geomspace(low, high, many + 1), np.linspace(low, high, many + 2)[1:-1]]))
+        known = values(grid)
+        largest = np.max(known[:-1].reshape(-1, LOOKS), axis=1)
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(largest, ASIDE), 2 * ASIDE + 1)
+        faint = FAINT * np.repeat(np.max(around, axis=1), LOOKS)
+        # From wide to narrow, each with all that was looked at within.
+        wanted, stride = np.zeros(len(grid), bool), LOOKS
+        begins = np.zeros(0, int)
+        while stride > 1:
+            off = np.abs(known - np.interp(grid, grid[::stride], known[::stride]))[:-1].reshape(-1, stride)
+            size = np.maximum(np.max(known[:-1].reshape(-1, stride), axis=1), known[stride::stride]) + faint[::stride]
+            begins = np.flatnonzero(np.max(off, axis=1) > CURVED * size) * stride
+            wanted[begins[:, None] + np.array([0, stride // 2, stride])] = True
+            stride //= 2
+        found, left = grid[wanted], np.concatenate([begins, begins + 1])
+        # Then halved: frequencies and densities at both ends, and what is faint there.
+        gaps = np.stack([grid[left], grid[left + 1], known[left], known[left + 1], faint[left]])
+        while gaps.size and len(found) < MOST:
+            a, b, at_a, at_b, least = gaps
+            middle = (a + b) / 2
+            at = values(middle)
+            sharp = np.abs(at - (at_a + at_b) / 2) > CURVED * (np.maximum(np.maximum(at_a, at_b), at) + least)
+            found = np.concatenate([found, middle[sharp]])
+            halves = [a, middle, at_a, at, least], [middle, b, at, at_b, least]
+            gaps = np.concatenate([np.stack(half)[:, sharp] for half in halves], axis=1)
+            gaps = gaps[:, gaps[1] - gaps[0] > NARROWEST * gaps[1]]
+    if gaps.size:
+        warn(
+            f"The density of source '{name}' is not drawn to the end by {len(found)} frequencies, such as at"
+            f" {gaps[0, 0]:.6g} Hz: it is too rough there. The root mean square may be off; give `hertz`."
+        )
+    return np.unique(found)
+
+
+def filled(hertz: np.ndarray) -> np.ndarray | None:
+    """Frequencies, and some between them so that their number is one of few, each compiled once; None of none."""
+    while len(hertz) > 1 and (short := -len(hertz) % PIECE):
+        hertz = np.union1d(hertz, ((hertz[1:] + hertz[:-1]) / 2)[:short])
+    return hertz if len(hertz) else None
+
+
+def frequencies(
+    poles: Complex[Array, "n"], low: float | None, high: float | None, more: Any = None
+) -> tuple[Any, tuple[Any, Any]]:
     """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
 
     They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE
-    by each of the latter. So a density over dN/df is smooth, however sharp the resonances are.
+    by each of the latter. So a density over dN/df is smooth, however sharp the resonances are. Frequencies that a
+    density asks for stand still between them.
+
+    Args:
+        poles: Poles, (n,) [rad/s].
+        low: Begin of the band.
+        high: End of the band.
+        more: Further frequencies, (k,) [Hz].
+
+    Returns:
+        Frequencies, (n_f,) [Hz]; their widths, (n_f,) [Hz], and places, in steps of N from the first, (n_f,).
 
     Source:
         THEORY.md 14, eq. (14.37).
@@ -128,11 +215,25 @@ def frequencies(poles: Complex[Array, "n"], low: float | None, high: float | Non
         # From fixed frequencies, so that the last step carries the whole derivative.
         found = jax.lax.stop_gradient(found)
         found = jnp.clip(found - (counted(found) - ends) / rate(found), first, end)
-    return found, (ends[1] - ends[0]) / rate(found)
+    step, places = ends[1] - ends[0], jnp.arange(len(near), dtype=float)
+    if more is not None:
+        more = jnp.clip(more, first, end)
+        found, places = jnp.concatenate([found, more]), jnp.concatenate([places, counted(more) / step])
+        order = jnp.argsort(found)
+        found, places = found[order], places[order]
+    return found, (step / rate(found), places)
 
 
-def areas(values: Float[Array, "n y s"]) -> Float[Array, "n y s"]:
-    """What values at equal steps add up to from the first to each, by a parabola through each three of them."""
+def areas(values: Float[Array, "n y s"], places: Float[Array, "n"]) -> Float[Array, "n y s"]:
+    """What values at places add up to from the first to each.
+
+    By a parabola through each three of them at steps of one, else by the trapezoidal rule, as between frequencies that
+    densities ask for: what is halved until it is straight may jump.
+    """
+    steps = jnp.diff(places)
+    whole = jnp.pad(steps == 1.0, 1, constant_values=True)
+    even = (whole[:-2] & whole[1:-1] & whole[2:])[:, None, None]
     slopes = jnp.concatenate([values[1:2] - values[:1], (values[2:] - values[:-2]) / 2, values[-1:] - values[-2:-1]])
-    between = (values[1:] + values[:-1]) / 2 - (slopes[1:] - slopes[:-1]) / 12
+    bent = jnp.where(even, (slopes[1:] - slopes[:-1]) / 12, 0.0)
+    between = steps[:, None, None] * (values[1:] + values[:-1]) / 2 - bent
     return jnp.concatenate([jnp.zeros_like(values[:1]), jnp.cumsum(between, axis=0)])

@@ -422,7 +422,7 @@ def _initial(model: Model, initial: Any):
     if initial.labels.x != model.labels.x:
         raise ModelError("Argument `initial` is a state of another model: its nodes are not those of this one.")
     if isinstance(initial, Motion):
-        if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x[-1]))):
+        if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x)[-1])):
             raise ModelError("Argument `initial` is a motion that did not reach its end: give motion.until(count).")
         return Start(initial.x[-1], initial.xd[-1], _counted(model, initial, initial.near[-1]))
     if is_concrete(initial.result):

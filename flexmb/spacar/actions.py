@@ -233,8 +233,8 @@ def force(r: Reading, s: Statement, p: Values) -> None:
     (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
 
 
-# Said of a line of which the modes of motion in time use all, and left out there.
-RATES_IDLE = "velocity and acceleration are for modes 1 and 4; static analyses do not use them"
+# Said of a line of which the modes that go through time use all, and left out there.
+RATES_IDLE = "velocity and acceleration are for modes 1 to 6, which go through time; others do not use them"
 
 
 def motion(r: Reading, s: Statement, p: Values) -> None:

@@ -196,10 +196,11 @@ def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]
 
 
 def check_freedoms(motion: Motion) -> None:
-    """Refuse a motion on which the degrees of freedom do not determine the configuration, between two times too.
+    """Refuse a motion on which the degrees of freedom do not determine the configuration.
 
-    There a determinant changes its sign, and the matrices of what vibrates have a pole, which no curve through those at
-    the times tells.
+    Also between two times, by a determinant that changes its sign there; of an even number of such places between two
+    times nothing is seen. There the matrices of what vibrates have a pole, which no curve through those at the times
+    tells.
 
     Args:
         motion: Motion; nothing is asked where it is traced.

@@ -45,7 +45,7 @@ CORRECTIONS, SETTLED = 12, 1e-13
 # How far what is wanted may be missed, as a share of the mechanism's extent or in radians.
 TOLERANCE = 1e-8
 # So many steps of that size lie between two times at most, and between the undeformed mechanism and its start values;
-# what is further away is out of reach.
+# what is further away is not followed.
 MOST_STEPS = 100_000
 
 
@@ -162,7 +162,8 @@ def inverse_dynamics(
         trajectory: Law of each quantity by its name: a coordinate "stage.x", a rotation "arm.phi" or "arm.rz", a
             deformation "hinge.e1", or an output. Functions of time, twice differentiable, such as
             :func:`flexmb.trajectory.quintic`; differentiable in their numbers.
-        times: Times at which to give it, ascending, (n_t,) [s].
+        times: Times at which to give it, ascending, (n_t,) [s]. From each to the next what is wanted goes straight:
+            of a closed curve that is run through between two times a turn is not seen.
         driven: Names of the degrees of freedom that follow other coordinates and outputs, as many as there are of
             these. None: those that are in no flexible element's stiffness, or all, where their number fits.
         inputs: Names of the inputs that drive, as many as there are driven degrees of freedom; the others are zero.
@@ -176,7 +177,8 @@ def inverse_dynamics(
         ValueError, TypeError: Times that do not ascend, a law that is none, a model that ``jax.jit`` was given.
         ModelError: An unknown name; a number of inputs or of driven degrees of freedom that does not fit; a quantity
             that nothing moves.
-        AnalysisError: outside_workspace or singular_plant, with the first time at which it is so.
+        AnalysisError: outside_workspace, also where it goes too far between two times, or singular_plant, with the
+            first time at which it is so.
 
     Source:
         THEORY.md 14, eq. (14.13) to (14.15).
@@ -193,7 +195,8 @@ def inverse_dynamics(
     names = list(wanted)
     found = _nominal(model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), times)
     if throw and is_concrete(found):
-        _explain(names, {**{name: one.law for name, one in wanted.items()}, **prescribed}, found, np.asarray(times))
+        laws_by_name = {**{name: one.law for name, one in wanted.items()}, **prescribed}
+        _explain(model, names, laws_by_name, found, np.asarray(times))
     check(found.result, throw)
     found = or_nan(found, found.result, throw)
     if is_concrete((model, found)):
@@ -418,8 +421,8 @@ def _check_inputs(model: Model) -> None:
             )
 
 
-def _explain(names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
-    """Raise with the first time at which it fails, and with the quantity that nothing driven moves."""
+def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
+    """Raise with the first time at which it fails, and with the quantity that nothing moves, or that goes too far."""
     codes = np.asarray(found.result)
     if not np.any(codes):
         return
@@ -428,10 +431,22 @@ def _explain(names: list[str], laws: dict[str, Callable], found: _AtTimes, times
     still = [name for name, part in zip(names, moves, strict=True) if part == 0]
     if still:
         raise ModelError(f"Trajectory of {listed(still)}: nothing that is driven moves it.")
+    sizes, most = np.asarray(sizes_of(model.topology, model.parameters)), MOST_STEPS * STEP
     for name, law in laws.items():
-        if not np.all(np.isfinite(np.asarray(rates(law, jnp.asarray(times[first]))))):
+        now, before = (np.asarray(rates(law, jnp.asarray(times[i]))) for i in (first, max(first - 1, 0)))
+        if not np.all(np.isfinite(now)):
             raise ModelError(
                 f"Trajectory '{name}': its law, or a derivative of it, is not finite at {short(times[first])} s."
+            )
+        place = place_of(model, name)
+        size = sizes[place.index] if place is not None and place.quantity == "x" else 1.0
+        if abs(now[0] - (before[0] if first else 0.0)) > most * size:
+            since = f"between t = {short(times[first - 1])} and" if first else "from the undeformed mechanism to t ="
+            raise AnalysisError(
+                RESULTS.outside_workspace.name,
+                f"Trajectory '{name}' goes further {since} {short(times[first])} s than is followed: {most:g} rad,"
+                f" {most / (2 * np.pi):.0f} turns, or {most:g} times the size of the mechanism. Give more times, or"
+                " begin nearer.",
             )
     check(codes[first], True, f"It is so at {short(times[first])} s.")
 

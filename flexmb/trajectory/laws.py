@@ -318,7 +318,7 @@ def stretched(
     """The same law over the shortest time that keeps limits, such as a spline whose way is known and not its time.
 
     Args:
-        law: Law, of concrete breaks.
+        law: Law, of concrete breaks; of its coefficients derivatives are taken.
         velocity: Largest velocity [1/s].
         acceleration: Largest acceleration [1/s^2].
         jerk: Largest rate of the acceleration [1/s^3].
@@ -327,7 +327,7 @@ def stretched(
         Law that begins at the same time.
 
     Raises:
-        TypeError: It is no Law of pieces.
+        TypeError: It is no Law of pieces, or ``jax.jit`` traces it.
         ValueError: No limit is given, or one that is not positive; or the law does not move.
 
     Source:
@@ -486,7 +486,10 @@ def _peaks(law: Law) -> Float[Array, "3"]:
     xp: Any = np if is_concrete(law) else jnp
     # Of concrete numbers by NumPy, for which nothing is compiled.
     exact = np.asarray(law.coefficients) if xp is np else law.coefficients
-    coefficients = np.asarray(jax.lax.stop_gradient(exact))
+    known = exact if xp is np else jax.lax.stop_gradient(exact)
+    if not is_concrete(known):
+        raise TypeError("The peaks of a law are found from concrete numbers: jax.jit must not trace its coefficients.")
+    coefficients = np.asarray(known)
     lengths, found = np.diff(np.asarray(law.breaks)), []
     for order in (1, 2, 3):
         values = [xp.zeros(())]

@@ -20,6 +20,7 @@ from flexmb.answers.vibrations import MODES
 from flexmb.linear.linearize import Linearization
 from flexmb.mechanisms import mechanism_path
 from flexmb.results import RESULTS
+from flexmb.spacar.actions import RATES_IDLE
 from flexmb.spacar.laws import law_of
 from flexmb.spacar.reading import Leg
 
@@ -349,3 +350,16 @@ def test_what_is_not_used_is_told(monkeypatch):
     assert velocity.startswith("The start velocity of element 1, 1, has no effect")
     assert (found.data["status"], found.exit_status) == ("seen", 1)
     assert late == "TRAJE on line 17 goes on until 0.6 s, but TIMESTEP ends at 0.5 s."
+
+
+def test_rates_are_idle_where_nothing_goes_through_time():
+    """Of a deformation that INPUTE prescribes with a velocity; what else is wrong with the mechanism is told first."""
+    text = BASE.replace("INPUTX 1 1\n", "INPUTX 1 1\nPLTRUSS 2 1 3\nX 3 0 0.1\nINPUTE 2 1\n").replace("FIX 2 2\n", "")
+    text = text.replace("XM 1 2\n", "XM 1 2\nINPUTE 2 1 0.01 0.3 0.5\n").format(lines="", signals="REFX 1 2 1")
+    said = {}
+    for mode in range(1, 11):
+        found = asked(text, mode)
+        assert found.data["status"] == "underconstrained"
+        said[mode] = [warning for warning in found.data["warnings"] if warning.endswith(RATES_IDLE)]
+    assert [mode for mode, warnings in said.items() if warnings] == [7, 8, 9, 10]
+    assert said[7][0].startswith("text:13: INPUTE: velocity and acceleration are for modes 1 to 6")

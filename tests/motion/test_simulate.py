@@ -58,6 +58,9 @@ def test_a_motion_begins_with_the_velocity_of_its_configuration(pendulum, swing)
     found = fm.simulate(pendulum, TIMES[: len(TIMES) - middle], initial=start, rtol=1e-9)
     np.testing.assert_allclose(found.velocity("mass")[0], swing.velocity("mass")[middle], atol=1e-12)
     np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
+    # Within a trace one state of a motion that is known is traced, and what is asked of it.
+    on = jax.eval_shape(lambda share: fm.simulate(pendulum, share * TIMES[:3], initial=swing).x, 1.0)
+    assert on.shape == (3, swing.x.shape[1])
 
 
 def test_pendulum_by_an_explicit_solver(pendulum):

@@ -223,11 +223,15 @@ def test_turns_are_counted_up_to_start_values(turn):
     np.testing.assert_allclose(plan.f0, 0.0, atol=1e-9)
 
 
-def test_a_start_that_is_out_of_reach_is_told():
-    with pytest.raises(fm.AnalysisError, match="leaves the workspace"):
-        fm.trajectory.inverse_dynamics(
-            meshing_wheels(1.5e4).build(), {"p.phi": lambda t: 1.5e4 + 0.0 * t}, TIMES[:3], inputs=["torque p"]
-        )
+def test_turns_that_are_too_many_are_told():
+    """1e4 rad are followed, up to start values and from a time to the next: here 1.5e4, and 2.5e4."""
+    for start, rate, between in (
+        (1.5e4, 0.0, "from the undeformed mechanism to t = 0 s"),
+        (0.3, 1e8, "t = 0 and 0.00025"),
+    ):
+        model, law = meshing_wheels(start).build(), lambda t, start=start, rate=rate: start + rate * t
+        with pytest.raises(fm.AnalysisError, match=f"'p.phi' goes further .*{between}.* 1592 turns.*Give more times"):
+            fm.trajectory.inverse_dynamics(model, {"p.phi": law}, TIMES[:3], inputs=["torque p"])
 
 
 def test_a_plan_compiles_no_operation_by_itself(compilations):

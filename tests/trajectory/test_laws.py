@@ -75,6 +75,11 @@ def test_splines_pass_through_points_and_have_derivatives():
     np.testing.assert_allclose(both(0.3), law.quintic(2.0, 3.0, 1.0)(0.3), rtol=1e-14)
     slow = law.stretched(law.spline([0, 1, 2.5], [0, 1, 0.5]), velocity=0.5, jerk=100.0)
     assert slow.peaks()[0] == pytest.approx(0.5, rel=1e-12)
+    # Within a trace too, of what is known.
+    limited = fm.jit(lambda limit: law.stretched(both, velocity=1.5 * limit)(2.0))
+    assert float(limited(1.0)) == pytest.approx(3.0, rel=1e-12)
+    with pytest.raises(TypeError, match=r"jax\.jit must not trace its coefficients"):
+        jax.eval_shape(lambda c: law.stretched(Law(both.breaks, c), velocity=1.0).coefficients, both.coefficients)
 
     @jax.jit
     def middle(point):

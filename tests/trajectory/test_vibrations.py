@@ -210,6 +210,8 @@ def test_what_cannot_be_asked_says_so(swung):
     ):
         with pytest.raises(fault, match=said):
             fm.trajectory.perturbation(swung, **keywords)
+    with pytest.raises(ValueError, match=r"Argument `q` must be numbers, not \{'elbow': "):
+        jax.eval_shape(lambda bent: fm.trajectory.perturbation(swung, q={"elbow": bent}).q, 0.0)
     with pytest.raises(TypeError, match="takes a Motion"):
         fm.trajectory.perturbation(arm())
 
