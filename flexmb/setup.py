@@ -3,9 +3,12 @@
 import contextlib
 import os
 import sys
+import time
 from pathlib import Path
 
 LARGEST_CACHE = 2_000_000_000
+# So often files are counted [s]: of thousands it takes a twentieth of a command.
+BETWEEN = 3600.0
 
 
 def enable_x64() -> None:
@@ -23,7 +26,7 @@ def cache_folder() -> Path:
 
 
 def _prepared(path: Path) -> None:
-    """Make the folder; refuse one that others may have written code into; drop the oldest files beyond the limit."""
+    """Make the folder; refuse one others may have written code into; once an hour drop the oldest beyond the limit."""
     path.mkdir(parents=True, exist_ok=True, mode=0o700)
     if hasattr(os, "getuid"):
         for folder in filter(Path.exists, (path, path / "programs")):
@@ -34,6 +37,12 @@ def _prepared(path: Path) -> None:
                 raise PermissionError(
                     f"Others may write into '{folder}', whose code would be run: take chmod 700 first."
                 )
+    looked_at = path / "looked_at"
+    with contextlib.suppress(FileNotFoundError):
+        if 0 <= time.time() - looked_at.stat().st_mtime < BETWEEN:
+            return
+    with contextlib.suppress(PermissionError):
+        looked_at.touch()
     files = []
     # Former versions had traces.
     for folder in (path, path / "programs", path / "constants", path / "traces"):
@@ -58,8 +67,8 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     Programs of this package are found there without being traced, except where functions or objects of yours take part.
 
     What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
-    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Files beyond 2 GB in all are
-    removed by this call, those that were not used for the longest time first.
+    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Once an hour this call
+    removes files beyond 2 GB in all, those that were not used for the longest time first.
 
     Args:
         folder: Where, a folder of its own that belongs to you and that no other can write into; by default

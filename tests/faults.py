@@ -4088,6 +4088,10 @@ FAULTS = [
         "answers/test_trajectory.py -k differ",
     ),
     Fault("linear/loose.py", "if _is_negative(own)), None)", "if False), None)", "linear/test_loose.py"),
+    # What is prescribed to stay begins where it is; where nothing is measured, nothing is computed.
+    Fault("motion/simulate.py", "not np.any(np.asarray(given)))", "True)", "motion/test_start.py"),
+    Fault("setup.py", "    looked_at.touch()", "    pass", "compilation/test_kept.py -k oldest"),
+    Fault("setup.py", "st_mtime < BETWEEN", "st_mtime < 1e3 * BETWEEN", "compilation/test_kept.py -k oldest"),
     # Where others have run, what they replaced is looked for.
     Fault("cli.py", '_alone = "jax" not in sys.modules', "_alone = True", "test_cli.py -k waits_for_work"),
     Fault("compilation/kept.py", "if _runs_alone:", "if False:", "compilation/test_kept.py -k look"),

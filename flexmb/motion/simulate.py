@@ -406,7 +406,7 @@ def _initial(model: Model, initial: Any):
                 " increment=0.0 where there are incremental loads; or give initial=fm.configuration(model) where that"
                 " start is meant.",
             )
-        if model.parameters.start is None and loads.x is None and loads.e is None and loads.temperature is None:
+        if model.parameters.start is None and _is_zero(loads.x) and _is_zero(loads.e) and loads.temperature is None:
             return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
         initial = configuration(model)
         if model.parameters.start is not None and is_concrete((model, initial)):
@@ -430,6 +430,11 @@ def _initial(model: Model, initial: Any):
     rest = as_floats(np.zeros(model.topology.n_x))
     rates = initial.xd if isinstance(initial, Configuration) else rest
     return Start(initial.x, rates, _counted(model, initial, initial.e))
+
+
+def _is_zero(given: Any) -> bool:
+    """Whether what is prescribed is known to be where it is undeformed."""
+    return given is None or (is_concrete(given) and not np.any(np.asarray(given)))
 
 
 def _counted(model: Model, initial: Any, e: Float[Array, "n"]) -> Float[Array, "n_e"]:

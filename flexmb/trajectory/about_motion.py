@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import as_floats, is_concrete
 from ..compilation.compile import jit, jit_beside_options
 from ..display import listed, short
 from ..errors import AnalysisError, ModelError, warn
@@ -247,6 +247,8 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
     Warns:
         FlexmbWarning: A rotation about an axis in space passes a full turn, where it jumps.
     """
+    if not motion.labels.outputs:
+        return as_floats(np.zeros((len(motion.t), 0)))
     warn_of_full_turns(motion, motion.model.parameters.reference)
     count = len(motion.labels.inputs)
     u = motion.u if motion.u.shape[1] == count else jnp.zeros((len(motion.t), count))

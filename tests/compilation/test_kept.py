@@ -9,6 +9,7 @@ import importlib.metadata
 import logging
 import os
 import sys
+import time
 import types
 import unittest.mock
 from typing import NamedTuple
@@ -649,9 +650,19 @@ def test_the_oldest_files_go_first(tmp_path, settings_restored, monkeypatch):
         (tmp_path / name).write_bytes(bytes(100))
         os.utime(tmp_path / name, (1e9 - age, 1e9 - age))
     tmp_path.chmod(0o700)
-    fm.enable_cache(tmp_path)
-    left = {str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file()}
-    assert left == {"new-cache", "programs/one"}
+
+    def left():
+        fm.enable_cache(tmp_path)
+        return {str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file()} - {"looked_at"}
+
+    assert left() == {"new-cache", "programs/one"}
+    # Once an hour.
+    (tmp_path / "old-cache").write_bytes(bytes(100))
+    os.utime(tmp_path / "old-cache", (1e9 - 9, 1e9 - 9))
+    assert "old-cache" in left()
+    an_hour_ago = time.time() - 3601
+    os.utime(tmp_path / "looked_at", (an_hour_ago, an_hour_ago))
+    assert left() == {"new-cache", "programs/one"}
 
 
 def test_a_simulation_is_kept_although_equinox_was_imported_before(folder, settings_restored, monkeypatch, caplog):
