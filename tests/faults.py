@@ -4053,7 +4053,12 @@ FAULTS = [
     # Near dead points: corrections that end early, and what round-off decides.
     Fault("statics/configuration.py", "walk.step < steps + MORE_TURNS", "False", "statics/test_configuration.py"),
     Fault("statics/configuration.py", "FOLDED = 3e5", "FOLDED = 3e25", "statics/test_configuration.py"),
-    Fault("statics/configuration.py", "FOLDED = 3e5", "FOLDED = 3e2", "statics/test_configuration.py"),
+    Fault(
+        "statics/configuration.py",
+        "initial=0.0) > FOLDED)",
+        "initial=0.0) > 1e-3 * FOLDED)",
+        "statics/test_configuration.py",
+    ),
     Fault(
         "statics/configuration.py",
         " & (off < TOLERANCE) & (end.change <= SETTLED)",
