@@ -27,9 +27,9 @@ LONGEST_MESSAGE = 300
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
 # Modes whose answer is a unit for co-simulation.
+OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 # Whether nothing but this package has run in this process.
 _alone = False
-OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
 
 class AsGiven:
@@ -808,8 +808,8 @@ def edit(
 def main() -> None:
     """Run the command line."""
     global _alone
-    # Whoever replaces a function of this package before has imported it, and with it JAX.
-    _alone = "jax" not in sys.modules
+    # Whoever has replaced what is computed with, here or in a library, has loaded one of them.
+    _alone = not {"jax", "numpy"} & sys.modules.keys()
     # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:

@@ -41,7 +41,7 @@ def _prepared(path: Path) -> None:
     with contextlib.suppress(FileNotFoundError):
         if 0 <= time.time() - looked_at.stat().st_mtime < BETWEEN:
             return
-    with contextlib.suppress(PermissionError):
+    with contextlib.suppress(OSError):
         looked_at.touch()
     files = []
     # Former versions had traces.

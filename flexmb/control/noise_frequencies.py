@@ -143,6 +143,7 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
         found, left = grid[wanted], np.concatenate([begins, begins + 1])
         # Then halved: frequencies and densities at both ends, and what is faint there.
         gaps = np.stack([grid[left], grid[left + 1], known[left], known[left + 1], faint[left]])
+        whole = np.trapezoid(known, grid)
         while gaps.size and len(found) < MOST:
             a, b, at_a, at_b, least = gaps
             middle = (a + b) / 2
@@ -151,7 +152,13 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
             found = np.concatenate([found, middle[sharp]])
             halves = [a, middle, at_a, at, least], [middle, b, at, at_b, least]
             gaps = np.concatenate([np.stack(half)[:, sharp] for half in halves], axis=1)
-            gaps = gaps[:, gaps[1] - gaps[0] > NARROWEST * gaps[1]]
+            widths = gaps[1] - gaps[0]
+            narrow = widths <= NARROWEST * gaps[1]
+            endless = narrow & (widths * np.maximum(gaps[2], gaps[3]) > CURVED * whole)
+            if np.any(endless):
+                gaps = gaps[:, endless]
+                break
+            gaps = gaps[:, ~narrow]
     if gaps.size:
         warn(
             f"The density of source '{name}' is not drawn to the end by {len(found)} frequencies, such as at"
@@ -173,7 +180,7 @@ def frequencies(
     """Frequencies of a band, or where none is given of all poles, and the width in hertz that each stands for.
 
     They are at equal steps of N(f), the logarithm of f plus the phase of each pole: SPREAD steps by the former, BESIDE
-    by each of the latter. So a density over dN/df is smooth, however sharp the resonances are. Frequencies that a
+    by each of the latter. So a density over dN/df is smooth; THEORY.md tells how right its sum is. Frequencies that a
     density asks for stand still between them.
 
     Args:

@@ -82,7 +82,8 @@ class ClosedLoop(Result):
         poles: Of a sampled loop those of the continuous one with the same values at the samples, (n,) [rad/s], the
             slowest to decay first.
         margins: One for each input of the mechanism.
-        uncertainty: How far round-off may have moved each of the poles, (n,) [rad/s].
+        uncertainty: How far round-off may have moved each of the poles, (n,) [rad/s]; taken to be no more than 1e-9 of
+            the fastest, which poles that coincide may exceed.
     """
 
     system: control.StateSpace

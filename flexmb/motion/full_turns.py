@@ -13,7 +13,8 @@ from ..mechanics.signals import terms_of
 from ..model.model import Signal
 from .motion import Motion
 
-FULL = 2 * np.pi
+# A jump is one of two turns; half of another is left to what the trapezoidal rule makes of the angular velocity.
+JUMP = 3 * np.pi
 # A jump is seen by an output whose axis it is by more than this [rad].
 SEEN = 0.1
 
@@ -22,7 +23,8 @@ def warn_of_full_turns(motion: Motion, whence: Any) -> None:
     """Warn of outputs that are rotations about axes in space where they jump: past a full turn from where they count.
 
     They are components of a rotation vector, which is told within a full turn to either side. That one was passed
-    between two times is seen by the angular velocity: the vector does not change by what was turned.
+    between two times is seen by the angular velocity at both: the vector does not change by what was turned. Where a
+    motion begins beyond a turn, or passes one between two times at which it rests, nothing is seen.
 
     Args:
         motion: Motion; nothing is looked at where it is traced.
@@ -58,4 +60,4 @@ def _jumps(t: np.ndarray, x: np.ndarray, xd: np.ndarray, whence: np.ndarray, par
     vector = 2 * np.arctan2(size, since[:, :1]) * since[:, 1:] / np.where(size > 0, size, 1.0)
     speed = 2 * between(rate, lam)[:, 1:]
     missing = np.diff(vector, axis=0) - np.diff(t)[:, None] * (speed[1:] + speed[:-1]) / 2
-    return bool(np.any((np.linalg.norm(missing, axis=1) > FULL) & (np.abs(missing[:, part.axis]) > SEEN)))
+    return bool(np.any((np.linalg.norm(missing, axis=1) > JUMP) & (np.abs(missing[:, part.axis]) > SEEN)))

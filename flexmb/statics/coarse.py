@@ -28,6 +28,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     if not blocks or not is_concrete((model.parameters.reference, e)):
         return
     e = np.abs(np.asarray(e)).reshape(-1, model.topology.n_e)
+    e[~np.isfinite(e)] = 0.0
     # Most are asked about without loads.
     if not e.any():
         return
@@ -35,11 +36,12 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     found: dict[str, float] = {}
     for block in blocks:
         own = np.asarray(block.e)[:, np.array(block.element.angles) - 1]
-        largest = np.fmax.reduce(e[:, own], axis=(0, 2), initial=0.0)
-        ends, second = np.asarray(block.x), block.splits[1]
+        largest = e[:, own].max(axis=(0, 2), initial=0.0)
+        # Both ends have nodes of the same kinds, points first.
+        ends, second = np.asarray(block.x), block.splits[len(block.splits) // 2]
         chords = reference[ends[:, second : second + dims]] - reference[ends[:, :dims]]
         squares = (chords * chords).sum(axis=1)
-        for i in np.flatnonzero((largest * largest > LARGE**2 * squares) & np.isfinite(largest)):
+        for i in np.flatnonzero(largest * largest > LARGE**2 * squares):
             found[str(model.labels.e[own[i, 0]].of)] = float(largest[i] / np.sqrt(squares[i]))
     if found:
         names = sorted(found, key=lambda name: -found[name])

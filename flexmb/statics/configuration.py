@@ -16,7 +16,7 @@ from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
-from ..mechanics.transfer import correction, transfer
+from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
@@ -34,9 +34,9 @@ CORRECTIONS = 8
 SETTLED, MORE_TURNS = 1e-10, 8
 # What is left of the constraints, as a share of what their parts are for the whole extent.
 TOLERANCE = 1e-9
-# So many times its size a change of the constraints moves the mechanism at most: a crank whose line is a share y of its
-# length from its dead point is moved 1/y times, and its velocity is right to round-off times the square of that.
-FOLDED = 3e5
+# So many times as far as the undeformed mechanism a change of the constraints moves it at most: a crank that is a share
+# y of its length from its dead point is moved some 1/y times as far, and its velocity is right to round-off over y^2.
+FOLDED = 1e5
 
 
 class Configuration(ByName, Result, Record):
@@ -172,16 +172,24 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     x = jax.lax.fori_loop(0, DIFFERENTIATED, differentiated, end.x)
     e, jacobian = deformation_jacobian(topology, parameters, x, end.near)
     tangent = transfer(topology, jacobian)
-    rows, dependent = topology.e.given, topology.x.dependent
-    parts = (jnp.abs(jacobian) @ sizes)[rows]
-    off = jnp.max(jnp.abs((e - wanted_e)[rows]) / jnp.where(parts > 0, parts, 1.0), initial=0.0)
-    moved = jnp.sum(jnp.abs(tangent.factors.solve(jnp.diag(parts))), axis=1) / sizes[dependent]
+    parts = (jnp.abs(jacobian) @ sizes)[topology.e.given]
+    off = jnp.abs((e - wanted_e)[topology.e.given]) / jnp.where(parts > 0, parts, 1.0)
+    off = jnp.max(off, initial=0.0)
     found = within & (off < TOLERANCE) & (end.change <= SETTLED)
     result = jnp.where(found, RESULTS.successful, RESULTS.out_of_reach)
-    folded = found & (jnp.max(moved, initial=0.0) > FOLDED)
+    _, undeformed = deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))
+    before = _moved(topology, undeformed, transfer(topology, undeformed), sizes)
+    folded = found & (_moved(topology, jacobian, tangent, sizes) > FOLDED * before)
     astray = within & ~(tangent.regular & jnp.isfinite(off) & ~folded)
     result = jnp.where(astray, RESULTS.singular_configuration, result)
     return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
+
+
+def _moved(topology: Topology, jacobian: Float[Array, "n_e n_x"], tangent: Transfer, sizes: Float[Array, "n_x"]):
+    """How far changes of the constraints move the mechanism at most, each a share of its parts, () [-]."""
+    parts = (jnp.abs(jacobian) @ sizes)[topology.e.given]
+    moved = jnp.sum(jnp.abs(tangent.factors.solve(jnp.diag(parts))), axis=1)
+    return jnp.max(moved / sizes[topology.x.dependent], initial=0.0)
 
 
 _configure = jit(configure)

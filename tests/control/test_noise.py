@@ -124,10 +124,15 @@ def test_lines_and_jumps_of_densities_that_are_functions():
     assert jax.eval_shape(lambda centre: budget(K, centre).hertz, centre).shape < hertz.shape
 
 
-def test_a_density_too_rough_to_be_drawn_is_told():
-    def rough(f):
-        return FORCE * (1 + np.sin(1e9 * f))
-
+@pytest.mark.parametrize(
+    "rough",
+    [
+        lambda f: FORCE * (1 + np.sin(1e9 * f)),
+        # It has no end.
+        lambda f: FORCE / (f - 50.01) ** 2,
+    ],
+)
+def test_a_density_too_rough_to_be_drawn_is_told(rough):
     with pytest.warns(fm.FlexmbWarning, match="density of source 'push' is not drawn to the end"):
         fm.control.noise_budget(shaken(), sources={"push": rough}, band=(1.0, 400.0), outputs="tip")
 

@@ -1,5 +1,6 @@
 """A word where one beam is bent or twisted further than it is right for, against arcs and twists in closed form."""
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -71,6 +72,22 @@ def test_every_answer_says_it(ask):
     (word,) = set(words)
     assert word.startswith("Element 'blade': an end turns by up to 0.")
     assert "use more beams" in word
+
+
+@pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1)])
+def test_a_beam_that_warps_says_the_same(way):
+    """Bent across, away from the origin, as a beam that does not."""
+    across = {(1, 0, 0): (0, 1, 0), (0, 0, 1): (0, 1, 0)}[way]
+    words = []
+    for element in (spatial.beam, spatial.warping_beam):
+        b = fm.Builder()
+        b.node("a", (5, 5, 5))
+        b.node("b", tuple(5 + LENGTH * one for one in way))
+        b.add(element, "a", "b", name="rod", section=dataclasses.replace(SECTION, EIw=1e-3))
+        b.fix("a")
+        b.moment("b", tuple(0.5 * BEND / LENGTH * one for one in across))
+        words.append(said(lambda b=b: fm.equilibrium(b.build()))[1])
+    assert words[0] == words[1] != []
 
 
 def test_a_twist():

@@ -45,6 +45,25 @@ def crank(x, velocity):
     return b.build()
 
 
+def test_short_flexures_of_a_long_chain_are_no_dead_point():
+    """What a notch of 1 mm turns moves the end of the chain by 10 m, and is as regular as that of a short one."""
+    b = fm.Builder()
+    b.node("n0", (0, 0))
+    for i in range(10):
+        b.node(f"m{i}", (i + 1e-3, 0))
+        b.node(f"n{i + 1}", (i + 1, 0))
+        b.add(planar.beam, f"n{i}", f"m{i}", name=f"notch{i}", section=fm.Rigidity(EA=1e6, EIy=1.0))
+        b.add(planar.rigid_body, f"m{i}", f"n{i + 1}")
+    b.fix("n0")
+    model = b.build()
+    bent = np.array([name.endswith(("2", "3")) for name in model.q_labels]) * 1e-6
+    found = fm.configuration(model, bent)
+    # An arc turns its chord by what an end does, e/l, and its last end by twice that.
+    turned = -2e-3 * np.arange(11)
+    chords = 1e-3 * (turned[:-1] - 1e-3), (1 - 1e-3) * turned[1:]
+    assert found.at("n10")[1] == pytest.approx(np.sum(chords), rel=1e-3)
+
+
 @pytest.mark.parametrize("away", [0.4, 1e-3, 1e-6, 1e-8])
 def test_near_a_dead_point(away):
     """y = sqrt(1 - x^2): of the root of what is left round-off remains, and of the velocity its share of y."""
