@@ -61,6 +61,7 @@ class _Seen(NamedTuple):
 
 _SEEN: dict[str, _Seen] = {}
 _NOTHING = _Seen([], [], [], [], [])
+# Of a module that was taken as written.
 _UNSEARCHED = _Seen([], [], [], [], [])
 _runs_alone = False
 WATCHED = ("jax", "jax.lax", "jax.numpy", "jax.numpy.linalg", "jax.nn", "jax.scipy.linalg", "numpy")

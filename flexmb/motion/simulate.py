@@ -140,6 +140,7 @@ def simulate(
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; what is driven begins elsewhere or
             with speed, and degrees of freedom, which keep their values then, were found, not named; it starts stressed
             by strain or imperfection, unasked.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for.
 
     Source:
         THEORY.md 5 and 9.

@@ -9,8 +9,8 @@ from ..display import listed
 from ..errors import CoarseWarning, warn
 from ..model.model import Model
 
-# Angle [rad] between the chord of a beam and its end, or of its twist, up to which one beam is right within some 5 %
-# (2.2 % of the deflection of an arc at 0.13, 10 % at 0.27; of a twist 2/3 of its square).
+# Angle [rad] between the chord of a beam and its end, or of its twist, up to which one beam is right within 6 % of the
+# deflection of an arc, and within 3 % of a twist; both errors grow with its square.
 LARGE = 0.2
 # So many are named, the furthest first.
 NAMED = 3
@@ -49,7 +49,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
         which = listed([f"'{name}'" for name in names[:NAMED]])
         warn(
             f"Element{'s' * (len(names) > 1)} {which}{more}: an end turns by up to {found[names[0]]:.2g} rad from the"
-            f" chord, or from the other end about it. Beyond {LARGE} rad one beam is more than some 5 % off: use more"
-            " beams, or spectral ones.",
+            f" chord, or from the other end about it. Beyond {LARGE} rad one beam is off by 3 % or more where twisted,"
+            " and by 5 % where bent: use more beams, or spectral ones.",
             CoarseWarning,
         )

@@ -177,7 +177,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     off = jnp.max(off, initial=0.0)
     found = within & (off < TOLERANCE) & (end.change <= SETTLED)
     result = jnp.where(found, RESULTS.successful, RESULTS.out_of_reach)
-    _, undeformed = deformation_jacobian(topology, parameters, parameters.reference, zero_near(topology))
+    _, undeformed = deformation_jacobian(topology, settled[0], settled[0].reference, zero_near(topology))
     before = _moved(topology, undeformed, transfer(topology, undeformed), sizes)
     folded = found & (_moved(topology, jacobian, tangent, sizes) > FOLDED * before)
     astray = within & ~(tangent.regular & jnp.isfinite(off) & ~folded)

@@ -157,6 +157,7 @@ def equilibria(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some of them are not stable.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for.
 
     Source:
         As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,

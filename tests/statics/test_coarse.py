@@ -1,6 +1,5 @@
 """A word where one beam is bent or twisted further than it is right for, against arcs and twists in closed form."""
 
-import dataclasses
 import warnings
 
 import numpy as np
@@ -12,26 +11,27 @@ from flexmb.errors import CoarseWarning
 
 fm.enable_x64()
 BEND, TWIST, LENGTH = 1.0, 0.5, 0.4
-SECTION = fm.Rigidity(EA=1e6, EIy=BEND, EIz=BEND, GIt=TWIST, mass=1.0, Jx=1e-3)
+SECTION = fm.Rigidity(EA=1e6, EIy=BEND, EIz=BEND, GIt=TWIST, EIw=1e-3, mass=1.0, Jx=1e-3)
 
 
-def bent(moment, element=planar.beam, increment=False):
+def bent(moment, element=planar.beam):
     b = fm.Builder()
     b.node("a", (0, 0))
     b.node("b", (LENGTH, 0))
     b.add(element, "a", "b", name="blade", section=SECTION)
     b.fix("a")
-    b.moment("b", moment, increment=increment)
+    b.moment("b", moment)
     return b.build()
 
 
-def twisted(torque):
+def turned(moment, element=spatial.beam, begin=0.0, way=(1, 0, 0)):
+    """A rod in space from a point on the diagonal, with a moment at its end."""
     b = fm.Builder()
-    b.node("a", (0, 0, 0))
-    b.node("b", (LENGTH, 0, 0))
-    b.add(spatial.beam, "a", "b", name="rod", section=SECTION)
+    b.node("a", (begin, begin, begin))
+    b.node("b", tuple(begin + LENGTH * one for one in way))
+    b.add(element, "a", "b", name="rod", section=SECTION)
     b.fix("a")
-    b.moment("b", (torque, 0, 0))
+    b.moment("b", moment)
     return b.build()
 
 
@@ -77,23 +77,16 @@ def test_every_answer_says_it(ask):
 @pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1)])
 def test_a_beam_that_warps_says_the_same(way):
     """Bent across, away from the origin, as a beam that does not."""
-    across = {(1, 0, 0): (0, 1, 0), (0, 0, 1): (0, 1, 0)}[way]
-    words = []
-    for element in (spatial.beam, spatial.warping_beam):
-        b = fm.Builder()
-        b.node("a", (5, 5, 5))
-        b.node("b", tuple(5 + LENGTH * one for one in way))
-        b.add(element, "a", "b", name="rod", section=dataclasses.replace(SECTION, EIw=1e-3))
-        b.fix("a")
-        b.moment("b", tuple(0.5 * BEND / LENGTH * one for one in across))
-        words.append(said(lambda b=b: fm.equilibrium(b.build()))[1])
+    kinds = spatial.beam, spatial.warping_beam
+    models = [turned((0, 0.5 * BEND / LENGTH, 0), element, 5.0, way) for element in kinds]
+    words = [said(lambda model=model: fm.equilibrium(model))[1] for model in models]
     assert words[0] == words[1] != []
 
 
 def test_a_twist():
     """One beam meets GIt sin(2 a)/2 over its length where GIt a is right."""
     for angle, is_said in ((0.15, False), (0.24, True)):
-        found, words = said(lambda angle=angle: fm.equilibrium(twisted(TWIST * angle / LENGTH)))
+        found, words = said(lambda angle=angle: fm.equilibrium(turned((TWIST * angle / LENGTH, 0, 0))))
         a = 2 * np.arcsin(np.asarray(found.x)[-3])
         assert np.sin(2 * a) / 2 == pytest.approx(angle, rel=1e-9)
         assert bool(words) == is_said
