@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..results import RESULTS
+from .balance import Before
 from .chain_form import ChainForm
 from .collocation import (
     MOST,
@@ -72,7 +73,7 @@ def march_chain(
     equations: ChainForm,
     span: Span,
     start: MotionState,
-    moved: Float[Array, ""],
+    before: Before,
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
@@ -127,7 +128,8 @@ def march_chain(
         ends = (m.t, m.to), (m.state, after), (m.carried.z[:n], taken.carried.z[:n])
         k, states = rows_reached(times, m.to, keep, (m.saved, m.found.states), lambda t: between_steps(*ends, t))
         moved = jnp.where(keep, moved, m.found.moved)
-        found = Marched(states, moved, m.found.steps + 1, result.astype(jnp.int32), m.found.jumped)
+        steps = m.found.steps + 1
+        found = m.found._replace(states=states, moved=moved, steps=steps, result=result.astype(jnp.int32))
         state, carried = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (after, taken.carried), (m.state, m.carried))
         carried = carried._replace(rate=taken.carried.rate)
         before = jax.tree.map(lambda a, b: jnp.where(keep, a, b), (h, jnp.maximum(error, 1e-2)), m.before)
@@ -142,7 +144,7 @@ def march_chain(
     none = jnp.zeros((), jnp.int32)
     z, regular = equations.acceleration(t0, start)
     result = jnp.where(regular, none, RESULTS.singular_mass).astype(jnp.int32)
-    found = nothing_found(times, start, moved)._replace(result=result)
+    found = nothing_found(times, start, before)._replace(result=result)
     fast = jnp.max(jnp.abs(z[:n]), initial=1e-30)
     end = until_stop(stops, t0, jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1))
     shapes = jax.eval_shape(
@@ -153,8 +155,7 @@ def march_chain(
     yes, zero = jnp.array(True), jnp.zeros(())
     carried = carried_from(z)
     tape = blank_tape(most, start, carried) if taped else None
-    before = (zero, jnp.ones(()))
-    m = _ChainMarch(t0, end, start, carried, matrices, zero, yes, before, ~yes, none, found, tape)
+    m = _ChainMarch(t0, end, start, carried, matrices, zero, yes, (zero, jnp.ones(())), ~yes, none, found, tape)
     m = whole_loop(unfinished, turn, m) if taped else jax.lax.while_loop(unfinished, turn, m)
     found, still = ended(m.found, m.t, span, start)
     return found, None if m.tape is None else m.tape._replace(last=m.carried, saved=m.saved, still=still)

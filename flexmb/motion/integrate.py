@@ -18,6 +18,7 @@ from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
+from .balance import Before, is_seen
 from .chain_form import chain_form
 from .chain_march import march_chain
 from .chain_march_back import radau
@@ -83,12 +84,12 @@ class Reached(NamedTuple):
     Attributes:
         state: State, or where the motion starts from.
         memory: State of a sampled controller and the inputs that it gave last, None without one.
-        moved: Greatest displacement so far (extents, radians), by which step sizes are controlled.
+        before: By which step sizes are controlled.
     """
 
     state: MotionState | Start
     memory: Any
-    moved: Float[Array, ""]
+    before: Before
 
 
 class Integrated(NamedTuple):
@@ -123,7 +124,7 @@ def _solved(
     t1: Float[Array, ""],
     times: Float[Array, "n_t"],
     start: MotionState,
-    moved: Float[Array, ""],
+    before: Before,
     derived: bool = False,
     taped: bool = False,
     known: tuple[Marched, Tape] | None = None,
@@ -138,18 +139,18 @@ def _solved(
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     if _by_options(problem, integrator):
         onto = problem.jumps, problem.stops
-        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, moved), None
+        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, before), None
 
     def given(*own: Any) -> Any:
-        equations, span, start, integrator, moved = own
+        equations, span, start, integrator, before = own
 
         def first(fast: Float[Array, ""]):
             return _first_step(integrator, fast, span.t1 - span.t0, parts, False)
 
         allowed = (integrator.rtol, integrator.atol)
-        return equations, span, start, moved, allowed, first, integrator.max_steps
+        return equations, span, start, before, allowed, first, integrator.max_steps
 
-    own: tuple[Any, ...] = equations, Span(t0, t1, times, problem.stops), start, integrator, moved
+    own: tuple[Any, ...] = equations, Span(t0, t1, times, problem.stops), start, integrator, before
 
     def marched(*own: Any, taped: bool, derived: bool):
         if problem.order is not None:
@@ -188,7 +189,7 @@ def _by_diffrax(
     t1: Float[Array, ""],
     times: Float[Array, "n_t"],
     start: MotionState,
-    moved: Float[Array, ""],
+    before: Before,
 ) -> Marched:
     """States at times, by any solver; the first step is so small a part of the time at most."""
     import diffrax
@@ -199,7 +200,7 @@ def _by_diffrax(
     from .step_control import DisplacementController
     from .term import MotionTerm
 
-    solver, controller = _solver_and_steps(equations, integrator, onto, t1 - t0, moved)
+    solver, controller = _solver_and_steps(equations, integrator, onto, t1 - t0, before)
     adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
     equal = isinstance(controller, diffrax.ConstantStepSize)
     z0, regular = equations.acceleration(t0, start)
@@ -233,9 +234,10 @@ def _by_diffrax(
         controller, state = controller.controller, state.inner_state
     jumped = jnp.zeros((), bool)
     if isinstance(controller, DisplacementController):
-        _, moved, search = state
+        _, before, search = state
         jumped = search.jumped
-    return Marched(states, moved, solution.stats["num_steps"].astype(jnp.int32), result, jumped)
+    steps = solution.stats["num_steps"].astype(jnp.int32)
+    return Marched(states, before.moved, steps, result, jumped, before.balance)
 
 
 def _solver_and_steps(
@@ -243,7 +245,7 @@ def _solver_and_steps(
     integrator: Integrator,
     onto: tuple[Array | None, Array | None],
     span: Float[Array, ""],
-    moved: Float[Array, ""],
+    before: Before,
 ) -> tuple[Any, Any]:
     """Solver and step size control of diffrax, as they are given, or as they are chosen here."""
     import diffrax
@@ -268,8 +270,9 @@ def _solver_and_steps(
             icoeff=0.3,
             dtmin=SMALLEST_STEP * span,
             force_dtmin=False,
-            moved=moved,
+            before=before,
             states=equations.states,
+            equations=equations if is_seen(equations) else None,
             kinks=kinks_of(equations),
             passing=passing_of(integrator.event, equations.states),
         )
@@ -412,13 +415,14 @@ def _with_tape(
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
     asked: dict[str, Any] = {"derived": taped, "taped": taped, "known": known}
-    found, tape = _solved(equations, problem, integrator, span[0], span[1], times, start, given.moved, **asked)
-    states, moved, steps, result, jumped = found
+    found, tape = _solved(equations, problem, integrator, span[0], span[1], times, start, given.before, **asked)
+    states, moved, steps, result, jumped, balance = found
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
     result = jnp.where(begun == RESULTS.successful, result, begun)
     jumped = jumped & (result == RESULTS.successful)
-    return Integrated(rows, steps, result, Reached(_last(states), given.memory, moved), jumped), (found, tape)
+    last = Reached(_last(states), given.memory, Before(moved, balance))
+    return Integrated(rows, steps, result, last, jumped), (found, tape)
 
 
 _asked = jit_beside_options(_integrated)
@@ -461,15 +465,16 @@ def _integrated_sampled(
     sensors = measuring(problem.model, undriven, problem.measured_from)
 
     def interval(carry: tuple[Any, ...], at: tuple[Any, ...]):
-        state, (memory, u), moved = carry
+        state, (memory, u), before = carry
         begin, end, wanted = at
         # Accelerations at a sample are those that the inputs before it cause.
         z = under_inputs(problem.model, undriven, u).acceleration(begin, state)[0] if sensors.places.late else None
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        states, moved, *found = _solved(equations, problem, integrator, begin, end, wanted, state, moved, derived)[0]
-        return Reached(_last(states), (memory, u), moved), (states, u, *found)
+        found = _solved(equations, problem, integrator, begin, end, wanted, state, before, derived)[0]
+        before = Before(found.moved, found.balance)
+        return Reached(_last(found.states), (memory, u), before), (found.states, u, *found[2:5])
 
     first, begun = _started(undriven, problem, grid.begin[0], given.state)
     start = given._replace(state=first)

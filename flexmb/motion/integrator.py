@@ -36,7 +36,8 @@ class Integrator(Record):
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
             mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
             where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
-            beside a large motion want a smaller one.
+            beside a large motion want a smaller one. Energy that a step gains or loses although no force does that work
+            is at most 3 rtol of the greatest kinetic plus elastic energy.
         atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
             radians; by default just above round-off.
         solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps

@@ -12,9 +12,10 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.indices import TRUSTED
 from ..results import RESULTS
+from .balance import Balance, Before, elastic_energy, gained_along, noise_of
 from .kinks import Kinks, KinkSearch, search_of
 from .protocol import Equations, MotionState
-from .stages import RODAS5P, between, step_taken
+from .stages import RODAS5P, Taken, between, step_taken, z_within
 from .step_size import FAR, SMALLEST_STEP, error_of, greatest, next_step
 from .tape import Span, Tape, blank_tape, whole_loop
 
@@ -31,13 +32,15 @@ class Marched(NamedTuple):
         steps: Number of steps.
         result: Code of RESULTS.
         jumped: Whether a force has jumped, as far as that was looked at.
+        balance: Energy balance.
     """
 
     states: MotionState
     moved: Float[Array, ""]
     steps: Int[Array, ""]
     result: Int[Array, ""]
-    jumped: Bool[Array, ""] | bool = False
+    jumped: Bool[Array, ""] | bool
+    balance: Balance
 
 
 class _March(NamedTuple):
@@ -101,11 +104,11 @@ def code_of_step(small: Bool[Array, ""], kept: Bool[Array, ""], after: MotionSta
     return jnp.where(away, RESULTS.ran_away, result)
 
 
-def nothing_found(times: Float[Array, "n_t"], start: MotionState, moved: Float[Array, ""]) -> Marched:
+def nothing_found(times: Float[Array, "n_t"], start: MotionState, before: Before) -> Marched:
     """What is found before the first step."""
     rows = jax.tree.map(lambda one: jnp.full((len(times), *one.shape), jnp.inf), start)
     none = jnp.zeros((), jnp.int32)
-    return Marched(rows, greatest(moved, start), none, none, jnp.array(False))
+    return Marched(rows, greatest(before.moved, start), none, none, jnp.array(False), before.balance)
 
 
 def rows_reached(
@@ -155,7 +158,7 @@ def march(
     equations: Equations,
     span: Span,
     start: MotionState,
-    moved: Float[Array, ""],
+    before: Before,
     allowed: tuple[Float[Array, ""], Float[Array, ""]],
     first: Callable[[Float[Array, ""]], Float[Array, ""]],
     most: int,
@@ -170,7 +173,7 @@ def march(
     Args:
         span: Begin and end, times at which to give them, and times to be stepped onto.
         start: State at the begin.
-        moved: Greatest displacement before.
+        before: What is known of the motion before.
         allowed: Relative and absolute tolerance.
         first: Length of the first step [s] by the greatest acceleration.
         most: Most steps.
@@ -185,12 +188,27 @@ def march(
         fast = jnp.max(jnp.abs(z[: equations.size]), initial=1e-30)
         return jnp.minimum(t0 + jnp.maximum(first(fast), smallest), t1)
 
+    def balanced(m: _March, taken: Taken, after: MotionState):
+        times, states, mass = (m.t, m.to), (m.state, after), taken.by_z[:n, :n]
+        h, rates, own = m.to - m.t, (m.z[:n], taken.z[:n]), slice(n - equations.states)
+
+        def at(share: Float[Array, ""]):
+            t = m.t + share * h
+            state, rate = jax.jvp(lambda t: between(times, states, rates, t), (t,), (jnp.ones_like(t),))
+            return t, state, jnp.append(rate.w, z_within((m.z, taken.z), taken.bows, share)[n:])
+
+        energy = after.w[own] @ mass[own, own] @ after.w[own] / 2 + elastic_energy(equations, m.to, after)
+        gained, noise = gained_along(equations, h, at), noise_of(mass, h, allowed[1])
+        return m.found.balance.after(gained, energy, allowed[0], noise)
+
     def turn(m: _March) -> _March:
         h = m.to - m.t
         taken = step_taken(equations, RODAS5P, m.t, h, m.state, m.z, m.known if equations.linear else True)
         after = equations.settle(m.to, taken.end, taken.by_z[:n, :n])
         moved = greatest(m.found.moved, after)
         error = error_of((m.state, after), taken.error, h, moved, equations.states, allowed)
+        gain, balance = balanced(m, taken, after)
+        error = jnp.maximum(error, gain)
         keep = m.known & (error < 1)
         longer, before = next_step(h, error, m.before, RODAS5P.order, keep)
         end = jnp.where(keep, m.to, m.t) + jnp.maximum(longer, smallest)
@@ -216,6 +234,7 @@ def march(
             m.found.steps + m.known.astype(jnp.int32),
             result.astype(jnp.int32),
             m.found.jumped if search is None else search.jumped,
+            jax.tree.map(lambda a, b: jnp.where(keep, a, b), balance, m.found.balance),
         )
         state = jax.tree.map(lambda a, b: jnp.where(keep, a, b), after, m.state)
         z = jnp.where(keep | ~m.known, taken.z, m.z)
@@ -228,7 +247,8 @@ def march(
         return (m.found.result == RESULTS.successful) & (~m.known | (m.t < t1)) & (m.found.steps < most)
 
     none, known = jnp.zeros((), jnp.int32), jnp.array(not equations.linear)
-    found = nothing_found(times, start, moved)
+    balance = before.balance.with_energy(elastic_energy(equations, t0, start))
+    found = nothing_found(times, start, before._replace(balance=balance))
     if equations.linear:
         z, end = jnp.zeros(equations.unknowns), t0
     else:

@@ -53,6 +53,9 @@ class Motion(ByName, Along, Result, Record):
         model: Mechanism.
         form: Form of the equations that was integrated.
         solver: Name of the solver.
+        energy_error: Greatest energy that was gained or lost although no force did that work, over the greatest kinetic
+            plus elastic energy, () [-]. NaN: not computed (``form="chain"``, fixed steps, a ``controller`` of yours, a
+            motion without energy; with jumps, events or a ``solver`` also where motion is prescribed).
     """
 
     t: Float[Array, "n_t"]
@@ -66,6 +69,7 @@ class Motion(ByName, Along, Result, Record):
     model: Model
     form: str = static()
     solver: str = static()
+    energy_error: Float[Array, ""] | float = np.nan
     one_axis = "t"
 
     @property

@@ -53,10 +53,10 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
         if self.jumps:
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
-        end, z1, error, by_z = step_taken(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
-        y1 = equations.settle(t1, end, by_z[:n, :n])
-        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=z1[:n])
-        return y1, error, dense, z1, diffrax.RESULTS.successful
+        taken = step_taken(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
+        y1 = equations.settle(t1, taken.end, taken.by_z[:n, :n])
+        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=taken.z[:n])
+        return y1, taken.error, dense, taken.z, diffrax.RESULTS.successful
 
 
 class Rodas5P(Rosenbrock):

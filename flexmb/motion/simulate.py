@@ -29,6 +29,7 @@ from ..statics.coarse import warn_of_coarse
 from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from ..statics.strained import warn_of_needless_strain, warn_of_stressed_start
+from .balance import at_start
 from .chain_form import obstacle
 from .controlled_form import Feedback
 from .controllers import Sampled
@@ -52,6 +53,8 @@ if TYPE_CHECKING:
 # lattices in space take the time of dense matrices at 320 to 340, and a net of 480 half of it (benchmarks/nets.py); to
 # compile takes longer, once.
 NET = 400
+# A motion that gains or loses more energy than so many times its relative tolerance, without a cause, is warned of.
+UNBALANCED = 100.0
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 # After such a share of its time a condition that is zero where a motion starts has left zero, or it stays there.
@@ -141,6 +144,8 @@ def simulate(
             with speed, and degrees of freedom, which keep their values then, were found, not named; it starts stressed
             by strain or imperfection, unasked.
         CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        FlexmbWarning: The energy changes by more than loads, dampers, controllers and prescribed motions explain, by
+            over 100 ``rtol`` of the greatest kinetic plus elastic energy (``Motion.energy_error``).
 
     Source:
         THEORY.md 5 and 9.
@@ -185,10 +190,24 @@ def simulate(
     if isinstance(order, SparseOrder) and order.places.too_large and is_concrete(result):
         result = jnp.full_like(result, RESULTS.out_of_memory)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
-    found = Motion(times, x, xd, near, u, run.steps, result, driven, model, str(integrator.form), name)
+    found = Motion(
+        times,
+        x,
+        xd,
+        near,
+        u,
+        run.steps,
+        result,
+        driven,
+        model,
+        str(integrator.form),
+        name,
+        run.last.before.balance.share,
+    )
     if model.labels.found and driving(model.parameters, driven) and is_concrete((found, start)):
         warn_of_found(found, start)
     _tell(found, drives, run.jumped, throw and not stopped)
+    _warn_of_energy(found, integrator)
     warn_of_coarse(model, found.e)
     if feedback is not None:
         warn_of_full_turns(found, start.x)
@@ -266,7 +285,7 @@ def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: St
     times = jnp.asarray(wanted, float)
     feedback = problem.feedback
     none = np.zeros(len(problem.model.labels.inputs))
-    at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, as_floats(0.0))
+    at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, at_start())
     if isinstance(feedback, Sampled) and isinstance(wanted, jax.core.Tracer):
         raise TypeError("A sampled controller needs concrete times: give them outside jax.jit and jax.grad.")
     with _naming_the_adjoint():
@@ -299,6 +318,19 @@ def _tell(found: Motion, drives: Drives, jumped: Any, throw: bool) -> None:
             collect(jnp.where(jumped, RESULTS.forces_jump, RESULTS.successful))
         elif jumped:
             warn(RESULTS.forces_jump.message)
+
+
+def _warn_of_energy(found: Motion, integrator: Integrator) -> None:
+    """Warn where energy came or went that no force explains."""
+    if not is_concrete((found.energy_error, found.result, integrator.rtol)):
+        return
+    share, rtol = float(found.energy_error), float(np.asarray(integrator.rtol))
+    if int(found.result) == RESULTS.successful and share > UNBALANCED * rtol:
+        warn(
+            f"The motion gains or loses {100 * share:.2g} % of its greatest energy, and no load, damper, controller or"
+            f" prescribed motion does that work. Displacements are within `rtol` = {rtol:.2g} of each step. Give a"
+            " smaller `rtol`; if the energy still differs, a law or a controller may jump or depend on its own history."
+        )
 
 
 @contextlib.contextmanager

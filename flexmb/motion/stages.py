@@ -25,6 +25,7 @@ class Tableau(NamedTuple):
         c: Weights of earlier stages in the right-hand sides, strictly lower triangular.
         m: Weights of the stages in the result.
         error: Weights of the stages in the error estimate.
+        within: Weights of the stages in the polynomial between the ends of a step, a row for each power.
         order: Order of the method.
     """
 
@@ -33,6 +34,7 @@ class Tableau(NamedTuple):
     c: np.ndarray
     m: np.ndarray
     error: np.ndarray
+    within: np.ndarray
     order: int
 
     @property
@@ -100,6 +102,40 @@ RODAS5P = Tableau(
     ),
     m=np.array([*_LAST, 1.0, 1.0, 1.0]),
     error=np.eye(8)[7],
+    within=np.array(
+        [
+            [
+                25.948786856663858,
+                -2.5579724845846235,
+                10.433815404888879,
+                -2.3679251022685204,
+                0.524948541321073,
+                1.1241088310450404,
+                0.4272876194431874,
+                -0.17202221070155493,
+            ],
+            [
+                -9.91568850695171,
+                -0.9689944594115154,
+                3.0438037242978453,
+                -24.495224566215796,
+                20.176138334709044,
+                15.98066361424651,
+                -6.789040303419874,
+                -6.710236069923372,
+            ],
+            [
+                11.419903575922262,
+                2.8879645146136994,
+                72.92137995996029,
+                80.12511834632643,
+                -52.072871366152654,
+                -59.78993625266729,
+                -0.15582684282751913,
+                4.883087185713722,
+            ],
+        ]
+    ),
     order=5,
 )
 
@@ -107,7 +143,7 @@ RODAS5P = Tableau(
 # removes what keeps redundant constraints solvable.
 STILL_STAGES = 2
 _STILL_ROWS = np.concatenate([np.tri(8, k=-1), np.zeros((8, 10))], axis=1)
-_STILL_WEIGHTS = np.stack([np.arange(8) < STILL_STAGES, np.zeros(8)])
+_STILL_WEIGHTS = np.concatenate([(np.arange(8) < STILL_STAGES)[None], np.zeros((4, 8))])
 
 
 def _coefficients(tableau: Tableau) -> np.ndarray:
@@ -123,12 +159,14 @@ class Taken(NamedTuple):
         z: Accelerations and multipliers there, (n + m,).
         error: Estimate of the error of the state.
         by_z: Derivative of the residual by z at its begin, (n + m, n + m).
+        bows: What makes z leave the straight line within the step, (3, n + m), see :func:`z_within`.
     """
 
     end: MotionState
     z: Float[Array, "r"]
     error: MotionState
     by_z: Float[Array, "r r"]
+    bows: Float[Array, "3 r"]
 
 
 def step_taken(
@@ -156,7 +194,7 @@ def step_taken(
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section VI.4; elimination derived here.
     """
     n, stages = state.u.shape[0], len(tableau.m)
-    rows, weights = _coefficients(tableau), np.stack([tableau.m, tableau.error])
+    rows, weights = _coefficients(tableau), np.vstack([tableau.m, tableau.error, tableau.within])
     if known is not True:
         rows, weights = jnp.where(known, rows, _STILL_ROWS), jnp.where(known, weights, _STILL_WEIGHTS)
     tangent = equations.tangent(t, state, z)
@@ -189,9 +227,25 @@ def step_taken(
         return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([own_u, own_w, own_z]), i, 0)
 
     rows, nothing = jnp.asarray(rows), jnp.zeros((len(tableau.m), 2 * n + z.shape[0]))
-    (du, dw, dz), (error_u, error_w, _) = map(apart, weights @ jax.lax.fori_loop(0, stages, stage, nothing))
+    found = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
+    (du, dw, dz), (error_u, error_w, _) = map(apart, found[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
-    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.by_z)
+    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.by_z, found[2:, 2 * n :])
+
+
+def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[Array, ""]) -> Float[Array, "r"]:
+    """Accelerations and multipliers at a share of a step, of order four.
+
+    Args:
+        ends: At its begin and its end, (n + m,).
+        bows: Of :class:`Taken`.
+        share: From 0 to 1.
+
+    Source:
+        Steinebach (2023), BIT Numerical Mathematics 63, 27.
+    """
+    bow = bows[0] + share * (bows[1] + share * bows[2])
+    return (1 - share) * ends[0] + share * (ends[1] + (1 - share) * bow)
 
 
 def between(
@@ -208,19 +262,29 @@ def between(
     (t0, t1), (y0, y1), (a0, a1) = times, states, rates
     h = t1 - t0
     s = (t - t0) / jnp.where(h == 0, 1.0, h)
-    u = _hermite(s, h, y0.u, y1.u, y0.w, y1.w)
-    w = _hermite(s, h, y0.w, y1.w, a0, a1)
+    u = hermite(s, h, y0.u, y1.u, y0.w, y1.w)
+    w = hermite(s, h, y0.w, y1.w, a0, a1)
     return MotionState(u, w, y0.memory + s * (y1.memory - y0.memory))
 
 
-def _hermite(
+def hermite(
     s: Float[Array, ""],
     h: Float[Array, ""],
     p0: Float[Array, "n"],
     p1: Float[Array, "n"],
     v0: Float[Array, "n"],
     v1: Float[Array, "n"],
-):
+) -> Float[Array, "n"]:
+    """The polynomial of order three through two points with two rates, at a share of a step.
+
+    Args:
+        s: Share of the step, from 0 to 1.
+        h: Length of the step [s].
+        p0: Values at its begin, (n,).
+        p1: Values at its end.
+        v0: Rates at its begin, (n,) [1/s].
+        v1: Rates at its end.
+    """
     change = p1 - p0
     return p0 + s * (h * v0 + s * (3 * change - h * (2 * v0 + v1) + s * (h * (v0 + v1) - 2 * change)))
 

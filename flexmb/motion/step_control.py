@@ -8,8 +8,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optimistix as optx
-from jaxtyping import Array, Float
 
+from .balance import Balance, Before, at_start, elastic_energy, gained_between, kinetic_energy
 from .events import Passing
 from .kinks import Kinks, search_of
 from .protocol import MotionState
@@ -33,25 +33,31 @@ class DisplacementController(diffrax.PIDController):
 
     Attributes:
         norm: Of the errors over their tolerances.
-        moved: Greatest displacement before the start (extents, radians).
+        before: What is known of the motion before the start.
         states: Number of states of a controller, the last of the velocities.
         kinks: What finds a kink within a step, or None.
         passing: What finds an event that passes within a step, or None.
+        equations: Equations of motion whose energy balance refuses a step too, or None.
 
     Source:
         Hairer, Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.4; measures derived here.
     """
 
     norm: Callable[[Any], Any] = optx.max_norm
-    moved: Float[Array, ""] | float = 0.0
+    before: Before = eqx.field(default_factory=at_start)
     states: int = eqx.field(static=True, default=0)
     kinks: Kinks | None = None
     passing: Passing | None = None
+    equations: Any = None
 
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
         found: Any = super().init(terms, t0, t1, y0, *args, **named)
-        return found[0], (found[1], greatest(self.moved, y0), search_of(self.kinks, t0, y0))
+        moved, balance = greatest(self.before.moved, y0), self.before.balance
+        if self.equations is not None:
+            own, t, state = jax.lax.stop_gradient((self.equations, t0, y0))
+            balance = balance.with_energy(elastic_energy(own, t, state) + kinetic_energy(own, t, state))
+        return found[0], (found[1], Before(moved, balance), search_of(self.kinks, t0, y0))
 
     def adapt_step_size(
         self,
@@ -65,8 +71,8 @@ class DisplacementController(diffrax.PIDController):
         controller_state: Any,
     ) -> Any:
         """Whether to keep a step, and the next one."""
-        before_step, before, search = controller_state
-        after = greatest(before, y1_candidate)
+        before_step, (moved, balance), search = controller_state
+        after = greatest(moved, y1_candidate)
         n = y0.u.shape[0]
         mechanism = jnp.arange(n) < n - self.states
         error_u = jnp.where(mechanism, jnp.maximum(jnp.abs(y_error.u), (t1 - t0) * jnp.abs(y_error.w)), 0.0)
@@ -90,10 +96,27 @@ class DisplacementController(diffrax.PIDController):
         if self.kinks is not None:
             kinked, next_t1, search = search.after(self.kinks, times, states, keep & ~refused, next_t1, least)
             refused = refused | kinked
-        if self.passing is not None or self.kinks is not None:
+        if self.equations is not None:
+            over, after_step = self._balanced(balance, times, states)
+            unbalanced = keep & ~refused & (over >= 1)
+            next_t1 = jnp.where(unbalanced, t0 + 0.5 * (t1 - t0), next_t1)
+            small = unbalanced & (0.5 * (t1 - t0) < least)
+            result = diffrax.RESULTS.where(small, diffrax.RESULTS.dt_min_reached, result)
+            refused = refused | unbalanced
+            balance = jax.tree.map(lambda a, b: jnp.where(keep & ~refused, a, b), after_step, balance)
+        if any(one is not None for one in (self.passing, self.kinks, self.equations)):
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
         away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
-        return keep, next_t0, next_t1, made_jump, (state, jnp.where(keep, after, before), search), result
+        before = Before(jnp.where(keep, after, moved), balance)
+        return keep, next_t0, next_t1, made_jump, (state, before, search), result
+
+    def _balanced(self, balance: Balance, times: tuple[Any, Any], states: tuple[MotionState, MotionState]):
+        """What a step gains over what it may gain, and the balance behind it."""
+        equations, balance, times, states = jax.lax.stop_gradient((self.equations, balance, times, states))
+        energy = elastic_energy(equations, times[1], states[1]) + kinetic_energy(equations, times[1], states[1])
+        noise = kinetic_energy(equations, times[1], states[1]._replace(w=jnp.full_like(states[1].w, self.atol)))
+        noise = noise / jnp.where(times[1] == times[0], 1.0, times[1] - times[0]) ** 2
+        return balance.after(gained_between(equations, times, states), energy, self.rtol, noise)
