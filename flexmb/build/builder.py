@@ -23,7 +23,7 @@ from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
-from ..model.by_name import FRAME_OF, TURNS, turn_of
+from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, stack
@@ -190,12 +190,19 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part. None:
-                the whole node, its rotation included if it has or gets one.
+            components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part; in space
+                "rx", "ry" or "rz", the angle about that global axis, see :meth:`prescribe`. None: the whole node, its
+                rotation included if it has or gets one.
         """
         node, word = str(node), components[0] if len(components) == 1 else None
         if components and not (isinstance(word, str) and word in ("position", "rotation")):
-            self._set_roles([("node", *self._coordinate(node, c)) for c in components], Role.FIXED)
+            if self.dimension == 3 and set(TURNS).issubset(components):
+                self.fix(node, "rotation")
+            keys = [self._entry(node, c, "node") for c in components]
+            self._set_roles(keys, Role.FIXED)
+            part = self._rotation_name(node) if any(key[0] == "element" for key in keys) else ""
+            if part and all(self._role(self._turn(part, i)) is Role.FIXED for i in range(3)):
+                self.fix(node, "rotation")
             return
         if node not in self.nodes:
             self._unknown_node(node, "fix")
@@ -205,6 +212,10 @@ class Builder(Description):
             parts = [self._position(node)] if word == "position" else [node, f"{node}.rotation"]
         there = [part for part in parts if part in self.nodes or word == "rotation"]
         self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
+        for name, member in self.members.items():
+            # What is FIXED about an axis is FIXED as a whole now.
+            if name.startswith(TURN_OF) and member.nodes[-1] in there and member.roles[0] is Role.FIXED:
+                member.roles[0] = Role.DEPENDENT
         self._clamped.update(part for part in parts if part not in there)
 
     def prescribe(
@@ -220,20 +231,25 @@ class Builder(Description):
     ) -> None:
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
-        A rotation is an angle that counts past half and full turns. In space it is that of a hinge named "turn of"
-        the node, between a fixed rotation "frame of" the node and the node's own: its e1 is the angle. Its stress
-        resultant is the moment of the mechanism on whoever turns it: what must be put on the node is the opposite. In
-        the plane the reaction of the coordinate is what must be put on the node.
+        A rotation is an angle that counts past half and full turns. In space it is the angle about an axis, and the
+        node may turn about other axes. The angle is deformation 1 of a hinge, from a FIXED rotation "frame of" the
+        node to the node's own. The hinge is named "turn of" the node, as "turn of c", and about a global axis as
+        "turn of c.rx". ``reaction`` and ``force_needed`` of the node give the moment that turns it. The stress
+        resultant of the hinge is the opposite.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, "rotation", or number of a deformation, from 1.
+            component: Coordinate, "rotation", or number of a deformation, from 1; in space also "rx", "ry" or "rz", the
+                angle about that global axis.
             value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
-            axis: Of a rotation in space, (3,) along the global axes.
-            tilt: Of a rotation in space: "fixed" (unless given) turns the node about the axis and no other way, "free"
-                holds the angle about the axis alone.
+            axis: Of "rotation" in space, (3,) along the global axes.
+            tilt: Of "rotation" in space: "free" (unless given) holds the angle about the axis alone, "fixed" turns the
+                node about the axis and no other way.
             kind: "node" or "element", where both bear the name.
+
+        Source:
+            THEORY.md 2, eq. (2.17): the angle, and the tilts that are free.
         """
         check_flag("increment", increment, ModelError)
         check_numbers(f"Prescribed value of '{of}'", value, (), ModelError)
@@ -256,7 +272,8 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1.
+            component: Coordinate, or number of a deformation, from 1; in space also "rx", "ry" or "rz", as for
+                :meth:`prescribe`.
             value: Displacement from the position given, or deformation, () [m, rad].
             velocity: Its rate, () [m/s, rad/s].
             kind: "node" or "element", where both bear the name.
@@ -802,27 +819,23 @@ class Builder(Description):
         if tilt is not None and not (isinstance(tilt, str) and tilt in ("fixed", "free")):
             raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {shown(tilt)}.")
         node = part.removesuffix(".rotation")
-        name, frame = turn_of(node), FRAME_OF + node
+        name, new = turn_of(node), turn_of(node) not in self.members
         properties = complete_properties(spatial.hinge, name, {"axis": axis})
-        if name not in self.members:
+        if new:
             held = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]
             if held:
                 raise ModelError(
                     f"The rotation of node '{node}' is {held[0].value} already and cannot be prescribed too."
                 )
-            if frame in self.nodes:
-                raise ModelError(
-                    f"Node '{frame}' is defined already: to prescribe a rotation takes a node of that name."
-                )
             self._check_member(spatial.hinge, name, [ROTATION3.start] * 2, properties)
-            self.rotation(frame)
-            self.fix(frame)
-            self.add(spatial.hinge, frame, part, name=name, axis=axis, released=(2, 3) if tilt == "free" else ())
+            self._new_turn(name, part, properties)
         member = self.members[name]
-        if member.nodes != (frame, part):
+        if member.nodes != (frame_of(part), part):
             raise ModelError(
                 f"Element '{name}' is defined already: to prescribe a rotation takes an element of that name."
             )
+        if new and tilt == "fixed":
+            member.roles[1:] = [Role.FIXED] * 2
         known, roles = member.properties["axis"], member.roles
         other = is_concrete((known, properties)) and not np.allclose(known, properties["axis"])
         if other or (tilt is not None and (tilt == "free") is not (roles[1] is Role.DEPENDENT)):

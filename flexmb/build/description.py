@@ -11,9 +11,11 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from ..arguments import check_numbers, is_concrete, shown
+from ..elements import spatial
 from ..elements.element import Element
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
+from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.roles import Role
 from .given import number_in, some_of
 
@@ -97,7 +99,8 @@ class Description:
 
         Args:
             of: Name of a node or an element.
-            components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1.
+            components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1; in space "rx", "ry" or
+                "rz", the angle about that global axis: deformation 1 of a hinge, as for ``prescribe``.
             kind: "node" or "element", where both bear the name.
         """
         keys: list[Key] = []
@@ -144,7 +147,11 @@ class Description:
 
     def copy(self) -> Self:
         """A builder with the same contents, to vary."""
-        twin = copy.copy(self)
+        return copy.copy(self)
+
+    def __copy__(self) -> Self:
+        twin = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
         for field in ("nodes", "members"):
             contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
             setattr(twin, field, contents)
@@ -243,10 +250,14 @@ class Description:
         return self.members[name]
 
     def _owner(self, key: Key) -> Node | Member:
-        """Node or element of a coordinate or deformation; a rotation is made if it is not there yet."""
+        """Node or element of a coordinate or deformation; a rotation and its hinge are made if they are not there."""
         kind, of, _ = key
         if kind == "node" and of not in self.nodes:
             self._new_node(of, (own := self._kind_of(of)), list(own.start))
+        if kind == "element" and of not in self.members:
+            node, _, axis = of.removeprefix(TURN_OF).rpartition(".")
+            properties = {"axis": np.eye(3)[TURNS.index(axis)], "stiffness": None, "damping": None}
+            self._new_turn(of, self._rotation_name(node), properties)
         return (self.members if kind == "element" else self.nodes)[of]
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
@@ -292,24 +303,53 @@ class Description:
             if number is None or not 1 <= number <= count:
                 raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
             return "element", of, number
+        if self.dimension == 3 and isinstance(component, str) and component in TURNS:
+            return self._turn(self._rotation_name(of), TURNS.index(component))
         return "node", *self._coordinate(of, component)
+
+    def _turn(self, rotation: str, axis: int) -> Key:
+        """The angle of a rotation in space about a global axis, whose hinge may not be there yet."""
+        usual = self.members.get(turn_of(rotation))
+        if usual is not None and usual.roles[1] is Role.DEPENDENT and is_concrete(usual.properties["axis"]):
+            own = np.asarray(usual.properties["axis"])
+            if own[axis] > 0 and np.count_nonzero(own) == 1:
+                return "element", turn_of(rotation), 1
+        return "element", turn_of(rotation, TURNS[axis]), 1
+
+    def _new_turn(self, name: str, rotation: str, properties: dict[str, Any]) -> None:
+        """Add a hinge that measures a rotation in space, from a frame that is FIXED."""
+        frame = frame_of(rotation)
+        if frame not in self.nodes:
+            self._new_node(frame, ROTATION3, list(ROTATION3.start))
+            self.nodes[frame].roles = [Role.FIXED] * ROTATION3.size
+        elif not any(other.startswith(TURN_OF) and frame in member.nodes for other, member in self.members.items()):
+            raise ModelError(f"Node '{frame}' is defined already: to turn a rotation takes a node of that name.")
+        self._owner(("node", rotation, 1))
+        self.members[name] = Member(spatial.hinge, (frame, rotation), properties, [Role.DEPENDENT] * 3)
 
     def _role(self, key: Key) -> Role:
         """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
         kind, of, number = key
         if kind == "node" and of not in self.nodes:
             return Role.FIXED if of in self._clamped else Role.DEPENDENT
+        if kind == "element" and of not in self.members:
+            # As the rotation itself where it is held as a whole, or driven.
+            rotation = self._rotation_name(of.removeprefix(TURN_OF).rpartition(".")[0])
+            roles = {self._role(("node", rotation, i)) for i in range(1, 5)} - {Role.DEPENDENT}
+            return next(iter(roles)) if len(roles) == 1 else Role.DEPENDENT
         return self._owner(key).roles[number - 1]
 
     def _set_roles(self, keys: list[Key], role: Role) -> None:
         """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
         for key in keys:
             kind, of, number = key
-            present, free = self._role(key), (Role.DEPENDENT,) if kind == "node" else (Role.FIXED, Role.DEPENDENT)
+            turn = kind == "element" and number == 1 and of.startswith(TURN_OF)
+            only = kind == "node" or (turn and role is not Role.DEPENDENT)
+            present, free = self._role(key), (Role.DEPENDENT,) if only else (Role.FIXED, Role.DEPENDENT)
             if present is not role and present not in free:
-                what = "Coordinate" if kind == "node" else "Deformation"
-                raise ModelError(
-                    f"{what} {number} of '{of}' is {present.value} already and cannot be {role.value} too."
-                )
+                what = f"{'Coordinate' if kind == 'node' else 'Deformation'} {number} of '{of}'"
+                what = f"The rotation '{of.removeprefix(TURN_OF)}'" if turn else what
+                raise ModelError(f"{what} is {present.value} already and cannot be {role.value} too.")
         for key in keys:
-            self._owner(key).roles[key[2] - 1] = role
+            if self._role(key) is not role:
+                self._owner(key).roles[key[2] - 1] = role

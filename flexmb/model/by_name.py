@@ -11,7 +11,8 @@ from ..math.rotation import LBAR, rotation_vector
 
 # Rotations in space are asked for about the global axes.
 TURNS = ("rx", "ry", "rz")
-# A rotation in space that is prescribed has a hinge, and a node that stands, which are named after its node so.
+# A rotation in space that is turned or held about an axis has a hinge there, from a frame that is FIXED: "turn of c"
+# about an axis of one's own, "turn of c.rx" about a global one, both from "frame of c".
 TURN_OF, FRAME_OF = "turn of ", "frame of "
 # What a result may hold, and which results do.
 _HELD = {
@@ -24,9 +25,19 @@ _HELD = {
 }
 
 
-def turn_of(node: str) -> str:
-    """Name of the hinge by which the rotation of a node in space is prescribed, of a node or of its rotation."""
-    return TURN_OF + node.removesuffix(".rotation")
+def turn_of(node: str, axis: str = "") -> str:
+    """Name of the hinge by which the rotation of a node in space is turned or held.
+
+    Args:
+        node: Node or its rotation.
+        axis: "rx", "ry" or "rz" of the hinge about that global axis.
+    """
+    return TURN_OF + node.removesuffix(".rotation") + (f".{axis}" if axis else "")
+
+
+def frame_of(node: str) -> str:
+    """Name of the rotation from which these hinges turn it, of a node or of its rotation."""
+    return FRAME_OF + node.removesuffix(".rotation")
 
 
 class ByName:
@@ -282,7 +293,10 @@ def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | No
         indices = labels.known(part)
         own = _picked(values, indices)
         turns = labels.x[indices[0]].symbol == "l0"
-        pieces.append(_with_lbar(_picked(x, indices), own, factor) if turns else own)
+        # Hinges that turn a rotation act on it by way of their frame, whose support has the moment that turns it.
+        places = [indices, labels.coordinates(frame_of(part))] if turns else []
+        about_axes = [_with_lbar(_picked(x, at), _picked(values, at), factor) for at in places if len(at)]
+        pieces.append(sum(about_axes[1:], about_axes[0]) if turns else own)
         names += TURNS if turns else [labels.x[i].symbol for i in indices]
     whole = pieces[0] if len(pieces) == 1 else computed(lambda xp, *of: xp.concatenate(of, axis=-1), *pieces)
     return whole if component is None else _picked(whole, _number(node, names, component))
