@@ -3,10 +3,11 @@
 The terminal, notebooks, pictures and the viewer ask for these two, and know no class of results.
 """
 
+import difflib
 import importlib
 import operator
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
@@ -16,6 +17,8 @@ import numpy as np
 
 # Entries of a list in a summary; lines of a result on the terminal, and their length.
 AT_MOST = 6
+# An error message shows so many, since one of them is needed.
+NAMED = 24
 # What moves no more than this share of the largest motion of a mode is at rest in it.
 STILL = 1e-6
 LINES, WIDTH = 12, 120
@@ -148,6 +151,26 @@ def listed(values: Any, unit: str = "") -> str:
     found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
     return f"{', '.join(found)}{more} {unit}".strip() if found else "none"
+
+
+def among(names: Iterable[str], asked: str = "") -> str:
+    """Names for an error message, the nearest to a wrong one first where they are many, and how many are left out.
+
+    Args:
+        names: All that are right.
+        asked: The wrong one.
+    """
+    known = list(dict.fromkeys(map(str, names)))
+    if asked and len(known) > NAMED:
+        matcher = difflib.SequenceMatcher(b=str(asked), autojunk=False)
+
+        def distance(name: str) -> float:
+            matcher.set_seq1(name)
+            return -matcher.ratio()
+
+        known.sort(key=distance)
+    more = f" and {len(known) - NAMED} more" if len(known) > NAMED else ""
+    return f"{', '.join(known[:NAMED])}{more}" if known else "none"
 
 
 def span(values: Any, unit: str = "") -> str:

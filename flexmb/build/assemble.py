@@ -18,11 +18,12 @@ from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity
 from ..math.indices import put
 from ..mechanics.blocks import with_meaning
-from ..model.model import Entry, Labels, Model, Signal
+from ..model.by_name import frame_of
+from ..model.model import MOTIONS, Entry, Labels, Model, Signal
 from ..model.parameters import Loads, Parameters
-from ..model.roles import Role
+from ..model.roles import HELD, Role
 from ..model.topology import Block, RoleIndices, Topology
-from .description import Description, Key, NamedSignal
+from .description import Description, Key, NamedSignal, turn_about
 
 UNIT_NORM = Element(unit_norm)
 
@@ -114,9 +115,18 @@ def assemble(builder: Description) -> Model:
     def signal(s: NamedSignal) -> Signal:
         if s.parts:
             return Signal(s.name, s.quantity, -1, parts=tuple(signal(part) for part in s.parts))
-        of_element, at = s.key[0] == "element", index(s.key)
+        axis, key = s.axis, s.key
+        if axis is not None and not s.local and any(role not in HELD for role in builder.nodes[key[1]].roles):
+            # What turns or holds a rotation about an axis is a hinge, and its frame has the moment that does.
+            turn = turn_about(builder, key[1], axis)
+            hinge = builder.members.get(turn[1])
+            if s.quantity in MOTIONS and hinge is not None and hinge.roles[0] in HELD:
+                axis, key = None, turn
+            elif s.quantity == "reaction" and frame_of(key[1]) in builder.nodes:
+                key = ("node", frame_of(key[1]), 1)
+        of_element, at = key[0] == "element", index(key)
         held = (e_roles if of_element else x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
-        return Signal(s.name, s.quantity, at, s.axis, s.local, of_element, held)
+        return Signal(s.name, s.quantity, at, axis, s.local, of_element, held)
 
     signals = {kind: tuple(signal(s) for s in entries) for kind, entries in builder.signals.items()}
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)

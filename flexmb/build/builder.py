@@ -29,7 +29,7 @@ from ..model.roles import Role
 from .assemble import assemble, stack
 from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
-from .description import Description, Key, Member, NamedSignal
+from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
@@ -201,7 +201,7 @@ class Builder(Description):
             keys = [self._entry(node, c, "node") for c in components]
             self._set_roles(keys, Role.FIXED)
             part = self._rotation_name(node) if any(key[0] == "element" for key in keys) else ""
-            if part and all(self._role(self._turn(part, i)) is Role.FIXED for i in range(3)):
+            if part and all(self._role(turn_about(self, part, i)) is Role.FIXED for i in range(3)):
                 self.fix(node, "rotation")
             return
         if node not in self.nodes:

@@ -304,17 +304,8 @@ class Description:
                 raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
             return "element", of, number
         if self.dimension == 3 and isinstance(component, str) and component in TURNS:
-            return self._turn(self._rotation_name(of), TURNS.index(component))
+            return turn_about(self, self._rotation_name(of), TURNS.index(component))
         return "node", *self._coordinate(of, component)
-
-    def _turn(self, rotation: str, axis: int) -> Key:
-        """The angle of a rotation in space about a global axis, whose hinge may not be there yet."""
-        usual = self.members.get(turn_of(rotation))
-        if usual is not None and usual.roles[1] is Role.DEPENDENT and is_concrete(usual.properties["axis"]):
-            own = np.asarray(usual.properties["axis"])
-            if own[axis] > 0 and np.count_nonzero(own) == 1:
-                return "element", turn_of(rotation), 1
-        return "element", turn_of(rotation, TURNS[axis]), 1
 
     def _new_turn(self, name: str, rotation: str, properties: dict[str, Any]) -> None:
         """Add a hinge that measures a rotation in space, from a frame that is FIXED."""
@@ -353,3 +344,18 @@ class Description:
         for key in keys:
             if self._role(key) is not role:
                 self._owner(key).roles[key[2] - 1] = role
+
+
+def turn_about(description: Description, rotation: str, axis: int) -> Key:
+    """The angle of a rotation in space about a global axis, by the hinge that turns it, which may not be there yet.
+
+    Args:
+        rotation: Name of the rotation.
+        axis: 0, 1 or 2.
+    """
+    usual = description.members.get(turn_of(rotation))
+    if usual is not None and usual.roles[1] is Role.DEPENDENT and is_concrete(usual.properties["axis"]):
+        along = np.asarray(usual.properties["axis"])
+        if along[axis] > 0 and np.count_nonzero(along) == 1:
+            return "element", turn_of(rotation), 1
+    return "element", turn_of(rotation, TURNS[axis]), 1

@@ -11,9 +11,9 @@ import numpy as np
 from ..checks.mobility import Constraints, constraints, mobility_of, motions_of
 from ..errors import MechanismError, ModelError
 from ..math.subspace import above, determines, independent_rows, row_sizes
-from ..model.by_name import turn_of
+from ..model.by_name import TURNS, turn_of
 from ..model.model import MOTIONS, Model
-from ..model.roles import Role
+from ..model.roles import HELD
 from .assemble import assemble, with_roles
 from .clamps import with_clamps
 from .description import Description
@@ -95,7 +95,13 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
             what = "deformation" if part.of_element else "coordinate" if part.axis is None else "rotation"
             count = 1 if part.axis is None else 4
             roles = (e_roles if part.of_element else x_roles)[part.index : part.index + count]
-            held = all(role in (Role.FIXED, Role.PRESCRIBED) for role in roles)
+            held = all(role in HELD for role in roles)
+            of = "" if part.of_element else labels.x[part.index].of
+            if part.quantity == "moment" and not (held or part.local):
+                # The hinge by which the rotation is turned or held about that axis.
+                hinge = labels.place(f"{of}.{TURNS[part.axis or 0]}")
+                roles = roles if hinge is None else [e_roles[hinge[1]]]
+                held = roles[0] in HELD
             moves = part.quantity in MOTIONS
             called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
             if side == "Input" and held and not moves:
@@ -104,8 +110,8 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
                     " what can move, let it be its displacement, velocity or acceleration, or leave it out."
                 )
             if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
-                role = next(role for role in roles if role not in (Role.FIXED, Role.PRESCRIBED)).value
-                turn = "" if part.axis is None else turn_of(labels.x[part.index].of)
+                role = next(role for role in roles if role not in HELD).value
+                turn = "" if part.axis is None else turn_of(of)
                 told = any(turn == element for element, *_ in labels.elements)
                 there = f" Its rotation is that of the element '{turn}', whose deformation 1 has it." if told else ""
                 raise ModelError(

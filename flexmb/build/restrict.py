@@ -10,10 +10,13 @@ from jaxtyping import Array
 
 from ..checks.mobility import constraints, motions_of
 from ..compilation.record import Record, static
+from ..elements import spatial
 from ..elements.element import NONLINEAR, SECTIONAL
+from ..elements.nodes import ROTATION3
 from ..elements.tie import TiePart, tie
 from ..math.subspace import above, independent_rows
 from ..mechanics.blocks import deforming
+from ..model.by_name import TURNS, frame_of, turn_of
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, RoleIndices, Topology
@@ -62,24 +65,73 @@ class Restriction(Record):
             of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
             properties = (*properties, {"weights": self.weights, "of": of})
 
-        def longer(values: Array | None):
-            return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
-
-        def loads(given: Loads | None):
-            if given is None:
-                return None
-            prestress, temperature = longer(given.prestress), longer(given.temperature)
-            return dataclasses.replace(given, prestress=prestress, temperature=temperature)
-
         parameters = Parameters(
             own.reference,
             properties,
-            loads(own.loads) or Loads(),
-            loads(own.increment),
-            longer(own.strain),
+            _longer_loads(own.loads, 0, more) or Loads(),
+            _longer_loads(own.increment, 0, more),
+            _longer(own.strain, more),
             weights=own.weights,
         )
         return Model(self.topology, parameters, self.labels)
+
+
+def _longer(values: Array | None, more: int) -> Array | None:
+    """Values of what there was before, and zeros."""
+    return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
+
+
+def _longer_loads(given: Loads | None, more_x: int, more_e: int) -> Loads | None:
+    if given is None:
+        return None
+    of_e = {name: _longer(getattr(given, name), more_e) for name in ("prestress", "temperature")}
+    return dataclasses.replace(given, force=_longer(given.force, more_x), **of_e)
+
+
+def with_turn(model: Model, name: str) -> Model:
+    """A model with a hinge that measures the rotation of a node in space about a global axis.
+
+    Args:
+        model: Mechanism; its numbers may be traced.
+        name: Such as "top.rx".
+
+    Returns:
+        The model; itself where it has the hinge, or where the name means no such rotation.
+    """
+    labels, top, own = model.labels, model.topology, model.parameters
+    turned = labels.rotation_of(name)
+    if turned is None or labels.place(name) is not None:
+        return model
+    part, axis = labels.x[turned[0][0]].of, turned[1]
+    frame, hinge = frame_of(part), turn_of(part, TURNS[axis])
+    at = labels.coordinates(frame)
+    new: list[int] = [] if at else list(range(top.n_x, top.n_x + ROTATION3.size))
+    e = list(range(top.n_e, top.n_e + 3))
+    own_x, own_e = on_device((np.array([[*(at or new), *turned[0]]]), np.array([e])))
+    block = Block(spatial.hinge, ("deformation",), (), own_x, own_e, (ROTATION3.size,))
+    topology = Topology(
+        (*top.blocks, block),
+        roles_of([*np.asarray(top.x.fixed), *new], top.x.dependent, top.x.dof, top.x.prescribed),
+        roles_of(top.e.fixed, [*np.asarray(top.e.dependent), *e], top.e.dof, top.e.prescribed),
+        top.axes,
+        on_device(np.concatenate([np.asarray(top.powers), np.zeros(len(new), int)])),
+    )
+    parameters = dataclasses.replace(
+        own,
+        reference=jnp.concatenate([own.reference, jnp.array(ROTATION3.start)]) if new else own.reference,
+        properties=(*own.properties, {"axis": jnp.eye(3)[axis][None], "stiffness": None, "damping": None}),
+        loads=_longer_loads(own.loads, len(new), 3) or Loads(),
+        increment=_longer_loads(own.increment, len(new), 3),
+        strain=_longer(own.strain, 3),
+    )
+    names = dataclasses.replace(
+        labels,
+        x=labels.x + tuple(Entry(frame, i + 1, ROTATION3.components[i], "rotation") for i in range(len(new))),
+        e=labels.e + tuple(Entry(hinge, i + 1, f"e{i + 1}", "deformation") for i in range(3)),
+        elements=(*labels.elements, (hinge, "hinge", (frame, part))),
+        stressed=(*labels.stressed, (None,)),
+    )
+    return Model(topology, parameters, names)
 
 
 def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarray) -> Restriction:

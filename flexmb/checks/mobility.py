@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..display import AT_MOST, Result, States, Summary, counted
+from ..display import AT_MOST, Result, States, Summary, among, counted
 from ..elements.element import ELASTIC
 from ..errors import ModelError
 from ..math.linear import uneven
@@ -114,8 +114,8 @@ class Mobility(Result):
         """What is over- and under-constrained, by name, and what to release."""
         lines = [f"over-constraints: {self.overconstraints}, under-constraints: {self.underconstraints}"]
         for i in range(self.overconstraints):
-            parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i)[:8])
-            if not parts:
+            parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i))
+            if not self.stresses(i):
                 # Unit norms are no deformations, and stress against nothing but held Euler parameters.
                 own = [e.of for e, s in zip(self.model.labels.e, self.self_stress[:, i], strict=True) if abs(s) > SHOWN]
                 parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(own))
@@ -128,7 +128,7 @@ class Mobility(Result):
             else:
                 lines.append("  rigid elements form a closed loop here: replace one by a flexible or a pinned one")
         for i in range(self.underconstraints):
-            parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.motions(i)[:8])
+            parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.motions(i))
             lines.append(f"free motion {i + 1}: {parts}")
         return "\n".join(lines)
 

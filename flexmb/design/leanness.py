@@ -7,6 +7,7 @@ import numpy as np
 
 from ..build.restrict import can_be_tied, released
 from ..compilation.threads import one_thread
+from ..display import among
 from ..elements import planar, spatial
 from ..errors import ModelError
 from ..linear.linearize import linearize
@@ -56,7 +57,7 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
     if fixed:
         fuller = linearize(released(model, fixed))
         worst = deviation(response(fuller, nodes), response(lin, nodes), bandwidth)
-        names = ", ".join(str(model.labels.e[i]) for i in fixed[:8]) + (", .." if len(fixed) > 8 else "")
+        names = among(str(model.labels.e[i]) for i in fixed)
         if worst.worst > tolerance:
             says = "adds a vibration to the band" if np.isinf(worst.worst) else f"changes it by {worst.worst:.2g}"
             reasons.append(f"FIXED are {names}; releasing them {says}: release them (RLSE, `released=`).")

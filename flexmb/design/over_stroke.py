@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import is_concrete
+from ..build.restrict import with_turn
 from ..compilation.compile import jit
 from ..display import listed, measured
 from ..elements import spatial
@@ -21,7 +22,7 @@ from ..linear.stress import Location, Stress, stress
 from ..math.linear import factorise, is_positive_definite
 from ..math.rotation import rotation_since
 from ..mechanics.loads import has_loads
-from ..model.by_name import TURN_OF
+from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Model
 from ..results import RESULTS
 from .objectives import AXES
@@ -45,7 +46,7 @@ class StrokeQuestions:
         about = None
         if own is None and what.entry.of.startswith(TURN_OF):
             # The hinge that Builder.prescribe puts on a node whose rotation it prescribes.
-            own, about = what.entry.of.removeprefix(TURN_OF), _axis(model, what.index)
+            own, about = turned_by(what.entry.of)[0], _axis(model, what.index)
         self.node, self.unit = own if node is None else str(node), unit_of_driven(model, what)
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
@@ -182,6 +183,7 @@ class StrokeQuestions:
 
     def numbers_at(self, model: Model, stroke: float, names: list[str]) -> Any:
         """Numbers of a model whose own may be traced, at a stroke, (names,)."""
+        model = with_turn(model, self.driven.entry.of.removeprefix(TURN_OF))
         at, rest = self.driven.at(model, stroke), model.parameters.reference
         if has_loads(self.driven.free, dataclasses.replace(model.parameters, increment=None)):
             rest = self.driven.at(model, 0.0).held.x

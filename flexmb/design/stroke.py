@@ -13,7 +13,7 @@ from ..build.dofs import CANNOT_MOVE
 from ..build.restrict import roles_of, with_dofs
 from ..checks.mobility import motions_of
 from ..compilation.compile import jit
-from ..display import listed, unit_of
+from ..display import among, unit_of
 from ..errors import ModelError
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import Linearization, Matrices, linearize, matrices_at
@@ -22,7 +22,7 @@ from ..math.subspace import dense, row_sizes
 from ..mechanics.deformation import undeformed
 from ..mechanics.loads import lacks_potential, load_factors
 from ..mechanics.residual import state
-from ..model.by_name import turn_of
+from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Entry, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import RoleIndices, Topology
@@ -167,7 +167,10 @@ def _let_go(
 
 
 def name_of(entry: Entry) -> str:
-    """Node and component, of a rotation that of the node it belongs to: "top.x", "stage.phi", "hinge.e1"."""
+    """Node and component, of a rotation that of the node it belongs to: "top.x", "stage.phi", "c.rx", "hinge.e1"."""
+    if entry.component == 1 and entry.of.startswith(TURN_OF):
+        node, axis = turned_by(entry.of)
+        return f"{node}.{axis}" if axis else str(entry)
     return f"{entry.of.removesuffix('.rotation')}.{entry.symbol}"
 
 
@@ -189,8 +192,8 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
         raise StrokeError(
-            f"{called}: an Euler parameter is no angle. Drive a hinge of the model, or '{turn_of(node)}.e1' of one"
-            f" built with b.prescribe('{node}', 'rotation', axis=..)."
+            f"{called}: an Euler parameter is no angle. Drive the angle of a hinge, or the angle about a global axis:"
+            f" '{node}.rx'."
         )
     if index in np.asarray(own.fixed):
         raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")
@@ -227,20 +230,16 @@ def _place(model: Model, node: str, number: int) -> int:
 
 
 def _named(model: Model, name: str) -> tuple[str, int]:
-    places = {}
-    for kind in "ex":
-        for i, entry in enumerate(getattr(model.labels, kind)):
-            if entry.kind not in ("norm", "internal"):
-                places[str(entry)] = places[name_of(entry)] = (kind, i)
-    if name not in places:
+    place = model.labels.place(name)
+    if place is None or getattr(model.labels, place[0])[place[1]].kind == "internal":
         of, _, number = str(name).rpartition(".")
-        place = _place(model, of, int(number)) if number.isdecimal() else -1
-        near = [said for said, (kind, i) in places.items() if (kind, i) == ("x", place)][:1]
+        index = _place(model, of, int(number)) if number.isdecimal() else -1
+        near = [name_of(model.labels.x[index])] if index >= 0 else []
         if not number.isdecimal() or not model.labels.coordinates(of):
-            near = near or difflib.get_close_matches(str(name), places, 1)
-        hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model)
+            near = near or difflib.get_close_matches(str(name), model.labels.names(), 1)
+        hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model, str(name))
         raise StrokeError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
-    return places[name]
+    return place
 
 
 def _of_model(model: Model) -> tuple[str, int]:
@@ -258,11 +257,11 @@ def _of_model(model: Model) -> tuple[str, int]:
     return found[0]
 
 
-def _what_moves(model: Model) -> str:
+def _what_moves(model: Model, name: str = "") -> str:
     """A sentence with names of what can be driven."""
     motions, _ = motions_of(model)
     moving = [name_of(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE]
-    return f"What moves is such as {listed(moving)}." if moving else "Nothing of it moves."
+    return f"What moves is {among(moving, name)}." if moving else "Nothing of it moves."
 
 
 def unit_of_driven(model: Model, what: StrokeDrive) -> str:

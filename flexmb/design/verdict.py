@@ -10,6 +10,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from ..arguments import check_number, check_numbers, check_whole, shown
 from ..arguments import numbers as as_numbers
+from ..build.restrict import with_turn
 from ..checks.mobility import mobility
 from ..errors import heard
 from ..model.model import Model, as_determined, as_known
@@ -52,8 +53,8 @@ def verdict(
     Args:
         model: Mechanism; or a function of ``dimensions`` that returns one.
         stroke: To both sides, or its two ends about zero, [m or rad]; by the name of what is driven where the model
-            does not say it: {"top.x": 5e-3}. What is prescribed with an increment, the one input, or the one degree of
-            freedom need no name.
+            does not say it: {"top.x": 5e-3}, in space {"top.rx": 0.1} of the angle about a global axis. What is
+            prescribed with an increment, the one input, or the one degree of freedom need no name.
         dimensions: Numbers by name, as ``flexmb.sensitivities`` takes them [SI].
         limits: By the name of a curve, in its unit: the least of "frequency 1", "stiffness y" and "buckling", the
             largest size of any other; or both, as (lower, upper) with None for none. They stand beside the usual ones,
@@ -90,6 +91,7 @@ def verdict(
         raise TypeError("Argument `dimensions` goes with a function of them: give it in place of the model.")
     model = as_determined(as_known(model, "verdict"), "verdict")
     name, (low, high) = _ends(stroke)
+    model = with_turn(model, str(name))
     asked = StrokeQuestions(model, driven(model, name), node, count)
     sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]
     with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, check_numbers, is_concrete, library_of, shown
 from ..compilation.compile import jit
+from ..display import among
 from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
 from ..math.spectral import harmonic, spectral
@@ -215,8 +216,8 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
         rows = _rows_of(lin.model, key)
         called = "that material" if isinstance(key, Material) else f"'{key}'"
         if not len(rows):
-            names = ", ".join(name for name, *_ in lin.labels.elements[:12])
-            raise ValueError(f"Argument `loss_factor`: no element is of {called}. There is: {names}.")
+            names = among(name for name, *_ in lin.labels.elements)
+            raise ValueError(f"Argument `loss_factor`: no element is of {called}. There are: {names}.")
         if is_concrete(lin.matrices) and not _has_stiffness(lin, rows):
             raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
         of_key = np.isin(np.arange(len(losses)), rows)

@@ -35,6 +35,12 @@ def turn_of(node: str, axis: str = "") -> str:
     return TURN_OF + node.removesuffix(".rotation") + (f".{axis}" if axis else "")
 
 
+def turned_by(element: str) -> tuple[str, str]:
+    """Node whose rotation a hinge of such a name turns, or the rotation, and the global axis; "" about another axis."""
+    node, _, axis = element.removeprefix(TURN_OF).rpartition(".")
+    return (node, axis) if axis in TURNS else (element.removeprefix(TURN_OF), "")
+
+
 def frame_of(node: str) -> str:
     """Name of the rotation from which these hinges turn it, of a node or of its rotation."""
     return FRAME_OF + node.removesuffix(".rotation")
@@ -79,7 +85,7 @@ class ByName:
             raise KeyError(
                 f"'{node}' is no position: ask rotation('{node.removesuffix('.rotation')}'), or at('{node}')"
             )
-        return self._placed(self.x, node, component)
+        return self._placed(self.x, node, component, "rotation")
 
     def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How far a node is turned from the global axes.
@@ -112,7 +118,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no velocities.
         """
-        return self._placed(_held(self, "xd"), node, component)
+        return self._placed(_held(self, "xd"), node, component, "angular_velocity")
 
     def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Accelerations of a node's coordinates, as :meth:`velocity`.
@@ -128,7 +134,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no accelerations.
         """
-        return self._placed(_held(self, "xdd"), node, component)
+        return self._placed(_held(self, "xdd"), node, component, "angular_acceleration")
 
     def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How fast a node turns.
@@ -233,10 +239,12 @@ class ByName:
         """
         return _picked(_held(self, "sigma"), self.labels.deformations(element, number))
 
-    def _placed(self: Any, values: Any, node: str, component: str | None) -> Any:
-        """Values at a node's own coordinates, or at one of them."""
+    def _placed(self: Any, values: Any, node: str, component: str | None, of_rotation: str) -> Any:
+        """Values at a node's own coordinates, or at one of them; a component of its rotation another method has."""
         indices = self.labels.known(node)
         names = [self.labels.x[i].symbol for i in indices]
+        if component in ("phi", *TURNS) and component not in names:
+            raise KeyError(f"'{component}' is a component of a rotation: ask {of_rotation}('{node}', '{component}')")
         return _picked(values, indices if component is None else indices[_number(node, names, component)])
 
     def _turned(self: Any, values: Any, node: str, component: str | None, function: Any) -> Any:

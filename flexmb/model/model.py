@@ -13,9 +13,10 @@ from jaxtyping import Array
 
 from ..arguments import is_concrete, require_double_precision
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, listed
+from ..display import Result, States, Summary, among, listed
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
+from .by_name import TURNS, turn_of
 from .parameters import Parameters
 from .properties import with_property
 from .roles import Role
@@ -128,6 +129,42 @@ class Labels:
         if not indices:
             raise KeyError(f"no node '{node}' in this model{_instead(node, [entry.of for entry in self.x], 'node')}")
         return np.array(indices)
+
+    def place(self, name: str) -> tuple[str, int] | None:
+        """Which coordinate or deformation a name means, by "x" or "e" and its index there; None where it means none.
+
+        Args:
+            name: Such as "top.x", "top.phi" or "top.rotation.phi", "hinge.e2"; "top.rx" means the angle of the hinge
+                that turns or holds the rotation of a node in space about that axis.
+        """
+        of, _, component = str(name).rpartition(".")
+        meant = {str(name): 0, f"{of}.rotation.{component}": 1, f"{turn_of(of, component)}.e1": 2}
+        found = [
+            (meant[said], kind, i)
+            for kind in "xe"
+            for i, entry in enumerate(getattr(self, kind))
+            if entry.kind != "norm" and (said := str(entry)) in meant
+        ]
+        return min(found)[1:] if found else None
+
+    def names(self) -> list[str]:
+        """Names of what a user drives or loads: coordinates, rotations in space by their axes, deformations."""
+        found = []
+        for entry in (*self.x, *self.e):
+            if entry.symbol[0] == "l" and entry.kind == "rotation":
+                symbols = TURNS if entry.component == 1 else ()
+            else:
+                symbols = () if entry.kind in ("norm", "internal") else (entry.symbol,)
+            found += [f"{entry.of.removesuffix('.rotation')}.{symbol}" for symbol in symbols]
+        return found
+
+    def rotation_of(self, name: str) -> tuple[list[int], int] | None:
+        """Euler parameters in x, and the axis, that a name such as "top.rx" means; None where it means none."""
+        of, _, component = str(name).rpartition(".")
+        if component not in TURNS or self.dimension != 3:
+            return None
+        own = self.coordinates(f"{of}.rotation") or self.coordinates(of)
+        return (own, TURNS.index(component)) if own and self.x[own[0]].kind == "rotation" else None
 
     def parts(self, node: str) -> list[str]:
         """A node and its rotation, as far as there are both; the rotation alone of "name.rotation".
@@ -377,7 +414,7 @@ def _instead(name: str, there: list[str], thing: str) -> str:
     if near:
         return f"; did you mean {' or '.join(map(repr, near))}?"
     names = [name for name in names if not name.endswith((".rotation", ".internal", ".warping"))]
-    return f"; it has {listed(names)}" if names else f"; it has no {thing}"
+    return f"; it has {among(names)}" if names else f"; it has no {thing}"
 
 
 def _list(indices: Array) -> list[int]:

@@ -1,7 +1,7 @@
 """Loads, inputs and prescribed motion as functions of time, by the names that a user gives them."""
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
@@ -13,6 +13,7 @@ from ..arguments import check_numbers, is_concrete, shown
 from ..checks.mobility import locked_inputs
 from ..compilation.program import Captured, captured, of_time
 from ..compilation.record import Record
+from ..display import among
 from ..elements.element import Element
 from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
@@ -96,12 +97,10 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
         if not isinstance(given, Mapping):
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
-    x_names = {str(entry): i for i, entry in enumerate(model.labels.x)}
-    e_names = {str(entry): i for i, entry in enumerate(model.labels.e) if entry.kind == "deformation"}
-    found = [_load(model, x_names, e_names, name, value) for name, value in loads.items()]
+    found = [_load(model, name, value) for name, value in loads.items()]
     moved: dict[tuple[str, int], str] = {}
     for name, value in motion.items():
-        quantity, place, value = _prescribed(model, x_names, e_names, name, value)
+        quantity, place, value = _prescribed(model, name, value)
         first = moved.setdefault((quantity, place), name)
         if first != name:
             raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
@@ -128,22 +127,37 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     return tuple(found)
 
 
-def _load(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any) -> Driven:
+def _load(model: Model, name: str, value: Any) -> Driven:
     """A load by the name of a coordinate, a deformation, a node or a rotation in space; or a temperature."""
     labels = model.labels
     nodes, what = labels.coordinates(name), f"Load '{name}'"
-    if name in x_names:
-        return Driven("force", jnp.array([x_names[name]]), _function(what, value, 1))
-    if name in e_names:
-        return Driven("stress", jnp.array([e_names[name]]), _function(what, value, 1))
+    if (place := labels.place(name)) is not None:
+        _check_acts(model, what, place[0], [place[1]])
+    if (turned := labels.rotation_of(name)) is not None:
+        own, axis = turned
+        _check_acts(model, what, "x", own)
+        return _input(Signal(str(name), "moment", own[0], axis), _function(what, value, 1), None)
+    if place is not None:
+        kind, index = place
+        return Driven("force" if kind == "x" else "stress", jnp.array([index]), _function(what, value, 1))
     element, _, quantity = str(name).rpartition(".")
     if not nodes and quantity in ("temperature", "gradient") and element in [of for of, *_ in labels.elements]:
-        return _warmed(model, e_names[f"{element}.e1"], element, quantity, what, value)
+        return _warmed(model, int(labels.deformations(element)[0]), element, quantity, what, value)
     if not nodes:
-        raise ModelError(f"{what} names no coordinate, deformation or node. There are: {_some(x_names, e_names)}.")
-    turned = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
-    value = _function(what, value, 3 if turned else len(nodes))
-    return Driven("moment" if turned else "force", jnp.array(nodes), value)
+        there = among(labels.names(), str(name))
+        raise ModelError(f"{what} names no coordinate, deformation or node. There are: {there}.")
+    _check_acts(model, what, "x", nodes)
+    spatial = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
+    value = _function(what, value, 3 if spatial else len(nodes))
+    return Driven("moment" if spatial else "force", jnp.array(nodes), value)
+
+
+def _check_acts(model: Model, what: str, kind: str, indices: list[int]) -> None:
+    """Refuse a load on what is FIXED, where it moves nothing."""
+    if is_concrete(model.topology) and set(indices) <= set(np.asarray(getattr(model.topology, kind).fixed).tolist()):
+        raise ModelError(
+            f"{what} acts on something FIXED, where it moves nothing. Let it act on what can move, or leave it out."
+        )
 
 
 def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
@@ -151,7 +165,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
     known = [signal.name for signal in model.labels.inputs]
     for name in inputs:
         if name not in known:
-            there = f"There are: {_some(known)}." if known else "The model has none: name them with input()."
+            there = f"There are: {among(known, name)}." if known else "The model has none: name them with input()."
             raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {there}")
     for signal in model.labels.inputs:
         moved = next((term for term in signal.terms if term.order is not None), None)
@@ -215,26 +229,30 @@ def _closure(element: Element) -> int:
     return min((field[0] for field in element.fields), default=1) - 1
 
 
-def _prescribed(model: Model, x_names: dict[str, int], e_names: dict[str, int], name: str, value: Any):
+def _prescribed(model: Model, name: str, value: Any):
     """What a prescribed motion drives: "x" or "e", place among the PRESCRIBED ones, and the function of time."""
     labels, topology, what = model.labels, model.topology, f"Motion '{name}'"
-    meant = _rotation_prescribed(labels, name)
-    for names, roles, quantity in ((x_names, topology.x, "x"), (e_names, topology.e, "e")):
-        if meant in names:
-            order = np.asarray(roles.prescribed).tolist()
-            if names[meant] not in order:
-                raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
-            if has_table(value):
-                raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
-            return quantity, order.index(names[meant]), _function(what, value, 1)
+    place = labels.place(_rotation_prescribed(labels, name))
+    if place is not None:
+        kind, index = place
+        order = np.asarray(getattr(topology, kind).prescribed).tolist()
+        if index not in order:
+            raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
+        if has_table(value):
+            raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
+        return kind, order.index(index), _function(what, value, 1)
+    of, _, component = str(name).rpartition(".")
+    if labels.rotation_of(name) is not None:
+        raise ModelError(f"{what} is not PRESCRIBED: say prescribe('{of}', '{component}') of it in the builder.")
     if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
         call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
         raise ModelError(f"{what} is not PRESCRIBED: say {call} of it in the builder.")
     own = [
-        [n for n, i in names.items() if i in np.asarray(roles.prescribed)]
-        for names, roles in ((x_names, topology.x), (e_names, topology.e))
+        str(entries[i])
+        for entries, roles in ((labels.x, topology.x), (labels.e, topology.e))
+        for i in np.asarray(roles.prescribed).tolist()
     ]
-    there = f"PRESCRIBED are: {_some(*own)}." if any(own) else "Nothing is PRESCRIBED: say prescribe() in the builder."
+    there = f"PRESCRIBED are: {among(own, name)}." if own else "Nothing is PRESCRIBED: say prescribe() in the builder."
     raise ModelError(f"{what} names no coordinate or deformation. {there}")
 
 
@@ -280,8 +298,3 @@ def _check_table(what: str, table: Table) -> None:
         raise ModelError(f"{what}: a table needs as many values as times, {len(times)}, not {np.shape(values)[:1]}.")
     if not np.all(np.isfinite(values)):
         raise ModelError(f"{what}: the values of a table must be finite.")
-
-
-def _some(*groups: Iterable[str]) -> str:
-    names = [name for group in groups for name in group]
-    return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
-from ..display import listed
+from ..display import among
 from ..errors import warn
 from ..math.rigid import compose_turns
 from ..math.rotation import CONJUGATE
@@ -41,7 +41,7 @@ def warn_of_full_turns(motion: Motion, whence: Any) -> None:
     found = [f"'{name}'" for name, parts in asked.items() if any(_jumps(t, x, xd, whence, part) for part in parts)]
     if found:
         warn(
-            f"What {listed(found)} measures passes a full turn along this motion, and a rotation about an axis in space"
+            f"What {among(found)} measures passes a full turn along this motion, and a rotation about an axis in space"
             " is told within one to either side alone: beyond it what is measured jumps. Measure a hinge, whose angle"
             " is counted past full turns: output('hinge', 1)."
         )

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..arguments import as_floats, is_concrete
 from ..compilation.compile import jit_beside_options
-from ..display import listed
+from ..display import among
 from ..errors import warn
 from ..math.indices import put
 from ..mechanics.deformation import deformation_jacobian
@@ -90,7 +90,7 @@ def warn_of_found(motion: Motion, given: Start) -> None:
     if elsewhere or np.any(np.abs(rates[0] - given.xd / size) > TOLD * fastest):
         warn(
             "What is driven takes the mechanism elsewhere, or gives it a speed, at the first time. Degrees of freedom"
-            f" and their rates are kept then, and these were found, not named: {listed(model.labels.found)}. Others"
+            f" and their rates are kept then, and these were found, not named: {among(model.labels.found)}. Others"
             " would begin another motion: name those that are meant, by dof()."
         )
 

@@ -100,8 +100,8 @@ def stops_of(model: Model, stop: Mapping[str, Any] | None, stress: Callable[[Any
 
 def _displacement(model: Model, name: str, target: float) -> Condition:
     entries = model.labels.x
-    index = next((i for i, entry in enumerate(entries) if str(entry) == name), None)
-    if index is None:
+    kind, index = model.labels.place(name) or ("", 0)
+    if kind != "x":
         own = [str(entry) for entry in entries if entry.of in (name, name.rpartition(".")[0])]
         there = f"there is {', '.join(own)}" if own else "write node and component, such as tip.y"
         raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or {LOAD}, {STRESS}, {COUNT}")
@@ -124,7 +124,7 @@ def unmet(
     for condition in conditions:
         if condition.name:
             nearest = min((condition.of(step) for step in steps), key=lambda a: abs(a - condition.target))
-            unit = _unit(model, condition.name)
+            unit = _unit(model, condition)
             parts.append(f"{condition.name} came to {short(nearest)}{unit}, not to {short(condition.target)}{unit}")
     if COUNT in stop:
         parts.append(f"{COUNT} are {found}, not {stop[COUNT]}")
@@ -134,8 +134,8 @@ def unmet(
     )
 
 
-def _unit(model: Model, name: str) -> str:
-    if name in (LOAD, STRESS):
-        return "" if name == LOAD else " Pa"
-    unit = next(unit_of(entry) for entry in model.labels.x if str(entry) == name)
+def _unit(model: Model, condition: Condition) -> str:
+    if condition.entry is None:
+        return "" if condition.name == LOAD else " Pa"
+    unit = unit_of(model.labels.x[condition.entry])
     return f" {unit}".rstrip(" -")

@@ -9,6 +9,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..checks.mobility import mobility, removals
+from ..display import among
 from ..elements import spatial
 from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
 from ..errors import MechanismError, ModelError
@@ -87,8 +88,8 @@ def _loose(found: Any) -> str:
     lines = [f"The mechanism is under-constrained, motions held by nothing: {found.underconstraints}."]
     for i in range(found.underconstraints):
         moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))
-        parts = ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i)[:6])
-        lines.append(f"  motion {i + 1} of {', '.join(moving[:6])}: {parts}")
+        parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i))
+        lines.append(f"  motion {i + 1} of {among(moving)}: {parts}")
     return "\n".join([*lines, "Fix or support these nodes (n3 is node 3), or join them to the rest."])
 
 

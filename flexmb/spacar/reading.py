@@ -1,10 +1,11 @@
 """State of one reading of a SPACAR input file: what its lines have said so far."""
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 from ..build.builder import Builder
+from ..display import among
 from ..elements.nodes import NodeKind
 from ..model.roles import Role
 from . import series as series
@@ -207,7 +208,5 @@ class Reading:
             raise Fault(f"{what} {component} is not {wanted}: name it with {keyword} in the kinematics block")
 
 
-def _listed(numbers: Iterable[int]) -> str:
-    shown = sorted(numbers)
-    text = ", ".join(map(str, shown[:12])) + (", ..." if len(shown) > 12 else "")
-    return f"there are: {text}" if shown else "there are none"
+def _listed(numbers: Collection[int]) -> str:
+    return f"there are: {among(map(str, sorted(numbers)))}" if numbers else "there are none"

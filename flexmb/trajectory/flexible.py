@@ -14,7 +14,7 @@ from jaxtyping import Array, ArrayLike, Float
 from ..arguments import checked_times, is_concrete, shown
 from ..compilation.record import Record, static
 from ..control.state_space import state_matrices
-from ..display import Result, Summary, listed, short, span
+from ..display import Result, Summary, among, listed, short, span
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
@@ -113,11 +113,11 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     names = list(trajectory)
     for name in names:
         if name not in outputs:
-            raise ModelError(f"Trajectory '{name}' is of no output of the system. There are: {listed(outputs)}.")
+            raise ModelError(f"Trajectory '{name}' is of no output of the system. There are: {among(outputs, name)}.")
     if len(names) != len(inputs):
         raise ModelError(
-            f"There must be as many laws as inputs, but there are {len(names)} ({listed(names)}) and"
-            f" {len(inputs)} ({listed(inputs)})."
+            f"There must be as many laws as inputs, but there are {len(names)} ({among(names)}) and"
+            f" {len(inputs)} ({among(inputs)})."
         )
     laws = [as_law(f"Trajectory '{name}'", trajectory[name]) for name in names]
     rows = [outputs.index(name) for name in names]

@@ -13,7 +13,7 @@ from jaxtyping import Array, ArrayLike, Bool, Float, Int
 from ..arguments import checked_times, computed, is_concrete, shown
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, listed, short, span
+from ..display import Result, States, Summary, among, listed, short, span
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import accumulate, put
@@ -23,7 +23,7 @@ from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, rotation_row
 from ..mechanics.transfer import Transfer, correction, transfer
-from ..model.by_name import TURNS, turn_of
+from ..model.by_name import turn_of
 from ..model.model import Model, Signal, as_determined, as_known
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
@@ -266,18 +266,11 @@ def place_of(model: Model, name: str) -> Quantity | None:
     Raises:
         ModelError: The name means an output that is the rate of something.
     """
-    labels, no_axis = model.labels, np.array(0)
-    x_names = {str(entry): i for i, entry in enumerate(labels.x)}
-    e_names = {str(entry): i for i, entry in enumerate(labels.e) if entry.kind == "deformation"}
-    node, _, component = str(name).rpartition(".")
-    turned = f"{node}.rotation"
-    for meant in (str(name), f"{turned}.{component}"):
-        if meant in x_names:
-            return Quantity("x", np.array(x_names[meant]), no_axis)
-    if name in e_names:
-        return Quantity("e", np.array(e_names[name]), no_axis)
-    if component in TURNS and labels.coordinates(turned) and labels.dimension == 3:
-        return Quantity("rotation", np.array(labels.coordinates(turned)[0]), np.array(TURNS.index(component)))
+    labels = model.labels
+    if (place := labels.place(name)) is not None:
+        return Quantity(place[0], np.array(place[1]), np.array(0))
+    if (turned := labels.rotation_of(name)) is not None:
+        return Quantity("rotation", np.array(turned[0][0]), np.array(turned[1]))
     for signal in labels.outputs:
         if signal.name == name:
             if signal.quantity not in ("position", "deformation"):
@@ -314,7 +307,7 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
             known = [*model.q_labels, *(signal.name for signal in model.labels.outputs)]
             raise ModelError(
                 f"Trajectory '{name}' names no coordinate, deformation or output. There are, among others,"
-                f" {listed(known)}."
+                f" {among(known, name)}."
             )
         elif place.quantity in given and int(place.index) in given[place.quantity]:
             own = model.labels.x if place.quantity == "x" else model.labels.e
@@ -347,12 +340,14 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
         unknown = [name for name in given if name not in names]
         if isinstance(driven, str) or unknown:
             said = driven if isinstance(driven, str) else unknown[0]
-            raise ModelError(f"Argument `driven` must be a list of degrees of freedom, {listed(names)}; not {said!r}.")
+            raise ModelError(
+                f"Argument `driven` must be a list of degrees of freedom, {among(names, said)}; not {said!r}."
+            )
         chosen = [names.index(name) for name in given]
         chosen = own + [i for i in chosen if i not in own]
         if len(chosen) != len(wanted):
             raise ModelError(
-                f"Argument `driven`: {len(wanted)} laws are wanted of {listed(list(wanted))}, and"
+                f"Argument `driven`: {len(wanted)} laws are wanted of {among(wanted)}, and"
                 f" {len(chosen)} degrees of freedom are driven. There must be as many."
             )
         return chosen
@@ -366,8 +361,8 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
     if not followed:
         return own
     raise ModelError(
-        f"Trajectory of {listed(followed)}: {len(followed)} degrees of freedom must be driven to follow it, of"
-        f" {listed([names[i] for i in rest]) if rest else 'none that are left'}. Say which by `driven`."
+        f"Trajectory of {among(followed)}: {len(followed)} degrees of freedom must be driven to follow it, of"
+        f" {among([names[i] for i in rest]) if rest else 'none that are left'}. Say which by `driven`."
     )
 
 
@@ -390,15 +385,15 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
         unknown = [name for name in inputs if name not in names]
         if isinstance(inputs, str) or unknown:
             said = inputs if isinstance(inputs, str) else unknown[0]
-            raise ModelError(f"Argument `inputs` must be a list of inputs, {listed(names)}; not {said!r}.")
+            raise ModelError(f"Argument `inputs` must be a list of inputs, {among(names, said)}; not {said!r}.")
         if len(set(inputs)) < len(inputs):
-            raise ModelError(f"Argument `inputs` names an input twice: {listed(list(inputs))}.")
+            raise ModelError(f"Argument `inputs` names an input twice: {among(inputs)}.")
         chosen = [names.index(name) for name in inputs]
     if inputs is None and not count:
         # What is PRESCRIBED moves by itself.
         return []
     if len(chosen) != count:
-        has = f"to do so there are {listed([names[i] for i in chosen])}" if chosen else "there is none to do so"
+        has = f"to do so there are {among([names[i] for i in chosen])}" if chosen else "there is none to do so"
         raise ModelError(
             f"{count} degrees of freedom are driven, which takes as many inputs, but {has}."
             " Name them by input() in the builder, and those that drive by `inputs`."
@@ -430,7 +425,7 @@ def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _
     moves = np.asarray(found.moves)[first]
     still = [name for name, part in zip(names, moves, strict=True) if part == 0]
     if still:
-        raise ModelError(f"Trajectory of {listed(still)}: nothing that is driven moves it.")
+        raise ModelError(f"Trajectory of {among(still)}: nothing that is driven moves it.")
     sizes, most = np.asarray(sizes_of(model.topology, model.parameters)), MOST_STEPS * STEP
     for name, law in laws.items():
         now, before = (np.asarray(rates(law, jnp.asarray(times[i]))) for i in (first, max(first - 1, 0)))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .. import plot
+from ..build.restrict import with_turn
 from ..design.stroke import driven
 from ..design.verdict import verdict
 from ..errors import clean, heard
@@ -42,6 +43,7 @@ def _stroke(asked: Request) -> dict[str, Any]:
     with heard():
         own = None
         if "stress" in found.curves:
+            model = with_turn(model, str(options["coordinate"]))
             what = driven(model, options["coordinate"])
             states: list[Linearization] = [what.at(model, s).held for s in found.stroke.tolist()]
             own = [stress(held.model, at=held) for held in states]
