@@ -5,6 +5,8 @@ import operator
 import reprlib
 from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 import jax
@@ -12,6 +14,10 @@ import jax.core
 import jax.numpy
 import numpy as np
 
+from .errors import ModelError
+
+# Kinds of real numbers that NumPy has no type for.
+EXACT = (Fraction, Decimal)
 # Squares and cubes of what is larger are no finite numbers any more.
 LARGEST = 1e100
 
@@ -72,11 +78,16 @@ def copied(tree: Any) -> Any:
     """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards.
 
     Args:
-        tree: Itself where it holds no such array: elements that share a section are known by that.
+        tree: Itself where it holds no such array: elements that share a section are known by that. Fractions and
+            decimals become floats, which numbers of other kinds compute with.
     """
-    if not any(isinstance(leaf, np.ndarray) for leaf in jax.tree.leaves(tree)):
+    if not any(isinstance(leaf, (np.ndarray, *EXACT)) for leaf in jax.tree.leaves(tree)):
         return tree
-    return jax.tree.map(lambda leaf: leaf.copy() if isinstance(leaf, np.ndarray) else leaf, tree)
+
+    def own(leaf: Any) -> Any:
+        return leaf.copy() if isinstance(leaf, np.ndarray) else float(leaf) if isinstance(leaf, EXACT) else leaf
+
+    return jax.tree.map(own, tree)
 
 
 _NOTED: ContextVar[tuple[Any, list[Any]] | None] = ContextVar("noted", default=None)
@@ -125,6 +136,22 @@ def as_floats(value: Any) -> Any:
     return np.asarray(value, float) if is_concrete(value) else jax.numpy.asarray(value, float)
 
 
+def returned(what: str, value: Any) -> Any:
+    """Numbers that a user's function of time returned, as an array of JAX.
+
+    Args:
+        what: The function, for the message.
+        value: What it returned.
+
+    Raises:
+        ModelError: It is no number and no array of numbers.
+    """
+    try:
+        return jax.numpy.atleast_1d(jax.numpy.asarray(value, float))
+    except (TypeError, ValueError) as fault:
+        raise ModelError(f"{what} must return a number or an array of numbers, not {shown(value)}.") from fault
+
+
 def computed(function: Callable[..., Any], *arrays: Any) -> Any:
     """What a function makes of arrays: of known numbers on the host, where JAX would compile each operation.
 
@@ -160,7 +187,9 @@ def numbers(value: Any) -> np.ndarray | None:
     """
     try:
         array = np.asarray(value)
-    except (ValueError, TypeError, jax.errors.TracerArrayConversionError):
+        if array.dtype == object and all(type(one) in (int, float, *EXACT) for one in array.flat):
+            array = array.astype(float)
+    except (ValueError, TypeError, OverflowError, jax.errors.TracerArrayConversionError):
         return None
     return array.astype(float) if array.dtype.kind in "iuf" else None
 

@@ -377,7 +377,7 @@ class Builder(Description):
 
     def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
         """Name of a node's rotation, and its inertia as it is kept."""
-        rotation = self._rotation_name(str(node))
+        rotation, inertia = self._rotation_name(str(node)), copied(inertia)
         check_numbers(f"The inertia of node '{node}'", inertia, fault=ModelError)
         shape = np.shape(stack(inertia)) if isinstance(inertia, list | tuple) else np.shape(inertia)
         if self._kind_of(rotation) is ANGLE:

@@ -208,7 +208,13 @@ class Description:
         if node not in self.nodes:
             self._unknown_node(node, "position")
         if self.nodes[node].kind.part != "position":
-            raise ModelError(f"Node '{node}' has no position: it is a {self.nodes[node].kind.part} node.")
+            kind = self.nodes[node].kind
+            room = "planar" if kind.dimension == 2 else "spatial"
+            # A mass, or a body, on a second rotation of a node: the element joins position and rotation by name.
+            way = f" A body on it is an element: add({room}.body, 'position', '{node}', mass=.., center=.., inertia=..)."
+            raise ModelError(
+                f"Node '{node}' has no position: it is a {kind.part} node.{way if kind.part == 'rotation' else ''}"
+            )
         return node
 
     def _kind_of(self, part: str) -> NodeKind:

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, returned
 from ..compilation.record import Record, static
 from ..errors import ModelError, first_line
 from .controlled_form import Feedback
@@ -243,7 +243,7 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
         return y if reads is None else y[np.array(reads)]
 
     def everywhere(u: ArrayLike):
-        u = jnp.atleast_1d(jnp.asarray(u, float))
+        u = returned("The controller", u)
         if drives is None or u.shape != (len(drives),):
             return u
         return jnp.zeros(len(inputs)).at[np.array(drives)].set(u)
@@ -257,5 +257,5 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
 
         return dataclasses.replace(controller, step=sampled)
     output, rate = controller.output, controller.rate
-    follows = None if rate is None else lambda t, z, y: rate(t, z, given(t, y))
+    follows = None if rate is None else lambda t, z, y: returned("The controller's rate", rate(t, z, given(t, y)))
     return dataclasses.replace(controller, output=lambda t, z, y: everywhere(output(t, z, given(t, y))), rate=follows)

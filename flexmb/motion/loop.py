@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, is_concrete
+from ..arguments import check_number, is_concrete, returned
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
@@ -43,7 +43,7 @@ def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., 
     """What a controller is given: the outputs, or how far they are from the wanted ones."""
     if reference is None:
         return y
-    wanted = jnp.atleast_1d(jnp.asarray(reference(t), float))
+    wanted = reference(t)
     if wanted.shape != y.shape:
         raise ModelError(f"`reference` gives shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
     return wanted - y
@@ -103,7 +103,10 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
     if hasattr(control, "D") or hasattr(control, "num"):
         check_sizes(control, inputs, outputs)
     if reference is not None:
-        reference = captured(reference, jax.ShapeDtypeStruct((), jnp.float64))
+        given = reference
+        reference = captured(
+            lambda t: returned("Argument `reference`", given(t)), jax.ShapeDtypeStruct((), jnp.float64)
+        )
     controller = connected(controller, inputs, outputs, lambda t, y: _seen(y, t, reference))
     if isinstance(controller, Sampled):
         _check_sampled(controller, len(inputs), len(outputs))

@@ -18,7 +18,7 @@ from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
-from ..model.by_name import ByName
+from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -249,7 +249,9 @@ def _of_loose(model: Model, loose: np.ndarray) -> str:
     names = "; ".join(
         ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(one, model.labels.x)[:4]) for one in loose.T
     )
+    turned = any(name.startswith(TURN_OF) for name, *_ in model.labels.elements)
+    tilts = ' A rotation that is turned about one axis is free about the others, without tilt="fixed".' if turned else ""
     return (
         f"In the undeformed mechanism nothing elastic resists {names}: fix it, stiffen it, or clamp what is pinned"
-        " there (a rigid_beam does not turn the rotation of its second node; a rigid_body does)."
+        f" there (a rigid_beam does not turn the rotation of its second node; a rigid_body does).{tilts}"
     )

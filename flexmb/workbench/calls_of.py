@@ -13,7 +13,7 @@ from ..elements.element import ALL
 from ..elements.nodes import ANGLE
 from ..elements.section import MaterialDamping, Section
 from ..errors import clean
-from ..model.by_name import FRAME_OF, TURN_OF, TURNS, turn_of
+from ..model.by_name import TURN_OF, TURNS, frame_of, turned_by
 from ..model.roles import Role
 from .fields import ENDS_IN_WORDS, Call, calls
 
@@ -79,6 +79,8 @@ class Calls:
     def _of(self, key: Key) -> dict[str, str]:
         """Whose coordinate or deformation it is; and whether a node's or an element's, where both are called so."""
         kind, of, _ = key
+        if kind == "element" and of in self._turned:
+            kind, of = "node", turned_by(of)[0]
         shown = of if kind == "element" else self._owner(of)
         known = {"node": self.b.nodes, "element": [n for n, m in self.b.members.items() if not m.hidden]}
         both = shown in known["node"] and shown in known["element"]
@@ -91,13 +93,15 @@ class Calls:
 
     def _component(self, key: Key) -> str:
         kind, of, number = key
+        if kind == "element" and of in self._turned:
+            return turned_by(of)[1] or "rotation"
         own = self.b.nodes.get(of) if kind == "node" else None
         return str(number) if own is None or own.kind.part == "internal" else own.kind.components[number - 1]
 
     # -- nodes and elements -----------------------------------------------------------------------------------------
 
     def _nodes(self) -> None:
-        turns = {FRAME_OF + name.removeprefix(TURN_OF) for name in self._turned}
+        turns = {frame_of(turned_by(name)[0]) for name in self._turned}
         for name, node in self.b.nodes.items():
             part, owner = node.kind.part, name.rpartition(".")[0]
             if part == "position":
@@ -214,7 +218,7 @@ class Calls:
     def _support(self, name: str) -> None:
         node = self.b.nodes[name]
         held = [i for i, role in enumerate(node.roles, 1) if role is Role.FIXED]
-        if name.startswith(FRAME_OF) and turn_of(name.removeprefix(FRAME_OF)) in self._turned:
+        if name in {frame_of(turned_by(turn)[0]) for turn in self._turned}:
             return
         rotation, owner = f"{name}.rotation", self._owner(name)
         if owner != name and self._held_whole(owner):
@@ -238,29 +242,23 @@ class Calls:
         return name in self.b.nodes and all(role is Role.FIXED for role in self.b.nodes[name].roles)
 
     def _is_turn(self, name: str) -> bool:
-        """Whether an element is the hinge by which a rotation in space is prescribed."""
-        member, node = self.b.members[name], name.removeprefix(TURN_OF)
+        """Whether an element is the hinge by which a rotation in space is turned or held."""
+        member, (node, axis) = self.b.members[name], turned_by(name)
         return (
-            node != name
+            name.startswith(TURN_OF)
             and member.element.name == "hinge"
-            and member.nodes[0] == FRAME_OF + node
-            and member.roles[0] is Role.PRESCRIBED
+            and member.nodes[0] == frame_of(node)
+            and (axis != "" or member.roles[0] is Role.PRESCRIBED)
         )
 
     def _prescribed(self, key: Key) -> None:
         """One call for each set of loads that has a value, one without where none has."""
-        turn = key[0] == "element" and key[1] in self._turned
-        if turn:
-            member, node = self.b.members[key[1]], key[1].removeprefix(TURN_OF)
-            args: dict[str, Any] = {
-                "of": node,
-                "component": "rotation",
-                "axis": self._vector(member.properties["axis"]),
-            }
-            if member.roles[1] is Role.DEPENDENT:
-                args["tilt"] = "free"
-        else:
-            args = self._of(key) | {"component": self._component(key)}
+        args: dict[str, Any] = self._of(key) | {"component": self._component(key)}
+        if args["component"] == "rotation":
+            member = self.b.members[key[1]]
+            args["axis"] = self._vector(member.properties["axis"])
+            if member.roles[1] is Role.FIXED:
+                args["tilt"] = "fixed"
         sets = [(name, own.get("prescribed", {})) for name, own in self.b.loads.items()]
         values = [(name, given[key]) for name, given in sets if key in given]
         if values and values[0][0] == "increment" and len(values) == 1:
@@ -319,6 +317,9 @@ class Calls:
             for i, role in enumerate(member.roles, 1):
                 if role is Role.PRESCRIBED:
                     self._prescribed(("element", name, i))
+                elif role is Role.FIXED and name in self._turned and i == 1:
+                    node, axis = turned_by(name)
+                    self._say("fix", {"node": node, "components": axis})
         runs: list[tuple[dict[str, str], list[str]]] = []
         for key in self.b.dofs:
             of, component = self._of(key), self._component(key)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..build.description import AXES
 from ..errors import clean
+from ..model.by_name import TURNS
 from .building import Built, build
 from .content import Document, EditError, Report, checked_text
 from .copies import cloned, moved, selected
@@ -216,6 +217,8 @@ class _Image:
             return -1
         if component in ("l1", "l2", "l3"):
             return 1 if int(component[1]) - 1 == self.axis else -1
+        if component in TURNS:
+            return 1 if TURNS.index(component) == self.axis else -1
         node = self.built.builder.nodes.get(of)
         if node is not None and node.kind.part == "rotation":
             letters = node.kind.components

@@ -4,11 +4,11 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from ..model.by_name import FRAME_OF, TURN_OF
+from ..model.by_name import FRAME_OF, TURN_OF, TURNS
 from .fields import Call, calls
 
 # Parts of a node or an element that have a name of their own.
-PARTS = (".rotation", ".warping", ".internal")
+PARTS = (".rotation", ".warping", ".internal", *(f".{axis}" for axis in TURNS))
 # Kinds of fields that hold names of things, and in which namespaces these are looked up.
 SPACES = {
     "node": ("node",),

@@ -1,5 +1,10 @@
 """A wrong description is answered by one message that names the culprit and says what is right."""
 
+import copy
+import pickle
+from decimal import Decimal
+from fractions import Fraction
+
 import jax
 import numpy as np
 import pytest
@@ -532,3 +537,75 @@ def test_arrays_that_are_written_into_afterwards_leave_a_model_as_it_is():
         return jax.tree.leaves(b.build().parameters)
 
     assert all(map(np.array_equal, numbers(False), numbers(True)))
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda b: b.copy(), lambda b: pickle.loads(pickle.dumps(b))])
+def test_a_copy_of_a_builder_has_contents_of_its_own(copied):
+    b = two_nodes()
+    beam(b)
+    b.fix("A")
+    b.input("B", "y")
+    before = fm.frequencies(b.build())
+    twin = copied(b)
+    assert type(twin) is fm.Builder
+    twin.node("C", (0.2, 0))
+    twin.add(planar.beam, "B", "C", name="more", section=LEAF)
+    twin.mass("B", 1.0)
+    twin.force("B", (1.0, 0))
+    twin.output("B", "y")
+    twin.dof("leaf", 2)
+    twin.release("leaf", 1)
+    twin.start("leaf", 2, 0.1)
+    twin.fix("B", "x")
+    assert (list(b.nodes), list(b.members)) == (["A", "B", "A.rotation", "B.rotation"], ["leaf"])
+    assert not (b.dofs or b.starts or b.signals["output"] or b.loads["initial"].get("force"))
+    np.testing.assert_array_equal(fm.frequencies(b.build()), before)
+
+
+def test_a_body_on_a_second_rotation_of_a_node_is_an_element():
+    """Two arms on one pin: what the message says is right, by the frequencies of the arm on springs."""
+
+    def arms(on_second):
+        b = fm.Builder()
+        b.node("pin", (0, 0))
+        b.fix("pin", "position")
+        b.rotation("ground")
+        b.fix("ground")
+        b.add(planar.hinge, "ground", "pin", stiffness=3.0)
+        b.body("pin", 1.0, center=(0.1, 0), inertia=0.02)
+        b.rotation("second")
+        b.add(planar.hinge, "ground", "second", stiffness=12.0)
+        on_second(b)
+        return b.build()
+
+    with pytest.raises(fm.ModelError, match=r"'second' has no position.* add\(planar.body, 'position', 'second', mass=") as fault:
+        arms(lambda b: b.body("second", 1.0, inertia=0.02))
+    assert "center=" in str(fault.value)
+    model = arms(lambda b: b.add(planar.body, "pin", "second", mass=1.0, center=(0.1, 0), inertia=0.02))
+    expected = np.sqrt(np.array([3.0, 12.0]) / (0.02 + 1.0 * 0.1**2)) / (2 * np.pi)
+    np.testing.assert_allclose(fm.frequencies(model), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [Fraction, Decimal])
+def test_fractions_and_decimals_are_numbers(kind):
+    def model(n):
+        b = fm.Builder()
+        b.node("A", (0, 0))
+        b.node("B", (n("0.1"), n(0)))
+        steel = fm.Material(n("210e9"), n("80e9"), n(7850))
+        b.add(planar.beam, "A", "B", name="leaf", section=fm.Rectangle(n("0.018"), n("0.0005"), steel))
+        b.fix("A")
+        b.body("B", n("0.1"), center=(n("0.01"), 0), inertia=n("1e-4"))
+        b.force("B", (n(1), n("0.25")))
+        b.force("B", (n(1), 0))
+        b.gravity((0, n("-9.81")))
+        b.prestress("leaf", n(2))
+        b.prescribe("B", "y", n("1e-3"), increment=True)
+        return b.build()
+
+    assert all(map(np.array_equal, *(jax.tree.leaves(model(n).parameters) for n in (kind, float))))
+    fm.simulate(model(kind), [kind(0), kind("1e-4")], rtol=kind("1e-4"))
+    with pytest.raises(fm.ModelError, match="Node 'A' has a value that is too large"):
+        fm.Builder().node("A", (kind("1e200"), 0))
+    with pytest.raises(fm.ModelError, match="Node 'A' must be a number, not"):
+        fm.Builder().node("A", (kind, 0))

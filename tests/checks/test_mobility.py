@@ -105,3 +105,15 @@ def test_inputs_on_leaf_springs_are_looked_at_elsewhere_too():
     b.dof("tip", "x")
     b.input("tip", "x")
     assert locked_inputs(b.build()) == []
+
+
+def test_a_self_stress_of_many_parts_is_told_in_full():
+    """Twelve rods end to end between two walls bear one force, each its share of one."""
+    b = fm.Builder()
+    for i in range(13):
+        b.node(f"n{i}", (float(i), 0))
+        if i:
+            b.add(planar.truss, f"n{i - 1}", f"n{i}", name=f"rod {i}", released=())
+        b.fix(f"n{i}", *(("x", "y") if i in (0, 12) else ("y",)))
+    told = fm.mobility(b.build(check=False)).report()
+    assert all(f"rod {i}.e1" in told for i in range(1, 13))

@@ -106,7 +106,7 @@ def test_a_loaded_leaf_spring_on_a_floor_that_moves():
         for sign in (1, -1):
             b = bent_leaf()
             b.fix("a", "position")
-            b.prescribe("a", "rotation", sign * step, axis=np.eye(3)[axis])
+            b.prescribe("a", "rotation", sign * step, axis=np.eye(3)[axis], tilt="fixed")
             ends.append(fm.equilibrium(b.build()))
         turned = [Rotation.from_quat(np.asarray(end.at("c.rotation")), scalar_first=True) for end in ends]
         moved = (ends[0].position("c") - ends[1].position("c")) / (2 * step)

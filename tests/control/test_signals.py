@@ -434,7 +434,7 @@ def test_velocities_about_a_steady_motion_are_rates_of_positions():
     b.rotation("shaft")
     b.rotation("c")
     b.fix("o", "position")
-    b.prescribe("shaft", "rotation", 0.0, axis=(1, 0, 0))
+    b.prescribe("shaft", "rotation", 0.0, axis=(1, 0, 0), tilt="fixed")
     b.add(spatial.hinge, "shaft", "c", name="springs", axis=(1, 2, 2), stiffness=(10.0, 20.0, 30.0), released="all")
     b.add(spatial.rigid_beam, "o", "c", "rim", name="arm")
     b.inertia("c", (2e-3, 1e-4, 2e-4, 3e-3, 0, 4e-3))

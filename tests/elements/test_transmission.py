@@ -280,7 +280,7 @@ def test_point_on_a_turning_line(space, body):
     b.fix("slot", "position")
     b.fix("pin", "x")
     if space:
-        b.prescribe("slot", "rotation", angle, axis=(0, 0, 1))
+        b.prescribe("slot", "rotation", angle, axis=(0, 0, 1), tilt="fixed")
     else:
         b.prescribe("slot", "phi", angle)
     found = fm.equilibrium(b.build())

@@ -160,3 +160,16 @@ def test_a_body_on_a_hinge_turns_at_its_rate():
 def test_wrong_names(loaded, ask, kind, words):
     with pytest.raises(kind, match=words):
         ask(loaded)
+
+
+def test_a_component_of_a_rotation_is_asked_by_its_own_name():
+    for model, component in ((cantilever(), "phi"), (shaft(None), "rx")):
+        found = fm.simulate(model, [0.0, 1e-4])
+        asked = {"position": "rotation", "velocity": "angular_velocity", "acceleration": "angular_acceleration"}
+        for wrong, right in asked.items():
+            with pytest.raises(KeyError, match=rf"ask {right}\('tip', '{component}'\)"):
+                getattr(found, wrong)("tip", component)
+            getattr(found, right)("tip", component)
+    # By the name of a rotation its own coordinate is asked.
+    found = fm.simulate(cantilever(), [0.0, 1e-4])
+    np.testing.assert_array_equal(found.velocity("tip.rotation", "phi"), found.angular_velocity("tip"))

@@ -93,3 +93,65 @@ def test_a_controller_sees_from_the_start_what_is_driven():
     drive = {"crank.phi": Partial(turned, speed=2.0)}
     found = fm.simulate(b.build(), [0.0, 0.01], motion=drive, control=held, rtol=1e-6)
     assert found.u[0, 0] == pytest.approx(0.5 * 2.0, rel=1e-9)
+
+
+def arm():
+    """A cantilever with a body on its tip, of which nothing stretches."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (1.0, 0))
+    b.add(planar.beam, "foot", "tip", name="leaf", section=fm.Rigidity(EA=1.0, EIy=2.0), released=(2, 3))
+    b.fix("foot")
+    b.body("tip", 1.0, inertia=0.5)
+    return b.build()
+
+
+@pytest.mark.parametrize("name", ["foot.x", "foot", "foot.phi", "foot.rotation", "leaf.e1"])
+def test_a_load_on_what_is_fixed_is_refused(name):
+    size = 2 if name == "foot" else 1
+    with pytest.raises(fm.ModelError, match=f"Load '{name}' acts on something FIXED, where it moves nothing"):
+        fm.simulate(arm(), [0, 0.1], loads={name: lambda t: jnp.ones(size)})
+
+
+def test_a_load_on_a_node_that_is_held_in_part_acts_on_the_rest():
+    b = sprung_mass(stiffness=90.0, mass=0.4)
+    times = np.linspace(0, 0.3, 4)
+    # Along y the mass is FIXED.
+    found = fm.simulate(b.build(), times, loads={"mass": lambda t: jnp.array([3.0, 5.0])}, rtol=1e-8)
+    expected = 3.0 / 90.0 * (1 - np.cos(np.sqrt(90.0 / 0.4) * times))
+    # Ten times the tolerance.
+    np.testing.assert_allclose(found.at("mass")[:, 0] - found.at("mass")[0, 0], expected, atol=1e-7)
+
+
+def test_a_rotation_in_the_plane_is_loaded_and_driven_by_the_name_that_inputs_take():
+    model, times = arm(), np.linspace(0, 0.2, 3)
+    names = "tip.phi", "tip.rotation", "tip.rotation.phi"
+    found = [fm.simulate(model, times, loads={name: lambda t: 0.01 * t}).x for name in names]
+    assert np.any(found[0] != found[0][0])
+    np.testing.assert_array_equal(found[1], found[0])
+    np.testing.assert_array_equal(found[2], found[0])
+    with pytest.raises(fm.ModelError, match=r"'tip.psi' names no coordinate.* There are: foot.x, .*, tip.phi, leaf.e1"):
+        fm.simulate(model, times, loads={"tip.psi": lambda t: t})
+    b = fm.Builder()
+    b.node("hub", (0, 0))
+    b.fix("hub", "position")
+    b.inertia("hub", 0.5)
+    b.rotation("ground")
+    b.fix("ground")
+    b.add(planar.hinge, "ground", "hub", name="spring", stiffness=3.0)
+    b.prescribe("hub", "phi")
+    found = fm.simulate(b.build(), times, motion={"hub.phi": lambda t: 2.0 * t**2})
+    np.testing.assert_allclose(found.rotation("hub"), 2.0 * times**2, atol=1e-14)
+    # Round-off of the moment, by hand: inertia and spring.
+    np.testing.assert_allclose(found.reaction("hub", "phi"), 0.5 * 4.0 + 3.0 * 2.0 * times**2, rtol=1e-12)
+
+
+def test_a_name_that_is_wrong_is_answered_by_the_nearest_of_many():
+    b = fm.Builder()
+    for i in range(40):
+        b.node(f"n{i}", (float(i), 0))
+        if i:
+            b.add(planar.beam, f"n{i - 1}", f"n{i}", name=f"leaf {i}", section=fm.Rigidity(EA=1.0, EIy=2.0, mass=1.0))
+    b.fix("n0")
+    with pytest.raises(fm.ModelError, match=r"There are: n37\.x, .* and \d+ more"):
+        fm.simulate(b.build(), [0, 0.1], loads={"n37.ax": lambda t: t})

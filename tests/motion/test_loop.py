@@ -168,3 +168,15 @@ def test_accelerations_and_reactions_fed_back_at_once():
     _, u = control.forced_response(loop, TIMES, np.array([[2.0], [0.0]]) * np.ones(len(TIMES)), return_x=False)
     # Ten times the tolerance of a step, over some tens of steps; python-control's is exact for a step.
     np.testing.assert_allclose(found.u[:, 0], np.squeeze(u), atol=1e-6)
+
+
+@pytest.mark.parametrize("given", ["text", None, ["1.0", "a"], {"u": 1.0}], ids=repr)
+@pytest.mark.parametrize("of", ["The controller", "The controller's rate", "Argument `reference`"])
+def test_what_returns_no_numbers_is_named(of, given):
+    options = {
+        "The controller": {"control": lambda t, y: given},
+        "The controller's rate": {"control": Feedback(lambda t, z, y: y, lambda t, z, y: given, jnp.zeros(1))},
+        "Argument `reference`": {"control": lambda t, y: y, "reference": lambda t: given},
+    }
+    with pytest.raises(fm.ModelError, match=f"{of} must return a number or an array of numbers, not"):
+        fm.simulate(controlled(), TIMES, **options[of])

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.linalg
 from cases import mechanisms
 from scipy.spatial.transform import Rotation
 
@@ -40,7 +41,7 @@ def deformation(model, values, name):
 
 @pytest.mark.parametrize("angle", [1.0, np.pi, 2 * np.pi, 2.5 * np.pi, -7 * np.pi])
 def test_a_body_turned_at_its_clamp_moves_rigidly(angle):
-    model = cantilever("A", SKEW, angle)
+    model = cantilever("A", SKEW, angle, "fixed")
     found = fm.equilibrium(model)
     turned = Rotation.from_rotvec(angle * SKEW).apply([LENGTH, 0, 0])
     # Round-off of a hundred load steps.
@@ -93,9 +94,9 @@ def test_a_free_tilt_takes_no_moment():
     about_local_y, about_local_z = np.cos(alpha) ** 2, np.sin(alpha) ** 2
     soft = LENGTH * (about_local_y / SECTION.EIy + about_local_z / SECTION.EIz)
     stiff = (about_local_y * SECTION.EIy + about_local_z * SECTION.EIz) / LENGTH
-    for tilt, expected in (("free", 1 / soft), ("fixed", stiff)):
+    for tilt, expected in (("free", 1 / soft), (None, 1 / soft), ("fixed", stiff)):
         model = cantilever("B", (0, 0, 1), small, tilt, y=y)
-        moment = -deformation(model, fm.equilibrium(model).sigma, "turn of B.e1")
+        moment = fm.equilibrium(model).reaction("B", "rz")
         # The position of the tip is free, so that the curvature is constant; what is left is of the angle's square.
         assert moment / small == pytest.approx(expected, rel=1e-6), tilt
 
@@ -168,7 +169,7 @@ def test_cross_pivot_in_space():
 
 
 def test_derivative_by_the_angle():
-    model = cantilever("B", SKEW, 2.0)
+    model = cantilever("B", SKEW, 2.0, "fixed")
 
     def moment(angle):
         loads = replace(model.parameters.loads, e=angle[None])
@@ -182,7 +183,7 @@ def test_derivative_by_the_angle():
 
 
 def test_initial_and_incremental_angles_add_up():
-    found = fm.equilibrium(cantilever("A", SKEW, -np.pi, increment=5 * np.pi), increment=0.7)
+    found = fm.equilibrium(cantilever("A", SKEW, -np.pi, "fixed", increment=5 * np.pi), increment=0.7)
     np.testing.assert_allclose(found.at("A.rotation"), np.r_[np.cos(1.25 * np.pi), np.sin(1.25 * np.pi) * SKEW])
 
 
@@ -207,6 +208,147 @@ def test_wrong_descriptions():
     with pytest.raises(fm.ModelError, match="The rotation of node 'A' is fixed already"):
         b.prescribe("A", "rotation", 1.0, axis=(0, 0, 1))
     b.prescribe("B", "rotation", 1.0, axis=(0, 0, 1))
-    for other in ({"axis": (0, 1, 0)}, {"axis": (0, 0, 1), "tilt": "free"}):
+    for other in ({"axis": (0, 1, 0)}, {"axis": (0, 0, 1), "tilt": "fixed"}):
         with pytest.raises(fm.ModelError, match="Rotation of node 'B': it is prescribed already, with another axis or"):
             b.prescribe("B", "rotation", 1.0, increment=True, **other)
+
+
+SHAFT = fm.Rigidity(EA=1e6, EIy=4.0, EIz=5.0, GIt=8.0, mass=1.0)
+
+
+def shaft(beam=spatial.beam):
+    """A shaft of 1 m along x with GI_t 8 N m^2, held at A, and a body at B."""
+    b = fm.Builder()
+    b.node("A", (0, 0, 0))
+    b.node("B", (1, 0, 0))
+    b.add(beam, "A", "B", name="shaft", section=SHAFT)
+    b.fix("A")
+    b.body("B", 1.0, inertia=(2.0, 0, 0, 3.0, 0, 4.0))
+    return b
+
+
+def turned_by_axis(b, angle, **options):
+    b.prescribe("B", "rotation", angle, axis=(1, 0, 0), **options)
+
+
+def turned_by_name(b, angle, **options):
+    b.prescribe("B", "rx", angle, **options)
+
+
+@pytest.mark.parametrize("turn", [turned_by_axis, turned_by_name])
+def test_the_moment_that_turns_a_shaft(turn):
+    """GI_t times the angle over the length, on the node whose rotation is prescribed, and its opposite at the clamp."""
+    needed, nothing = [0, 0, 0, 1.6, 0, 0], {"atol": 1e-9, "rtol": 1e-9}
+    b = shaft(spatial.spectral_beam(3))
+    turn(b, 0.2, increment=True)
+    model = b.build()
+    results = fm.equilibrium(model), fm.linearize(model), fm.path(model), fm.equilibria(model, increment=[0.5, 1.0])
+    for found in results:
+        of_end = (lambda values: values[-1]) if np.ndim(found.x) == 2 else np.asarray
+        for ask in (found.reaction, found.force_needed):
+            np.testing.assert_allclose(of_end(ask("B")), needed, **nothing)
+            np.testing.assert_allclose(of_end(ask("B.rotation", "rx")), 1.6, **nothing)
+        np.testing.assert_allclose(of_end(found.reaction("A", "rx")), -1.6, **nothing)
+    for text in ("reaction B.rx", "moment B.rx"):
+        assert results[2].along(text).values[-1] == pytest.approx(1.6)
+
+
+def test_the_moment_that_turns_a_shaft_in_motion():
+    """The law's own acceleration times the inertia, and the moment of the shaft: e2 of a cubic beam is its energy's."""
+    b = shaft()
+    b.prescribe("B", "rx")
+    b.output("B", "rx", "reaction", name="drive")
+    b.output("B", "rx")
+    model = b.build()
+    times = np.linspace(0, 0.5, 6)
+    found = fm.simulate(model, times, motion={"B.rx": lambda t: 0.4 * t**2})
+    angle = 0.4 * times**2
+    # Half of GI_t sin^2 is the energy of a cubic beam that is twisted alone. Round-off.
+    expected = 2.0 * 0.8 + SHAFT.GIt * np.sin(angle) * np.cos(angle)
+    np.testing.assert_allclose(found.rotation("B", "rx"), angle, atol=1e-12)
+    for moment in (found.reaction("B", "rx"), found.force_needed("B", "rx")):
+        np.testing.assert_allclose(moment, expected, rtol=1e-9)
+    np.testing.assert_allclose(found.outputs[:, 0], expected, rtol=1e-9)
+
+
+def test_what_is_turned_is_moved_by_an_input_of_its_axis():
+    """A support of a shaft that shakes about x: the free end follows the law of one degree of freedom."""
+    for name, prescribed in (("rx", {}), ("rotation", {"axis": (1, 0, 0)})):
+        b = shaft()
+        b.prescribe("B", name, **prescribed)
+        b.input("B", "rx", "displacement")
+        b.output("B", "rx", "reaction")
+        d = fm.to_statespace(fm.linearize(b.build())).D
+        # By a displacement alone, at rest: the stiffness of the shaft.
+        np.testing.assert_allclose(d, [[SHAFT.GIt]], rtol=1e-9)
+        refused = shaft()
+        refused.prescribe("B", name, **prescribed)
+        refused.input("B", "rx")
+        if name == "rx":
+            with pytest.raises(fm.ModelError, match="acts on a rotation that is prescribed, where it can do nothing"):
+                refused.build()
+
+
+def test_a_prescribed_rotation_leaves_the_other_two():
+    """Frequencies are those of the mechanism projected onto motions that do not turn the node about the axis."""
+    frequencies = {}
+    for tilt in (None, "free", "fixed"):
+        b = shaft()
+        b.prescribe("B", "rotation", 0.0, axis=(0, 0, 1), tilt=tilt)
+        frequencies[tilt] = np.asarray(fm.frequencies(b.build()))
+    lin = fm.linearize(shaft().build())
+    names = [str(entry) for entry in lin.labels.x]
+    kept = scipy.linalg.null_space(np.asarray(lin.DFx)[[names.index("B.rotation.l3")]])
+    k, m = (kept.T @ np.asarray(matrix) @ kept for matrix in (lin.K, lin.M0))
+    expected = np.sqrt(scipy.linalg.eigh(k, m, eigvals_only=True)) / (2 * np.pi)
+    # Round-off by the ratio of the stiffnesses, 1e6.
+    np.testing.assert_allclose(frequencies[None], expected, rtol=1e-9)
+    np.testing.assert_allclose(frequencies["free"], expected, rtol=1e-9)
+    assert len(frequencies["fixed"]) == len(expected) - 2
+
+
+def test_a_rotation_is_held_about_global_axes():
+    """A cantilever whose tip may not turn about z: 12 EI/L^3 along y and 3 EI/L^3 along z."""
+    b = shaft()
+    b.fix("B", "rz")
+    stiffness = 1 / np.diag(np.asarray(fm.compliance(b.build(), "B")))
+    np.testing.assert_allclose(stiffness[1:3], [12 * SHAFT.EIz, 3 * SHAFT.EIy], rtol=1e-9)
+    assert np.isinf(stiffness[5]) or stiffness[5] > 1e12
+    # The moment that holds it, half of the force times the length.
+    b.force("B", (0, 1e-6, 0))
+    np.testing.assert_allclose(fm.equilibrium(b.build()).reaction("B")[3:], [0, 0, -0.5e-6], atol=1e-15)
+    # About all axes it is held as a whole, whether at once or one after the other.
+    for calls in (("rx", "ry", "rz"),), (("rx",), ("ry",), ("rz",)), (("rz",), ("rotation",)), (("rotation",), ("rx",)):
+        b = shaft()
+        for components in calls:
+            b.fix("B", *components)
+        model = b.build()
+        assert model.labels.coordinates("B.rotation")[0] in np.asarray(model.topology.x.fixed), calls
+    b = shaft()
+    b.fix("B", "rx")
+    with pytest.raises(fm.ModelError, match="The rotation 'B.rx' is fixed already and cannot be prescribed too"):
+        b.prescribe("B", "rx", 0.1)
+    with pytest.raises(fm.ModelError, match="'B.rx': only component \"rotation\" takes an axis"):
+        b.prescribe("B", "rx", 0.1, axis=(1, 0, 0))
+
+
+def test_an_angle_about_a_global_axis_is_a_degree_of_freedom():
+    """A body on a shaft that is turned and let go, or pushed by a moment, moves as one degree of freedom."""
+    b = fm.Builder()
+    b.node("B", (0, 0, 0))
+    b.rotation("ground")
+    b.fix("ground")
+    b.add(spatial.hinge, "ground", "B.rotation", axis=(1, 0, 0), stiffness=8.0, released=(1,))
+    b.fix("B", "position")
+    b.inertia("B", (2.0, 0, 0, 3.0, 0, 4.0))
+    b.start("B", "rx", 0.1)
+    model = b.build()
+    assert model.q_labels == ["turn of B.rx.e1"]
+    assert b.build(dofs=["B.rx"]).q_labels == model.q_labels
+    times, rate = np.linspace(0, 2.0, 5), 2.0
+    found = fm.simulate(model, times, rtol=1e-8)
+    # Ten times the tolerance, over tens of steps.
+    np.testing.assert_allclose(found.rotation("B", "rx"), 0.1 * np.cos(rate * times), atol=1e-6)
+    pushed = fm.simulate(model, times, loads={"B.rx": lambda t: 0.4 * (t >= 0)}, rtol=1e-8)
+    still = 0.4 / 8.0
+    np.testing.assert_allclose(pushed.rotation("B", "rx"), still + (0.1 - still) * np.cos(rate * times), atol=1e-6)

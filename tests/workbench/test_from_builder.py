@@ -254,3 +254,27 @@ def test_wrong_sources_are_refused():
         document_of("guide.dat")
     with pytest.raises(TypeError, match="belong to a function"):
         document_of(mechanisms.planar_guide(), {"t": 1.0})
+
+
+@pytest.mark.parametrize("what", ["prescribed", "increment", "held", "named", "started", "tilt"])
+def test_angles_about_global_axes(what):
+    b = fm.Builder()
+    b.node("A", (0, 0, 0))
+    b.node("B", (0.1, 0, 0))
+    leaf = fm.Rectangle(0.02, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
+    b.add(spatial.leaf_spring, "A", "B", name="B", section=leaf, y=(0, 0, 1))
+    b.fix("A")
+    b.mass("B", 0.1)
+    calls = {
+        "prescribed": lambda: (b.prescribe("B", "rz", 0.1, kind="node"), b.fix("B", "ry")),
+        "increment": lambda: b.prescribe("B", "rz", 0.1, increment=True, kind="node"),
+        "held": lambda: b.fix("B", "rx", "ry"),
+        "named": lambda: b.dof("B", "rz", "y", kind="node"),
+        "started": lambda: b.start("B", "rz", 0.01, kind="node"),
+        "tilt": lambda: b.prescribe("B", "rotation", 0.1, axis=(0, 0, 1), tilt="fixed"),
+    }
+    calls[what]()
+    document, left_out = document_of(b)
+    assert left_out == []
+    assert not any("turn of" in str(thing) for thing in document.things)
+    check_same_contents(rebuilt(document), b)
