@@ -118,13 +118,59 @@ def note(condition: Any) -> None:
     Args:
         condition: Traced, () of bool.
     """
+    noted = _noted_here()
+    if noted is not None:
+        noted.append(condition)
+
+
+def is_noting() -> bool:
+    """Whether someone asks here for the conditions of traced numbers, and for those numbers themselves."""
+    return _noted_here() is not None
+
+
+def _noted_here() -> list[Any] | None:
     noted = _NOTED.get()
     if noted is None:
-        return
+        return None
     import jax.extend.core
 
-    if noted[0] == jax.extend.core.get_opaque_trace_state():
-        noted[1].append(condition)
+    return noted[1] if noted[0] == jax.extend.core.get_opaque_trace_state() else None
+
+
+def holds(condition: Any) -> bool:
+    """Whether a condition holds everywhere; a traced one is noted (:func:`noting`) and counts as one that holds.
+
+    Args:
+        condition: Any shape of bool.
+    """
+    if is_concrete(condition):
+        return bool(np.all(np.asarray(condition)))
+    note(jax.numpy.all(condition))
+    return True
+
+
+@contextlib.contextmanager
+def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
+    """Note conditions, and make NaN of what must not be used where one does not hold: nothing can be raised in a trace.
+
+    Where the conditions are noted further out already they are told there, and numbers stay as they are.
+
+    Yields:
+        Function of a pytree of floats, to be called behind the checks: they are NaN where a condition is not met.
+    """
+    if is_noting():
+        yield lambda tree: tree
+        return
+    with noting() as conditions:
+
+        def marked(tree: Any) -> Any:
+            if not conditions:
+                return tree
+            # A factor, since derivatives of a selection would be zero.
+            factor = jax.numpy.where(jax.numpy.stack(conditions).all(), 1.0, jax.numpy.nan)
+            return jax.tree.map(lambda leaf: leaf * factor, tree)
+
+        yield marked
 
 
 def as_floats(value: Any) -> Any:

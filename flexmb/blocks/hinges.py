@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..arguments import is_concrete, note
+from ..arguments import holds, nan_if_refused
 from ..build.builder import Builder
 from ..elements.sections import Material, Scalar, notch_circular
 from ..errors import ModelError
@@ -110,10 +110,10 @@ def notch_four_bar(
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
     own = slender, notch_circular(width, height, neck, radius, material)
     notch = _extent(height, neck, radius)
-    if not is_concrete((length, notch)):
-        note(length > notch)
-    elif length <= notch:
-        raise ModelError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
+    with nan_if_refused() as marked:
+        if not holds(length > notch):
+            raise ModelError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
+        length = marked(length)
     s.body(s.stage, length + notch)
     for label, across in (("1", -spacing / 2), ("2", spacing / 2)):
         foot = s.clamp(f"foot {label}", (s.base, (0.0, across)))

@@ -10,7 +10,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import check_number, is_concrete, note
+from ..arguments import check_number, holds, is_concrete, nan_if_refused
 from ..build.builder import Builder
 from ..elements.sections import Scalar, Section
 from ..errors import ModelError
@@ -195,10 +195,10 @@ def cartwheel(
 
 
 def _cos_and_sin(half_angle: Scalar) -> tuple[Any, Any]:
-    check_number("half_angle", half_angle, above=0, fault=ModelError)
+    with nan_if_refused() as marked:
+        check_number("half_angle", half_angle, above=0, fault=ModelError)
+        if not holds(half_angle < np.pi / 2):
+            raise ModelError(f"Argument `half_angle` must be smaller than a right angle, but is {half_angle:g} rad.")
+        half_angle = marked(half_angle)
     xp: Any = np if is_concrete(half_angle) else jnp
-    if xp is jnp:
-        note(half_angle < np.pi / 2)
-    elif half_angle >= np.pi / 2:
-        raise ModelError(f"Argument `half_angle` must be smaller than a right angle, but is {half_angle:g} rad.")
     return xp.cos(half_angle), xp.sin(half_angle)

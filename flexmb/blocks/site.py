@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, is_concrete
+from ..arguments import check_number, holds, is_concrete, nan_if_refused
 from ..build.assemble import stack
 from ..build.builder import Builder
 from ..build.given import listed, named
@@ -47,8 +47,9 @@ class Site:
         element: Any,
         **sizes: Any,
     ):
-        for size, value in sizes.items():
-            check_number(size, value, above=0, fault=ModelError)
+        with nan_if_refused() as marked:
+            for size, value in sizes.items():
+                check_number(size, value, above=0, fault=ModelError)
         self.b, self.name, self.element = b, named("A block", name), element
         self.base, self.stage = named("A node", base), named("A node", stage)
         self._check_position(self.base)
@@ -59,7 +60,8 @@ class Site:
         if self.base == self.stage:
             raise ModelError(f"Block '{name}' joins node '{base}' to itself. Give it two nodes.")
         self._check_position(self.stage)
-        self.origin = stack(b.nodes[self.base].start) if at is None else self._vector("at", at)
+        # All nodes of the block are placed from here.
+        self.origin = marked(stack(b.nodes[self.base].start) if at is None else self._vector("at", at))
         self._set_axes(along, y)
 
     def _check_position(self, node: str) -> None:
@@ -92,10 +94,11 @@ class Site:
 
     def _unit(self, argument: str, vector: Any) -> Any:
         size = (vector @ vector) ** 0.5
-        if is_concrete(size) and size < 1e-9:
-            what = "has no length" if argument == "along" else "must not be parallel to `along`"
-            raise ModelError(f"Argument `{argument}` of block '{self.name}' {what}.")
-        return vector / size
+        with nan_if_refused() as marked:
+            if not holds(size >= 1e-9):
+                what = "has no length" if argument == "along" else "must not be parallel to `along`"
+                raise ModelError(f"Argument `{argument}` of block '{self.name}' {what}.")
+            return marked(vector / size)
 
     def place(self, *coordinates: Scalar) -> Any:
         """A point of the block in global axes, (d,) [m]; coordinates that are not given are zero."""

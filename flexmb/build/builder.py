@@ -9,12 +9,15 @@ import jax
 import numpy as np
 
 from ..arguments import (
+    as_floats,
     as_known,
     check_choice,
     check_flag,
     check_numbers,
     copied,
+    holds,
     is_concrete,
+    nan_if_refused,
     require_double_precision,
     shown,
 )
@@ -36,6 +39,7 @@ from .idle import warn_of_idle
 from .plain_beams import warn_of_plain_beams
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations, with_material_damping, with_options
+from .sound import nan_if_impossible
 from .step import body_of_step
 
 # Quantities of inputs that act, of outputs of coordinates and rotations, and of outputs of deformations.
@@ -384,11 +388,11 @@ class Builder(Description):
             if shape != ():
                 raise ModelError(f"The inertia of node '{node}' must be one number in the plane, not of shape {shape}.")
         elif shape == (3, 3):
-            if is_concrete(inertia) and np.any(
-                np.abs(np.subtract(inertia, np.transpose(inertia))) > 1e-9 * np.max(np.abs(np.asarray(inertia)))
-            ):
-                raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
-            inertia = stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))])
+            matrix = as_floats(inertia)
+            with nan_if_refused() as marked:
+                if not holds(abs(matrix - matrix.T) <= 1e-9 * abs(matrix).max()):
+                    raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
+                inertia = marked(stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]))
         elif shape != (6,):
             raise ModelError(
                 f"The inertia of node '{node}' must be (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) or a matrix of three by three,"
@@ -779,9 +783,9 @@ class Builder(Description):
         blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
         if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
             if before is not None and (twin := as_in(described, before)) is not described:
-                return note(check_inputs(assemble(twin), twin))
+                return _finished(check_inputs(assemble(twin), twin))
             if not check:
-                return note(model)
+                return _finished(model)
             if release == "auto":
                 raise ModelError(
                     "Over-constraints cannot be found while numbers of the model's geometry are traced. Release by name"
@@ -800,10 +804,10 @@ class Builder(Description):
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
                     " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
                 )
-            return note(check_inputs(model, described))
+            return _finished(check_inputs(model, described))
         if not check:
-            return note(model)
-        return check_inputs(note(complete(described, model, dofs, release)))
+            return _finished(model)
+        return check_inputs(_finished(complete(described, model, dofs, release)))
 
     # -- helpers ------------------------------------------------------------------------------------------------
 
@@ -935,3 +939,7 @@ class Builder(Description):
             faults = element.check(ref=ref, **(element.arguments(element.check, properties) or {}))
         for fault in faults:
             raise ModelError(f"Element '{name}' {fault}.")
+
+
+def _finished(model: Model) -> Model:
+    return note(nan_if_impossible(model))

@@ -9,6 +9,8 @@ import jax.core
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
+from ..arguments import noting
+
 # How strongly operations bind: what is below its operand's stands in parentheses.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = 1, 2, 3, 4, 5
 _SIGNS = {"add": ("+", _SUM), "sub": ("-", _SUM), "mul": ("*", _PRODUCT), "div": ("/", _PRODUCT)}
@@ -70,7 +72,13 @@ def formulas(
     Returns:
         For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.
     """
-    program = jax.make_jaxpr(lambda numbers: function(numbers))({name: float(value) for name, value in names.items()})
+
+    def noted(numbers: dict[str, Any]) -> list[Any]:
+        # Checks of numbers that are no part of their formulas.
+        with noting():
+            return function(numbers)
+
+    program = jax.make_jaxpr(noted)({name: float(value) for name, value in names.items()})
     reader = _FormulaReader()
     # A dictionary is flattened in the order of its keys.
     ordered = sorted(names)

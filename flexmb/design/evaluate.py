@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import noting
 from ..build.carry import carried, recorded
 from ..errors import AnalysisError, ModelError, SpacarError, clean
 from ..model.model import Model
@@ -219,7 +220,8 @@ def evaluate(
     """
     values = {}
     with collected() as codes:
-        with traceable(told_of(build)):
+        # Designs that a concrete build refuses are found beforehand (`possible`).
+        with traceable(told_of(build)), noting():
             made = build(**dimensions)
         for name, function in answers.items():
             with traceable(f"Answer '{name}'"):

@@ -11,12 +11,12 @@ import numpy as np
 
 from ..arguments import noting
 from ..build.carry import carried, recorded
+from ..build.sound import checks_of
 from ..compilation.compile import QUICK
-from ..elements.sections import Section
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Topology
 from .evaluate import told_of, traceable
 
 
@@ -66,50 +66,8 @@ def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
     """Each check of a model of many designs, (designs, places), True where there is a fault."""
     for leaf in jax.tree.leaves(parameters):
         yield ~np.isfinite(leaf.reshape(len(leaf), -1))
-    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        reference = parameters.reference[:, block.x]
-        for first, last, own in _of_one_kind(properties, len(block.x)):
-            if isinstance(own.get("section"), Section):
-                yield _of_sections(own["section"])
-            if (check := block.element.check) is not None:
-                yield _of_check(block, check, reference[:, first:last], {**dict(block.options), **own})
-
-
-def _of_one_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
-    """Elements of a block whose sections are of one kind: from, to, and their properties."""
-    sections = properties.get("section")
-    if not isinstance(sections, tuple):
-        yield 0, count, properties
-        return
-    first = 0
-    for section in sections:
-        last = first + jax.tree.leaves(section)[0].shape[1]
-        others = {name: value for name, value in properties.items() if name != "section"}
-        yield first, last, {**jax.tree.map(lambda a, i=first, j=last: a[:, i:j], others), "section": section}
-        first = last
-
-
-def _of_sections(sections: Section) -> np.ndarray:
-    """Whether each section has a fault, (designs, elements)."""
-    return _each(lambda section: section.faults(), sections, type(sections).faults)
-
-
-def _of_check(block: Block, check: Callable[..., list[str]], reference: Any, properties: dict[str, Any]) -> np.ndarray:
-    """Whether the check of each element has a fault, (designs, elements)."""
-    element = block.element
-    wanted = element.wanted(check)
-    if any(p.default is p.empty and n not in properties for n, p in wanted.items()):
-        # A block of deformations alone; the one of the companions has the other properties.
-        return np.zeros((len(reference), 0), bool)
-    options = {n: v for n, v in properties.items() if n in wanted and isinstance(v, bool | str)}
-    numbers = {n: v for n, v in properties.items() if n in wanted and n not in options}
-
-    def ask(one: tuple[Any, dict[str, Any]]):
-        reference, own = one
-        given: dict[str, Any] = element.arguments(check, {**options, **own}) or {}
-        return check(ref=element.reference(np.split(reference, block.splits, axis=-1)), **given)
-
-    return _each(ask, (reference, numbers), check)
+    for ask, numbers, function in checks_of(parameters, topology):
+        yield _each(ask, numbers, function)
 
 
 def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[..., Any]) -> np.ndarray:

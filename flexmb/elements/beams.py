@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from numpy.polynomial import polynomial
 
+from ..arguments import as_floats, holds, library_of
 from ..math.derivative import root_or_zero
 from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
@@ -284,12 +285,13 @@ def along(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> 
 
 def check_length(*, ref: Reference) -> list[str]:
     """Faults of an element with two end positions."""
-    p, q = np.asarray(ref.p), np.asarray(ref.q)
+    p, q = as_floats(ref.p), as_floats(ref.q)
+    xp = library_of((p, q))
     # What is left of equal positions that were computed in two ways, such as 3 * 0.05 and 0.15.
-    left = ROUND_OFF * np.max(np.maximum(np.abs(p), np.abs(q)), axis=-1)
-    if np.any(np.linalg.norm(q - p, axis=-1) <= left):
-        return ["has zero length: its two ends have the same position"]
-    return []
+    left = ROUND_OFF * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
+    if holds(xp.linalg.norm(q - p, axis=-1) > left):
+        return []
+    return ["has zero length: its two ends have the same position"]
 
 
 def straight_shape(
@@ -312,20 +314,21 @@ def point_inertia(p: Float[Array, "d"], *, ref: Reference, mass: float):
 
 def check_mass(*, ref: Reference, mass: float) -> list[str]:
     """Faults of a point mass."""
-    return [f"has a mass of {mass}, but it cannot be negative"] if np.any(np.asarray(mass) < 0) else []
+    return [] if holds(as_floats(mass) >= 0) else [f"has a mass of {mass}, but it cannot be negative"]
 
 
 def check_body_mass(mass: float) -> list[str]:
     """Faults of the mass of a body, or of many."""
-    return [] if np.all(np.asarray(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
+    return [] if holds(as_floats(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
 
 
 def check_across(ref: Reference, y: Float[Array, "*n 3"] | None) -> list[str]:
     """Faults of the vector that fixes the local y axis of an element with end positions ``ref.p`` and ``ref.q``."""
     if y is None:
         return []
-    axis, across = np.asarray(ref.q) - np.asarray(ref.p), np.asarray(y, float)
-    size = np.linalg.norm(across, axis=-1) * np.linalg.norm(axis, axis=-1)
-    if np.any(np.linalg.norm(np.cross(axis, across), axis=-1) <= 1e-5 * size):
-        return ["has a local y vector that is zero or parallel to its axis: give one across it"]
-    return []
+    axis, across = as_floats(ref.q) - as_floats(ref.p), as_floats(y)
+    xp = library_of((axis, across))
+    size = xp.linalg.norm(across, axis=-1) * xp.linalg.norm(axis, axis=-1)
+    if holds(xp.linalg.norm(xp.cross(axis, across), axis=-1) > 1e-5 * size):
+        return []
+    return ["has a local y vector that is zero or parallel to its axis: give one across it"]

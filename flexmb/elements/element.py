@@ -85,7 +85,8 @@ class Element:
             angle (1,) [rad] or Euler parameters (4,) [-], in axes of the first node's rotation. Where these hold, the
             deformations before the coefficients are zero. Its properties are among those of the deformation.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers. Those of
-            this package also take many elements at once, stacked along leading axes.
+            this package also take many elements at once, stacked along leading axes, and traced numbers, whose
+            conditions they note.
         released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
             The rest is FIXED. None: those of the strain fields; where there are none all if the element is elastic,
             none if not.

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds
 from ..math.rotation import counted, initial_frame, polar_angle, relative_turn, turned
 from . import beams
 from .element import Element
@@ -60,7 +61,7 @@ def turn_and_tilt(
 
 def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:
     """Faults of an axis."""
-    return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
+    return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
 
 
 def _hinge(
@@ -159,7 +160,7 @@ def _gear(
 
 def _check_gear(*, ref: Reference, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
     faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
-    return [*faults, "has a ratio of zero"] if np.any(np.asarray(ratio) == 0) else faults
+    return faults if holds(as_floats(ratio) != 0) else [*faults, "has a ratio of zero"]
 
 
 gear = Element(_gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,))

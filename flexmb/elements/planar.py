@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds
 from ..lazy import only
 from ..math.rotation import QUARTER, cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
@@ -258,7 +259,7 @@ def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, axis: Float[A
 
 
 def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
-    return [] if np.all(np.linalg.norm(np.asarray(axis), axis=-1) > 0) else ["has an axis of zero length"]
+    return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
 
 
 slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,))
@@ -359,8 +360,7 @@ def _body_inertia(p: Point2, rot: Angle, *, ref: Reference, mass: float, center:
 
 
 def _check_body(*, ref: Reference, mass: float, inertia: float) -> list[str]:
-    negative = np.any(np.asarray(inertia) < 0)
-    found = [f"has an inertia of {inertia}, but it cannot be negative"] if negative else []
+    found = [] if holds(as_floats(inertia) >= 0) else [f"has an inertia of {inertia}, but it cannot be negative"]
     return beams.check_body_mass(mass) + found
 
 

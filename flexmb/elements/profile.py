@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete, shown
+from ..arguments import as_floats, holds, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
@@ -146,18 +146,41 @@ class Profile(Section):
             length: Of the beam, or of each, () or (*n) [m].
             count: Gauss nodes of each smooth piece, by which the beam integrates at least.
         """
-        length = np.asarray(length, float)
+        return jax.tree.map(np.asarray, _sampled(*self._stacked(length), gauss(count)))
+
+    def sections_along(self, length: Any) -> Section:
+        """Sections at places along each beam, of numbers that may be traced.
+
+        Args:
+            length: Of the beam, or of each, () or (*n) [m].
+
+        Returns:
+            One stacked section, (n, places).
+        """
+        return jax.vmap(_at, (0, None, 0))(*self._stacked(length, np.concatenate([CHECKED, PLACES])))
+
+    def _stacked(self, length: Any, *between: Any) -> tuple[Any, ...]:
+        """The profile of each beam, what is given, and the lengths (n,)."""
+        length = as_floats(length)
         many = max(length.size, 1)
-        stacked = jax.tree.map(lambda leaf: np.reshape(leaf, (many, *np.shape(leaf)[length.ndim :])), self)
-        return jax.tree.map(np.asarray, _sampled(stacked, length.reshape(many), gauss(count)))
+        stacked = jax.tree.map(
+            lambda leaf: leaf.reshape(many, *leaf.shape[length.ndim :]), jax.tree.map(as_floats, self)
+        )
+        return stacked, *between, length.reshape(many)
 
     def faults_along(self, length: Any, count: int = NODES) -> list[str]:
-        """What is wrong along a beam, on concrete numbers; of many beams at once where numbers are stacked.
+        """What is wrong along a beam; of many beams at once where numbers are stacked.
+
+        Of traced numbers the sections at some places and the order of the breaks are looked at alone.
 
         Args:
             length: Of the beam, or of each, () or (*n) [m].
             count: Gauss nodes of each smooth piece, by which the beam integrates at least.
         """
+        if not is_concrete((self, length)):
+            breaks = jax.vmap(lambda own, length: jnp.stack([0.0, *own.breaks_at(length), 1.0]))(*self._stacked(length))
+            holds(jnp.diff(breaks, axis=1) > -SMALL)
+            return self.sections_along(length).faults()
         lengths = np.asarray(length, float)
         first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
         sections = jax.tree.map(np.asarray, _at(first, CHECKED, lengths.ravel()[0]))

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_known, holds
 from ..compilation.record import Record
 from ..errors import ModelError
 from . import surface
@@ -232,7 +233,7 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
     """What is wrong with the numbers of a record: all are positive, some may be zero.
 
     Args:
-        record: Section, material or damping, of concrete numbers.
+        record: Section, material or damping; what is traced is noted (:func:`flexmb.arguments.holds`).
         at_least_zero: Names of those that may be zero.
     """
     found = []
@@ -244,22 +245,22 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
             found += faults_of(value, at_least_zero)
             found += _faults_of_material(value) if isinstance(value, Material) else []
         elif field.name in at_least_zero:
-            found += [f"{field.name} = {value}, but it cannot be negative"] if np.any(np.asarray(value) < 0) else []
-        elif not np.all(np.asarray(value) > 0):
+            found += [] if holds(as_known(value) >= 0) else [f"{field.name} = {value}, but it cannot be negative"]
+        elif not holds(as_known(value) > 0):
             found.append(f"{field.name} = {value}, but it must be positive")
     return found
 
 
 def _faults_of_material(material: Material) -> list[str]:
-    """What does not go together in a material of concrete numbers."""
-    found, nu = [], material.nu
-    if nu is not None and not np.all((np.asarray(nu) > -1) & (np.asarray(nu) < 0.5)):
+    """What does not go together in a material."""
+    found, nu = [], as_known(material.nu)
+    if nu is not None and not (holds(nu > -1) and holds(nu < 0.5)):
         found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
-    ratio = np.asarray(material.E) / (2 * np.asarray(material.G)) - 1
-    if nu is None and np.any(ratio > 0.5 + ROUND_OFF):
+    ratio = as_known(material.E) / (2 * as_known(material.G)) - 1
+    if nu is None and not holds(ratio <= 0.5 + ROUND_OFF):
         found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
-    fatigue, strength = material.fatigue, material.strength
-    if fatigue is not None and strength is not None and np.any(np.asarray(fatigue) > np.asarray(strength)):
+    fatigue, strength = as_known(material.fatigue), as_known(material.strength)
+    if fatigue is not None and strength is not None and not holds(fatigue <= strength):
         found.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
     return found
 

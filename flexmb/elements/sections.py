@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, check_number, is_concrete, shown
+from ..arguments import as_known, check_number, holds, is_concrete, nan_if_refused, shown
 from ..compilation.record import static
 from ..errors import ModelError
 from ..lazy import only
@@ -56,11 +56,14 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     """
     if not isinstance(section, Section):
         raise TypeError(f"Argument `section` must be a Section, such as Rectangle(..), not {shown(section)}.")
-    check_number("length", length, above=0, fault=ModelError)
-    check_number("ratio", ratio, least=0, fault=ModelError)
+    with nan_if_refused() as marked:
+        check_number("length", length, above=0, fault=ModelError)
+        check_number("ratio", ratio, least=0, fault=ModelError)
+        if frequency is not None:
+            check_number("frequency", frequency, above=0, fault=ModelError)
+        length, ratio, frequency = marked((length, ratio, frequency))
     s = section.rigidity()
     if frequency is not None:
-        check_number("frequency", frequency, above=0, fault=ModelError)
         time = ratio / (np.pi * frequency)
         return Damping(EA=time * s.EA, EIy=time * s.EIy, EIz=time * s.EIz, GIt=time * s.GIt)
     mass = s.mass * length
@@ -99,9 +102,15 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
     Source:
         Saint-Venant's solution, e.g. Timoshenko and Goodier, Theory of Elasticity, section on rectangular bars.
     """
-    check_number("width", width, above=0, fault=ModelError)
-    check_number("thickness", thickness, above=0, fault=ModelError)
-    return _by_series(width, thickness)
+    return _by_series(*_sides(width, thickness))
+
+
+def _sides(width: Scalar, thickness: Scalar) -> tuple[Scalar, Scalar]:
+    """Two sides that are positive; traced ones are NaN where they are not."""
+    with nan_if_refused() as marked:
+        check_number("width", width, above=0, fault=ModelError)
+        check_number("thickness", thickness, above=0, fault=ModelError)
+        return marked((width, thickness))
 
 
 def _by_series(width: float | Float[Array, "*n"], thickness: float | Float[Array, "*n"]) -> float | Float[Array, "*n"]:
@@ -131,9 +140,7 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
     Source:
         Tutorial WA 1239 (2012), eq. (4.9).
     """
-    check_number("width", width, above=0, fault=ModelError)
-    check_number("thickness", thickness, above=0, fault=ModelError)
-    return _by_formula(width, thickness)
+    return _by_formula(*_sides(width, thickness))
 
 
 def _by_formula(width: Scalar, thickness: Scalar) -> Scalar:
@@ -172,9 +179,11 @@ def warping_factor(
         raise ModelError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")
     if modulus not in ("plate", "beam"):
         raise ModelError(f"modulus must be 'plate' or 'beam', but is {modulus!r}.")
-    check_number("length", length, above=0, fault=ModelError)
-    check_number("width", width, above=0, fault=ModelError)
-    check_number("nu", nu, above=-1, most=1, fault=ModelError)
+    with nan_if_refused() as marked:
+        check_number("length", length, above=0, fault=ModelError)
+        check_number("width", width, above=0, fault=ModelError)
+        check_number("nu", nu, above=-1, most=1, fault=ModelError)
+        length, width, nu = marked((length, width, nu))
     return _by_warping(length, width, nu, clamped_ends, modulus)
 
 
@@ -267,11 +276,8 @@ class HollowRectangle(Section):
 
     def faults(self) -> list[str]:
         """As for every section; the walls leave a hole."""
-        thick = [
-            n
-            for n, side in (("wall_y", self.width), ("wall_z", self.thickness))
-            if np.any(2 * getattr(self, n) >= side)
-        ]
+        sides = {"wall_y": self.width, "wall_z": self.thickness}
+        thick = [n for n, side in sides.items() if not holds(2 * as_known(getattr(self, n)) < as_known(side))]
         return super().faults() + [f"{n} = {getattr(self, n)}, which leaves no hole between two walls" for n in thick]
 
     def rigidity(self) -> Rigidity:
@@ -346,8 +352,8 @@ class Tube(Section):
 
     def faults(self) -> list[str]:
         """As for every section; the wall leaves a hole."""
-        thick = np.any(2 * self.wall >= self.diameter)
-        return super().faults() + ([f"wall = {self.wall}, which leaves no hole in the tube"] if thick else [])
+        thin = holds(2 * as_known(self.wall) < as_known(self.diameter))
+        return super().faults() + ([] if thin else [f"wall = {self.wall}, which leaves no hole in the tube"])
 
     def rigidity(self) -> Rigidity:
         """Rigidities of the tube."""
@@ -496,11 +502,12 @@ def notch_filleted(
 def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Scalar:
     """Depth of a notch from either side, of sizes that are checked."""
     height, neck = as_known(height), as_known(neck)
-    for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
-        check_number(name, value, above=0, fault=ModelError)
-    if is_concrete((height, neck)) and neck >= height:
-        raise ModelError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
-    return (height - neck) / 2
+    with nan_if_refused() as marked:
+        for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
+            check_number(name, value, above=0, fault=ModelError)
+        if not holds(neck < height):
+            raise ModelError(f"Argument `neck` must be smaller than the height {height:g} of the bar, but is {neck:g}.")
+        return marked((height - neck) / 2)
 
 
 def _rise(x: Scalar) -> Scalar:

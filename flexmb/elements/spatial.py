@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds, library_of
 from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
 from . import beams, joints, leaf_spatial, spectral_spatial
@@ -326,11 +327,9 @@ def _check_warping(
     if getattr(section, "warping_length", None) is not None:
         return ["has a section with warping_length, but it counts restrained warping itself: leave it out"]
     s = section.rigidity()
-    if np.any((np.asarray(s.GIt) > 0) & (np.asarray(s.EIw) <= 0)):
-        return [
-            "has a section without warping rigidity EIw, so that nothing resists its warping: give EIw, or take a beam"
-        ]
-    return []
+    if holds((as_floats(s.GIt) <= 0) | (as_floats(s.EIw) > 0)):
+        return []
+    return ["has a section without warping rigidity EIw, so that nothing resists its warping: give EIw, or take a beam"]
 
 
 warping_beam = Element(
@@ -549,13 +548,14 @@ def _body_inertia(
 
 
 def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> list[str]:
-    found, own = beams.check_body_mass(mass), np.asarray(inertia, float)
-    if not np.all(np.isfinite(own)):
+    found, own = beams.check_body_mass(mass), as_floats(inertia)
+    xp = library_of(own)
+    if not holds(xp.isfinite(own)):
         return found
-    moments = np.linalg.eigvalsh(own[..., TENSOR])
+    moments = xp.linalg.eigvalsh(own[..., TENSOR])
     # A needle has one that is zero, and two that are equal; a plate one that is the sum of the others.
     slack = ROUND_OFF * moments[..., 2]
-    if np.any((moments[..., 0] < -slack) | (moments[..., 0] + moments[..., 1] < moments[..., 2] - slack)):
+    if not holds((moments[..., 0] >= -slack) & (moments[..., 0] + moments[..., 1] >= moments[..., 2] - slack)):
         told = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
         found.append(
             f"has the principal moments of inertia {told}, which no body has: none is negative, and none is more than"

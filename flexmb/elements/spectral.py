@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds, is_concrete, library_of
 from ..compilation.compile import traced_once
 from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
 from .nodes import Reference
@@ -315,25 +316,29 @@ def arc_length(chord: Float[Array, ""], half: Float[Array, ""]) -> Float[Array, 
     return chord * jnp.arcsin(half) / half
 
 
-def check_curvature(ref: Reference, size: np.ndarray | None) -> list[str]:
+def check_curvature(ref: Reference, size: Any | None) -> list[str]:
     """Faults of an initial curvature of some size [1/m], or None for a straight beam."""
     if size is None:
         return []
-    half = np.asarray(size) * np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1) / 2
-    if not np.all((half > 0) & (half <= 1)):
+    half = as_floats(size) * _chord(ref) / 2
+    if not holds((half > 0) & (half <= 1)):
         return ["has an initial curvature that no arc between its ends has: it must not be zero, nor above 2/chord"]
     return []
 
 
 def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
-    """Rigidities of a section, of one that varies at places along the beam, on concrete numbers.
+    """Rigidities of a section, of one that varies at places along the beam.
 
     Args:
         section: Of the beam.
         ref: Reference coordinates, of one beam or of many.
         curvature: Initial, or None.
     """
-    return section.along(_length(ref, curvature)).rigidity if isinstance(section, Profile) else section.rigidity()
+    if not isinstance(section, Profile):
+        return section.rigidity()
+    length = _length(ref, curvature)
+    known = is_concrete((section, length))
+    return section.along(length).rigidity if known else section.sections_along(length).rigidity()
 
 
 def check_section(section: Section | None, ref: Reference, curvature: Any, count: int = NODES) -> list[str]:
@@ -355,17 +360,22 @@ def check_shear(counted: bool, *stated: Any) -> list[str]:
         counted: Whether the beam counts it.
         stated: Shear compliance of the section, along each axis.
     """
-    compliant = [np.asarray(number) > 0 for number in stated]
-    if counted and not np.all(compliant):
+    if counted and not all(holds(as_floats(number) > 0) for number in stated):
         return ["counts shear, but its section has none: give the section shear=True"]
-    if not counted and np.any(compliant):
+    if not counted and not all(holds(as_floats(number) <= 0) for number in stated):
         return ["does not count shear, but its section has it: make the element with shear=True"]
     return []
 
 
-def _length(ref: Reference, curvature: Any) -> np.ndarray:
-    chord = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
+def _chord(ref: Reference) -> Any:
+    across = as_floats(ref.q) - as_floats(ref.p)
+    return library_of(across).linalg.norm(across, axis=-1)
+
+
+def _length(ref: Reference, curvature: Any) -> Any:
+    chord = _chord(ref)
     if curvature is None:
         return chord
-    size = np.abs(curvature) if np.ndim(curvature) == chord.ndim else np.linalg.norm(curvature, axis=-1)
-    return np.asarray(arc_length(jnp.asarray(chord), jnp.asarray(size * chord / 2)))
+    curvature = as_floats(curvature)
+    size = abs(curvature) if np.ndim(curvature) == chord.ndim else library_of(curvature).linalg.norm(curvature, axis=-1)
+    return as_floats(arc_length(jnp.asarray(chord), jnp.asarray(size * chord / 2)))

@@ -9,6 +9,7 @@ import numpy as np
 from jax.scipy.linalg import block_diag
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats
 from ..math.quadrature import gauss, legendre_coefficients
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
@@ -341,7 +342,8 @@ def _passage(
 def _check(
     *, ref: Reference, order: int, shear: bool, section: Section | None = None, curvature: float | None = None
 ) -> list[str]:
-    faults = beams.check_length(ref=ref) or check_curvature(ref, None if curvature is None else np.abs(curvature))
+    size = None if curvature is None else abs(as_floats(curvature))
+    faults = beams.check_length(ref=ref) or check_curvature(ref, size)
     faults = faults or check_section(section, ref, curvature, nodes_of(order))
     if section is None or faults:
         return faults

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds, library_of
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
 from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
@@ -326,9 +327,10 @@ def _check(
     y: Float[Array, "*n 3"] | None = None,
     curvature: Float[Array, "*n 3"] | None = None,
 ) -> list[str]:
-    size = None if curvature is None else np.linalg.norm(np.asarray(curvature), axis=-1)
+    curvature = None if curvature is None else as_floats(curvature)
+    size = None if curvature is None else library_of(curvature).linalg.norm(curvature, axis=-1)
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)
-    if not faults and curvature is not None and np.any(np.asarray(curvature)[..., 0] != 0):
+    if not faults and curvature is not None and not holds(curvature[..., 0] == 0):
         faults = ["has an initial twist, the first component of its curvature: only plane arcs are provided for"]
     faults = faults or check_section(section, ref, curvature)
     if section is None or faults:

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import as_floats, holds
 from ..math.rotation import angle_between, counted, rotation_plane
 from . import beams
 from .element import Element
@@ -32,7 +33,7 @@ def _check_centres(*, ref: Reference) -> list[str]:
 
 
 def _check_gear(*, ref: Reference, ratio: float) -> list[str]:
-    return _check_centres(ref=ref) + ([] if np.all(ratio) else ["has a ratio of zero"])
+    return _check_centres(ref=ref) + ([] if holds(as_floats(ratio) != 0) else ["has a ratio of zero"])
 
 
 def _around(centre: Float[Array, "2"], start: Float[Array, "2"], turns: Float[Array, ""]) -> Float[Array, "2"]:
@@ -123,10 +124,10 @@ def _belt_dissipation(
 
 def _check_belt(*, ref: Reference, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
     faults = _check_centres(ref=ref)
-    apart = np.linalg.norm(np.asarray(ref.q) - np.asarray(ref.p), axis=-1)
-    if not faults and np.any(np.abs(np.asarray(radius_q) - np.asarray(radius_p)) >= apart):
+    apart = as_floats(ref.q) - as_floats(ref.p)
+    if not faults and not holds((as_floats(radius_q) - as_floats(radius_p)) ** 2 < (apart**2).sum(axis=-1)):
         faults = ["has pulleys that overlap: no straight part of the belt is left between them"]
-    if section is not None and np.any(np.asarray(section.rigidity().mass) != 0):
+    if section is not None and not holds(as_floats(section.rigidity().mass) == 0):
         faults = [*faults, "has a section with mass, but no mass is counted here: put it on the nodes"]
     return faults
 

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, is_concrete, nan_if_refused, shown
 from ..errors import ModelError
 from .parameters import Parameters
 from .topology import Topology
@@ -57,8 +57,11 @@ def with_property(
             continue
         changed = _put(own, keys, np.array(rows), numbers[np.array([place[names[row]] for row in rows])])
         section = changed.get("section")
-        if section is not None and is_concrete(section) and (faults := section.faults()):
-            raise ModelError(f"With these numbers for '{path}' a section has {' '.join(faults[0].split())}.")
+        with nan_if_refused() as marked:
+            if section is not None and (faults := section.faults()):
+                raise ModelError(f"With these numbers for '{path}' a section has {' '.join(faults[0].split())}.")
+            changed = marked(changed)
+            section = changed.get("section")
         if kind is None:
             properties[block] = changed
         else:

@@ -1,0 +1,97 @@
+"""The checks of sections and elements on the numbers of a whole model, block by block; NaN where traced ones fail."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import jax
+import numpy as np
+
+from ..arguments import as_known, is_concrete, is_noting, nan_if_refused
+from ..elements.sections import Damping, Section
+from ..model.model import Model
+from ..model.parameters import Parameters
+from ..model.topology import Block, Topology
+
+# Faults of one element or of many, what it is asked about, and the function that its author wrote.
+Check = tuple[Callable[[Any], list[str]], Any, Callable[..., list[str]]]
+
+
+def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
+    """Each check of a model's sections, dampings and elements.
+
+    Args:
+        parameters: Of many designs, stacked along the first axis.
+        topology: What all have in common.
+    """
+    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
+        reference = parameters.reference[:, np.asarray(block.x)]
+        for first, last, own in _of_one_kind(properties, len(block.x)):
+            for record in own.values():
+                if isinstance(record, Section | Damping):
+                    yield _faults, record, type(record).faults
+            if block.element.check is not None:
+                given = {**dict(block.options), **own}
+                yield from _of_element(block, block.element.check, reference[:, first:last], given)
+
+
+def nan_if_impossible(model: Model) -> Model:
+    """A model whose traced numbers are NaN where a concrete build would refuse them.
+
+    A check that a user wrote for plain numbers is not asked: it cannot be traced.
+    """
+    if is_noting() or is_concrete(model.parameters):
+        return model
+
+    def stacked(leaf: Any) -> Any:
+        return as_known(leaf)[None] if is_concrete(leaf) else jax.lax.stop_gradient(leaf)[None]
+
+    one = jax.tree.map(stacked, model.parameters)
+    with nan_if_refused() as marked:
+        for ask, numbers, function in checks_of(one, model.topology):
+            if function.__module__.startswith("flexmb.") and not is_concrete(numbers):
+                ask(numbers)
+        leaves, structure = jax.tree.flatten(model.parameters)
+        # Known numbers stay so: analyses ask less of them.
+        traced = iter(marked([leaf for leaf in leaves if not is_concrete(leaf)]))
+        leaves = [leaf if is_concrete(leaf) else next(traced) for leaf in leaves]
+        return dataclasses.replace(model, parameters=jax.tree.unflatten(structure, leaves))
+
+
+def _faults(record: Section | Damping) -> list[str]:
+    return record.faults()
+
+
+def _of_one_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
+    """Elements of a block whose sections are of one kind: from, to, and their properties."""
+    sections = properties.get("section")
+    if not isinstance(sections, tuple):
+        yield 0, count, properties
+        return
+    first = 0
+    for section in sections:
+        last = first + jax.tree.leaves(section)[0].shape[1]
+        others = {name: value for name, value in properties.items() if name != "section"}
+        yield first, last, {**jax.tree.map(lambda a, i=first, j=last: a[:, i:j], others), "section": section}
+        first = last
+
+
+def _of_element(
+    block: Block, check: Callable[..., list[str]], reference: Any, properties: dict[str, Any]
+) -> Iterator[Check]:
+    """The check of an element type."""
+    element = block.element
+    wanted = element.wanted(check)
+    if any(p.default is p.empty and n not in properties for n, p in wanted.items()):
+        # A block of deformations alone; the one of the companions has the other properties.
+        return
+    options = {n: v for n, v in properties.items() if n in wanted and isinstance(v, bool | str)}
+    numbers = {n: v for n, v in properties.items() if n in wanted and n not in options}
+
+    def ask(one: tuple[Any, dict[str, Any]]) -> list[str]:
+        reference, own = one
+        given: dict[str, Any] = element.arguments(check, {**options, **own}) or {}
+        library = np if is_concrete(reference) else jax.numpy
+        return check(ref=element.reference(library.split(reference, block.splits, axis=-1)), **given)
+
+    yield ask, (reference, numbers), check
