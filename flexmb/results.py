@@ -152,6 +152,16 @@ class RESULTS(enum.IntEnum):
         "The design did not settle within the allowed number of evaluations. Allow more (max_evaluations), or look at"
         " the history: the best design so far is returned.",
     )
+    target_missed = (
+        24,
+        "A target is missed: bounds, limits or the other targets stand against it. Widen the bounds or the limits, let"
+        " more dimensions vary, or change the target.",
+    )
+    local_minimum = (
+        25,
+        "A target is missed where no small change of the dimensions brings the design nearer, although no bound and no"
+        " limit holds it: a local minimum, or targets that contradict each other. Start elsewhere (starts).",
+    )
     event_not_found = (
         23,
         "An event has ended the motion, but the root finder of `event` did not find when. Give it larger tolerances or"

@@ -7,11 +7,12 @@ import numpy as np
 from jaxtyping import ArrayLike
 
 from ..compilation.compile import jit
+from ..errors import heard
 from ..linear.compliance import directional_compliance, rates_on_host
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
 from ..linear.stability import without_growth
-from ..linear.stress import stress, without_shape
+from ..linear.stress import has_stress, stress
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels
 
@@ -99,13 +100,16 @@ def configuration(lin: Linearization) -> dict[str, Any]:
 
 
 def _stress(lin: Linearization) -> dict[str, Any]:
-    """Largest von Mises stress and where it is, where the sections of all flexible elements have a shape."""
-    if not any(map(any, lin.labels.stressed)) or without_shape(lin.model):
+    """Largest von Mises stress and where it is, of the flexible elements whose sections have a shape."""
+    if not has_stress(lin.model):
         return {}
-    found = stress(lin.model, at=lin)
+    with heard():
+        found = stress(lin.model, at=lin)
     element, place, *_ = found.where
     used = {} if found.strength is None else {"utilisation": float(np.max(found.utilisation))}
-    return {"stress": {"maximum": float(found.maximum), "element": number(element), "place": place, **used}}
+    left_out = {"left_out": list(map(number, found.left_out))} if found.left_out else {}
+    largest = {"maximum": float(found.maximum), "element": number(element), "place": place, **used, **left_out}
+    return {"stress": largest}
 
 
 def matrices(lin: Linearization) -> dict[str, Any]:

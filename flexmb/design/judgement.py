@@ -13,6 +13,8 @@ from .sensitivities import Sensitivities
 
 # Parasitic motion below this share of the stroke is none.
 STRAIGHT = 1e-9
+# Subjects without which a mechanism is not judged as a whole, by the beginnings of their names.
+JUDGED = ("stress", "yield", "fatigue", "buckling")
 # Numbers closer than this share are equal but for round-off.
 ALIKE = 1e-9
 
@@ -86,8 +88,13 @@ class Verdict(Result):
 
     @property
     def good(self) -> bool:
-        """Whether the whole stroke is reached and no limit with it."""
+        """Whether the whole stroke is reached and no limit with it, as far as :attr:`not_judged` leaves it open."""
         return "stroke" not in self.unanswered and all(limit.stroke is None for limit in self.limits)
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """What could limit the stroke and has no answer, such as "stress of 'p'"; ``unanswered`` says why."""
+        return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
 
     def measured(self, name: str, state: Any) -> str:
         """A number of a curve with its unit.
@@ -124,7 +131,8 @@ class Verdict(Result):
             return f"{reached[0].name} limits it to {measured(reached[0].stroke or 0.0, self.unit)}"
         if "stroke" in self.unanswered:
             return f"no more is known, {self.unanswered['stroke']}"
-        return "good enough" if self.limits else "nothing is known that limits it"
+        text = "good enough" if self.limits else "nothing is known that limits it"
+        return f"{text}; not judged: {listed(self.not_judged)}" if self.not_judged else text
 
     def __str__(self) -> str:
         title, rows, *_ = self.summary()
@@ -153,6 +161,7 @@ class Verdict(Result):
             if found
             else {},
             "unanswered": self.unanswered,
+            "not_judged": self.not_judged,
             "rows": self.summary().rows,
         }
 

@@ -155,6 +155,9 @@ class StrokeQuestions:
         """What materials do not state, and loads that have no place here."""
         if "stress" in self.questions:
             at_rest = _stress(self.at[0.0])
+            if at_rest.left_out:
+                of = listed([repr(name) for name in at_rest.left_out])
+                self.unanswered[f"stress of {of}"] = "the section is given by its rigidities and has no shape"
             for what, quantity in (("yield", "strength"), ("fatigue", "fatigue")):
                 borne = getattr(at_rest, quantity)
                 silent = np.ones(len(at_rest.names), bool) if borne is None else np.all(np.isinf(borne), axis=1)

@@ -21,6 +21,11 @@ FIRST_WEIGHT, WEIGHT_GROWTH, LARGEST_WEIGHT = 10.0, 10.0, 1e8
 # The weight of the penalty grows where a round does not bring the violation down to this share.
 ENOUGH = 0.25
 MAX_ROUNDS = 40
+# Targets are missed beyond so many tolerances; where there are more of them than dimensions, which a fit meets in the
+# mean alone, beyond a tenth. Our choice.
+MISSED, MISSED_BY_FIT = 100, 0.1
+# A dimension this near to a bound, as a share of the range, is at it.
+AT_BOUND = 1e-6
 # Projected derivative of the scaled Lagrangian at the end, in the first round, and where nothing lower is found.
 STATIONARY, FIRST_STATIONARY, NEARLY_STATIONARY = 1e-7, 1e-2, 1e-4
 
@@ -145,11 +150,30 @@ def search(
         reason = "the search ended at a design that fails"
         found = evaluate(end) or (evaluate.history[-1][1], None)
     values = found[0]
+    if result is RESULTS.successful and found[1] is not None:
+        result = _met_or_why(problem, np.clip(end, 0.0, 1.0), values, found[1], tolerance)
     if not problem.only_targets and (missed := problem.missed(problem.targets(values))):
         reason += f"; of the targets, which count beside the rest, {', '.join(missed)}"
     return Attempt(
         end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
     )
+
+
+def _met_or_why(
+    problem: TuningProblem, unit: np.ndarray, values: np.ndarray, slopes: np.ndarray, tolerance: float
+) -> RESULTS:
+    """Whether targets are met at a stationary design, and if not, whether something holds it.
+
+    Beside an objective targets are wishes.
+    """
+    residual = problem.targets(values)
+    most = MISSED_BY_FIT if len(residual) > len(unit) else MISSED * tolerance
+    if np.any(problem.weights) or np.max(np.abs(residual), initial=0.0) <= most:
+        return RESULTS.successful
+    slope = slopes.T @ (problem.targets.matrix.T @ residual)
+    outwards = np.where(unit < AT_BOUND, slope, np.where(unit > 1 - AT_BOUND, -slope, 0.0))
+    held = np.any(outwards > STATIONARY) or np.any(problem.limits(values) > -MISSED * tolerance)
+    return RESULTS.target_missed if held or problem.equal.names or not len(unit) else RESULTS.local_minimum
 
 
 def _is_least_squares_solver(optimizer: Any) -> bool:

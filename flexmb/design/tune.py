@@ -34,12 +34,10 @@ from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
-from .search import Attempt, Kernel, search
+from .search import AT_BOUND, Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
 from .tuned import Combination, Tuned
 
-# A dimension this near to a bound, as a share of the range, is at it.
-AT_BOUND = 1e-6
 # What stands beside dimensions and answers in a history.
 RESERVED = ("objective", "violation")
 
@@ -80,8 +78,9 @@ def tune(
             Whole numbers, materials, element types: any Python value, which may change the structure of the model.
             Every combination is searched from the start, and the best feasible design is returned with a table of all.
             Each is compiled for itself, so that it takes seconds before its search begins. ``dimensions`` may be empty.
-        targets: Values that answers should come near to, by name: least squares of the relative differences. Beside
-            `minimize` or `maximize` they are wishes that count: half the sum of these squares is added to that answer
+        targets: Values that answers should come near to, by name: least squares of the relative differences. They are
+            missed beyond 100 tolerances; more targets than dimensions, as of a fit, beyond a tenth. Beside `minimize`
+            or `maximize` they are wishes that count: half the sum of these squares is added to that answer
             over its value at the start, and ``reason`` says what is missed. What must be met goes to ``equal``. A
             whole curve, such as the forces along a stroke, is a :class:`flexmb.design.Curve`, whose differences count
             relative to its largest value; ``fm.equilibria`` answers such a stroke at once.
@@ -99,7 +98,8 @@ def tune(
         max_evaluations: Of the answers and their derivatives, for each start.
         progress: True for a line that shows them, or a function called with the number of evaluations, the objective
             and the violation.
-        throw: Raise where no feasible or no optimal design is found; otherwise the code is in ``result``.
+        throw: Raise where no feasible or no optimal design is found or targets are missed; otherwise the code is in
+            ``result``.
 
     Returns:
         Tuned with dimensions and answers by name, and with ``choices`` and ``combinations`` where there are choices.
@@ -108,7 +108,8 @@ def tune(
     Raises:
         ValueError: Too many combinations of choices, bounds that are empty, a start outside them, an unknown name, a
             dimension on which no answer that is asked depends, or answers that are not finite at the start.
-        AnalysisError: infeasible, not_optimal, or an analysis fails; ``throw=False`` returns what was found.
+        AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails; ``throw=False``
+            returns what was found.
 
     Warns:
         FlexmbWarning: The design that was found is at an equilibrium that is not stable; or designs were left out whose

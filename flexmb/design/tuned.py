@@ -36,7 +36,8 @@ class Tuned(Result):
         dimensions: By name [SI].
         answers: At these dimensions, by name [their units].
         start: Answers at the start, by name [their units].
-        result: Code of RESULTS: successful, infeasible, not_optimal, or the failure of an analysis.
+        result: Code of RESULTS: successful, infeasible, not_optimal, the failure of an analysis; where targets are
+            missed target_missed if a bound, a limit or an equality holds the design, and local_minimum if none does.
         reason: Why the search ended, in words.
         active: Dimensions at a bound and limits that are reached, in words.
         objective: What was minimised, relative to the start [-].

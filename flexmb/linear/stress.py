@@ -1,6 +1,7 @@
 """Section resultants and stress on the surface of flexible elements, at a static equilibrium."""
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -116,6 +117,7 @@ class Stress(Result, Record):
         fatigue: Its fatigue limit, likewise.
         across: Normal stress along the surface across the element, as leaf springs have it near clamps, (elements,
             places, 8) [Pa]; None where no element has any.
+        left_out: Names of the flexible elements without stress, whose section is given by its rigidities.
     """
 
     sigma_x: Float[Array, "elements places 8"]
@@ -125,6 +127,7 @@ class Stress(Result, Record):
     strength: Float[Array, "elements places"] | None = None
     fatigue: Float[Array, "elements places"] | None = None
     across: Float[Array, "elements places 8"] | None = None
+    left_out: tuple[str, ...] = static(default=())
     one_axis = "resultants.places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
@@ -151,6 +154,8 @@ class Stress(Result, Record):
         rows = {"result": told(self.resultants.result), **_extremes(found, self.names, self.places)}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
+        if self.left_out:
+            rows["without stress"] = listed(self.left_out)
         *states, count, places, points = self.von_mises.shape
         many = f" in {states[0]} states" if states else ""
         return Summary(f"Stress of {counted(count, 'element')} at {places} places, {points} points each{many}", rows)
@@ -305,6 +310,26 @@ def _lengths(block: Block, properties: dict[str, Any], reference: Float[Array, "
     if (curvature := properties.get("curvature")) is None:
         return chords
     return arc_length(chords, jnp.linalg.norm(jnp.reshape(curvature, (len(chords), -1)), axis=1) * chords / 2)
+
+
+def has_stress(model: Model) -> bool:
+    """Whether the section of some flexible element has a shape and so a stress."""
+    return len(_rows(model.labels)[0]) > len(without_shape(model))
+
+
+def left_out_of_stress(model: Model) -> list[str]:
+    """As :func:`without_shape`, with a warning, or with an error where no element has a stress."""
+    left_out = without_shape(model)
+    if left_out:
+        text = (
+            f"The section of element {listed([repr(name) for name in left_out])} is given by its rigidities and has no"
+            " shape, and so no stress. Give its `outline`, or a section such as Rectangle, or ask for"
+            " section_resultants."
+        )
+        if not has_stress(model):
+            raise ModelError(text)
+        warn(f"{text} It is left out of the stress.")
+    return left_out
 
 
 def without_shape(model: Model) -> list[str]:
@@ -488,7 +513,14 @@ def _places(model: Model, points: int | None) -> Any:
 
 
 def _state(
-    model: Model, points: int | None, where: Where, load_factor: float, sparse: bool | None, throw: bool, function: str
+    model: Model,
+    points: int | None,
+    where: Where,
+    load_factor: float,
+    sparse: bool | None,
+    throw: bool,
+    function: str,
+    left_out: Sequence[str] = (),
 ):
     """Names, places, what both kernels take, code of the state, and whether there are several."""
     as_model(model, function)
@@ -501,6 +533,8 @@ def _state(
     names, rows = _rows(model.labels)
     if not names:
         raise ModelError("No flexible element has a section. Give one to the beams or trusses to be asked about.")
+    kept = [name not in left_out for name in names]
+    names, rows = tuple(itertools.compress(names, kept)), rows[kept]
     where.refuse(function)
     at: Any = where.at
     several = isinstance(where.at, ManyStates) and where.step is None and where.time is None
@@ -594,6 +628,8 @@ def stress(
 ) -> Stress:
     """Stress on the surface of every flexible element with a section, its maximum and a smooth estimate of that.
 
+    Elements whose section is given by its rigidities have none and are left out, with a warning.
+
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         points: Places along each element, both ends among them; unless given 5, or 33 where strains are series.
@@ -612,27 +648,23 @@ def stress(
         materials state, (elements,) [-].
 
     Warns:
-        FlexmbWarning: The stress is above the strength of a material.
+        FlexmbWarning: The stress is above the strength of a material; elements are left out.
 
     Raises:
-        ModelError: An element has a section without a shape, or none has a section.
+        ModelError: No element has a section with a shape.
         ValueError: Fewer than two points; ``at`` is no state of this model; or arguments do not go together.
         AnalysisError: As for ``equilibrium``.
 
     Source:
         :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
-    if shapeless := without_shape(as_model(model, "stress")):
-        raise ModelError(
-            f"The section of element {', '.join(map(repr, shapeless))} is given by its rigidities and has no shape, and"
-            " so no stress. Give it a section such as Rectangle (a spring of stiffness k and length L one of E = k"
-            " L/area), or ask for section_resultants."
-        )
+    left_out = left_out_of_stress(as_model(model, "stress"))
     names, places, inputs, result, several = _state(
-        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress"
+        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress", left_out
     )
     values, sigma_x, tau, equivalent, more = (_stress_of_all if several else _stress)(*inputs)
-    found = Stress(sigma_x, tau, equivalent, SectionResultants(values, jax.device_put(places), result, names), **more)
+    resultants = SectionResultants(values, jax.device_put(places), result, names)
+    found = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
     if found.strength is not None and is_concrete(found):
         _warn_of_failure(found)
     return found

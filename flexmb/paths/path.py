@@ -279,7 +279,7 @@ def path(
         ValueError: max_steps or step is not positive; the stress is not below its limit where the path begins; there
             is no such buckling mode.
         KeyError: There is no such coordinate.
-        ModelError: A stress is asked for, and an element has a section without a shape.
+        ModelError: A stress is asked for, and no element has a section with a shape.
 
     Source:
         THEORY.md 7, eq. (7.8) and (7.9). A critical point is where an eigenvalue of K changes sign; from

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arguments import check_number, check_whole, shown
 from ..display import short, unit_of
+from ..linear.stress import left_out_of_stress
 from ..model.model import Model
 
 LOAD, STRESS, COUNT = "load_factor", "stress", "critical_points"
@@ -89,6 +90,7 @@ def stops_of(model: Model, stop: Mapping[str, Any] | None, stress: Callable[[Any
         if name == LOAD:
             conditions.append(Condition(name, target, lambda s: s.load))
         elif name == STRESS:
+            left_out_of_stress(model)
             conditions.append(Condition(name, target, stress))
         else:
             conditions.append(_displacement(model, name, target))

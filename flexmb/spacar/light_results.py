@@ -14,7 +14,7 @@ from ..linear.compliance import compliance
 from ..linear.linearize import Linearization
 from ..linear.modes import modes
 from ..linear.spectrum import general_spectrum, to_frequency
-from ..linear.stress import Stress, stress, without_shape
+from ..linear.stress import Stress, has_stress, stress
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
 from .light_input import Script
@@ -130,12 +130,11 @@ def _columns(vectors: Sequence, size: int) -> np.ndarray:
 
 
 def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
-    """Stress at every step; None where no element is flexible or a section has no shape."""
+    """Stress at every step; None where no flexible element has a section with a shape."""
     if not linearizations:
         return None
     model = linearizations[0].model
-    shaped = any(any(names) for names in model.labels.stressed) and not without_shape(model)
-    return [stress(lin.model, at=lin) for lin in linearizations] if shaped else None
+    return [stress(lin.model, at=lin) for lin in linearizations] if has_stress(model) else None
 
 
 def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:

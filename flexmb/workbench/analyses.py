@@ -15,7 +15,7 @@ from ..answers.answers import Answer, answer, modes
 from ..answers.mode import Mode
 from ..answers.tables import table
 from ..errors import ModelError, clean, heard
-from ..linear.stress import Stress, stress, without_shape
+from ..linear.stress import Stress, has_stress, stress
 from ..model.model import Model
 from ..plot.answer import figure_bytes, image
 from ..viewer.page import page_data
@@ -146,7 +146,7 @@ def _picture(found: Answer, options: Mapping[str, Any]) -> bytes:
 
 
 def _viewed(shown: Any, result: Any) -> dict[str, Any]:
-    """Data of the page, states of a path or a motion coloured by stress where all elements have a shape."""
+    """Data of the page, states of a path or a motion coloured by stress where elements have one."""
     own = _stresses(result) if result is not None else None
     return page_data(view(shown, own) if own else view(shown))
 
@@ -154,7 +154,7 @@ def _viewed(shown: Any, result: Any) -> dict[str, Any]:
 def _stresses(result: Any) -> list[Stress] | None:
     """Stress in each state of a path or a motion."""
     model: Model = result.model
-    if not any(map(any, model.labels.stressed)) or without_shape(model):
+    if not has_stress(model):
         return None
     try:
         every = stress(model, at=result)

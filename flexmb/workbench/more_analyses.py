@@ -12,7 +12,7 @@ from ..design.stroke import driven
 from ..design.verdict import verdict
 from ..errors import clean, heard
 from ..linear.linearize import Linearization
-from ..linear.stress import stress, without_shape
+from ..linear.stress import has_stress, stress
 from ..mechanics.loads import has_loads
 from ..plot.answer import figure_bytes
 from ..plot.canvas import GREY, prefix_for
@@ -62,7 +62,7 @@ def _sweep(asked: Request) -> dict[str, Any]:
         raise ValueError(f"'{clean(name)}' goes from a lower to a higher value, not from {low:g} to {high:g}.")
     keys = [f"frequency {i + 1}" for i in range(min(3, model.topology.n_q))] + ["mass"]
     if has_loads(model.topology, model.parameters):
-        keys += ["multiplier 1"] + ([] if without_shape(model) else ["stress"])
+        keys += ["multiplier 1"] + (["stress"] if has_stress(model) else [])
     function = traced(document, model, keys)
     at, watch = function.at(document), asked.watch("designs", options["points"])
     values, rows = np.linspace(low, high, options["points"]), []

@@ -11,7 +11,7 @@ import numpy as np
 from ..design.evaluate import layout_of
 from ..design.problem import Rows, TuningProblem
 from ..design.scaling import Scaling
-from ..design.search import search
+from ..design.search import AT_BOUND, search
 from ..display import listed
 from ..errors import ModelError, clean, heard
 from ..mechanics.loads import has_loads
@@ -33,8 +33,6 @@ BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
 LEGS = 16
 # Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
 PACE, LONGEST_PAUSE = 0.05, 1.2
-# A dimension this near to a bound, as a share of the range, is at it.
-AT_BOUND = 1e-6
 # What there is under loads alone.
 OF_LOADS = ("multiplier", "stress", "utilisation", "displacement")
 
@@ -370,8 +368,9 @@ class _Tuning:
             limits.append("they stand against each other")
         if self.failed is not RESULTS.successful and not limits:
             limits.append(f"designs further on have no answer: {self.failed.message}")
-        limited = f"; {'; '.join(limits)}" if limits else "; no dimension brings it nearer"
-        advice = " Widen the bounds, or let more dimensions vary." if limits else " Let more dimensions vary."
+        limited = f"; {'; '.join(limits)}" if limits else "; no small change of a dimension brings it nearer"
+        advice = " Widen the bounds" if limits else " Begin with other values"
+        advice += ", or let more dimensions vary."
         return f"{', '.join(comes)}{limited}.{advice}"
 
     def _written(self, x: np.ndarray) -> tuple[list[dict[str, Any]], dict[str, float]]:

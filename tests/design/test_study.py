@@ -174,6 +174,16 @@ def test_what_cannot_be_kept_is_exit_1(study):
     assert result.stderr.startswith("study.toml: infeasible")
 
 
+def test_a_missed_target_is_exit_1(study):
+    wanted = STUDY.replace("[limits]\nf = { lower = 20.0 }", "[targets]\nf = 200.0").replace('minimize = "m"', "")
+    study.write_text(wanted)
+    result = call("tune", study, "--json", "-")
+    assert result.exit_code == 1
+    data = json.loads(result.stdout)
+    assert (data["status"], data["active"]) == ("target_missed", ["t is at its upper bound 0.002"])
+    assert result.stderr.startswith("study.toml: target_missed")
+
+
 # What is replaced in the study by what, and what the one line says.
 WRONG = [
     ("[answers]", "[answer]", "there is no key 'answer'. Did you mean 'answers'?"),

@@ -419,3 +419,47 @@ def test_targets_beside_an_objective_are_wishes_whose_misses_are_told():
     wanted = np.roots([1.0, 0.0, -4.0, -8.0])[0].real
     assert found.dimensions["a"] == pytest.approx(wanted, rel=1e-5)
     assert f"bend misses by {100 * (wanted**2 / 4 - 1):.3g} %" in found.reason
+
+
+def wells(x):
+    """Two wells: at x = -1 the deeper one."""
+    return (x**2 - 1) ** 2 + 0.3 * x + 1
+
+
+def test_a_target_that_is_missed_is_no_success():
+    # E1 at 2 mm, its upper bound: 82.15 Hz.
+    call = {"targets": {"frequency": 200.0}}
+    with pytest.raises(fm.AnalysisError, match=r"misses by -58\.9 %") as caught:
+        fm.tune(guide, frequency, {"thickness": 0.5e-3}, BOUNDS, **call)
+    assert caught.value.code == "target_missed"
+    found = fm.tune(guide, frequency, {"thickness": 0.5e-3}, BOUNDS, throw=False, **call)
+    assert found.result is fm.RESULTS.target_missed
+    assert found.active == ("thickness is at its upper bound 0.002",)
+
+
+@pytest.mark.parametrize("optimizer", [None, optimistix.LevenbergMarquardt(1e-10, 1e-10)], ids=["own", "optimistix"])
+def test_a_local_minimum_is_told(optimizer):
+    call = {"optimizer": optimizer, "throw": False}
+    build, answers, bounds = (lambda x: x), {"depth": wells}, {"x": (-2.0, 2.0)}
+    found = fm.tune(build, answers, {"x": 1.5}, bounds, targets={"depth": wells(-1.0)}, **call)
+    # By the derivative of both wells, 4 x (x^2 - 1) + 0.3, which is zero there.
+    assert found.dimensions["x"] == pytest.approx(max(np.roots([4, 0, -4, 0.3]).real), abs=1e-6)
+    assert found.result is fm.RESULTS.local_minimum
+    every = fm.tune(build, answers, {"x": 1.5}, bounds, targets={"depth": wells(-1.0)}, starts=4, **call)
+    assert every.result is fm.RESULTS.successful
+    # Whether a limit holds it is told too.
+    limited = fm.tune(
+        build, {"depth": wells, "x2": lambda x: x**2}, {"x": -1.5}, bounds, targets={"depth": 0.5},
+        limits={"x2": (1.2, None)}, throw=False,
+    )  # fmt: skip
+    assert limited.result is fm.RESULTS.target_missed
+
+
+def test_a_fit_in_the_mean_is_a_success():
+    """More targets than dimensions: the mean of the two, which are missed by 5 %, and by half where they contradict."""
+    answers = {"a": lambda x: x, "b": lambda x: 1.1 * x, "c": lambda x: 3.0 * x}
+    targets = {"a": 1.0, "b": 1.0}
+    found = fm.tune(lambda x: x, answers, {"x": 0.5}, {"x": (0.1, 5.0)}, targets=targets)
+    assert found.dimensions["x"] == pytest.approx(2.1 / (1 + 1.1**2), rel=1e-9)
+    found = fm.tune(lambda x: x, answers, {"x": 0.5}, {"x": (0.1, 5.0)}, targets={**targets, "c": 1.0}, throw=False)
+    assert found.result is fm.RESULTS.local_minimum

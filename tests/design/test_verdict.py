@@ -25,7 +25,7 @@ LENGTH, WIDTH, T, DISTANCE = 0.1, 0.018, 0.5e-3, 0.1
 DELTA = 1e-3 * LENGTH
 
 
-def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=False, width=WIDTH):
+def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=False, width=WIDTH, stack=None):
     """T2 driven at half the height, P, where the force tilts nothing; its leaf springs do not stretch."""
     leaf = fm.Rectangle(width, t, material)
     b = fm.Builder()
@@ -36,6 +36,8 @@ def guide(t=T, length=LENGTH, load=0.0, push=0.0, material=STEEL, prescribed=Fal
     b.add(planar.beam, "D", "C", name="right", section=leaf, released=(2, 3))
     b.add(planar.beam, "B", "C", name="stage")
     b.add(planar.beam, "B", "P", name="arm")
+    if stack is not None:
+        b.add(planar.truss, "D", "P", name="stack", section=stack)
     for foot in "AD":
         b.fix(foot)
     for node in "BC":
@@ -112,6 +114,21 @@ def test_the_page_says_what_limits_and_what_moves_it(page):
     assert "no constant loads" in rows["stability"]
     assert "good enough" in repr(page)
     assert "parasitic y [m]" in str(page)
+
+
+def test_what_is_not_judged_is_said(page):
+    """A stack of which the rigidity alone is known: the stress of the leaf springs is judged, its own is not."""
+    soft = fm.Rigidity(EA=1e-3)
+    found = fm.verdict(guide(stack=soft), {"P.x": DELTA}, steps=1)
+    # The stack is 1e-5 of the stiffness of the guide.
+    np.testing.assert_allclose(found.curves["stress"], page.curves["stress"], rtol=1e-4, atol=1e-3)
+    assert found.not_judged == ("stress of 'stack'",)
+    assert found.summary().title.endswith("good enough; not judged: stress of 'stack'")
+    assert "no shape" in found.summary().rows["not answered"]
+    assert plain(found.to_dict())["not_judged"] == ["stress of 'stack'"]
+    assert page.not_judged == ()
+    silent = fm.verdict(guide(material=dataclasses.replace(STEEL, fatigue=None)), {"P.x": DELTA}, steps=1)
+    assert silent.not_judged == ("fatigue",)
 
 
 def test_slopes_are_central_differences(page):

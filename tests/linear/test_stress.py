@@ -643,8 +643,6 @@ def test_refusals():
     b.add(planar.beam, "2", "far", name="numbers", section=fm.Rigidity(EA=1e5, EIy=1.0))
     b.force("far", (0, 0.1))
     model = b.build()
-    with pytest.raises(fm.ModelError, match=r"section of element 'numbers' .* no shape"):
-        fm.stress(model)
     assert fm.linear.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
     with pytest.raises(ValueError, match="`points` must be at least 2"):
         fm.linear.section_resultants(model, points=1)
@@ -657,6 +655,33 @@ def test_refusals():
     rigid.fix("a", "position")
     with pytest.raises(fm.ModelError, match="No flexible element has a section"):
         fm.stress(rigid.build())
+
+
+def test_an_element_without_stress_is_left_out():
+    """A wire of Rigidity beside two leaf springs, which carries its share of the load all the same."""
+
+    def built(section):
+        b = chain(planar.beam, straight(2, False), LEAF)
+        b.node("far", (0.1, 0.1))
+        b.add(planar.beam, "2", "far", name="numbers", section=section)
+        b.force("far", (0, 0.1))
+        return b.build()
+
+    with pytest.warns(fm.FlexmbWarning, match="section of element 'numbers' .* no shape.* left out"):
+        found = fm.stress(built(LEAF.rigidity()))
+    every = fm.stress(built(LEAF))
+    assert (found.names, found.left_out) == (("leaf 0", "leaf 1"), ("numbers",))
+    assert every.left_out == ()
+    # The same rigidities, and so the same equilibrium to round-off times the condition of a leaf spring.
+    np.testing.assert_allclose(found.von_mises, every.von_mises[:2], rtol=1e-9)
+    assert found.summary().rows["without stress"] == "numbers"
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.add(planar.truss, "a", "b", section=fm.Rigidity(EA=1.0))
+    b.fix("a")
+    with pytest.raises(fm.ModelError, match="no shape"):
+        fm.stress(b.build(check=False))
 
 
 def test_where_needs_concrete_numbers(dofs):
