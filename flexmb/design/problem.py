@@ -1,7 +1,7 @@
 """What is asked of a design: an objective, targets and limits, all linear in the scaled answers."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax.numpy as jnp
@@ -14,6 +14,8 @@ from .evaluate import Layout
 
 # A target is met within this share of it.
 MET = 1e-8
+# So many of those that are missed or violated are named, the worst ones.
+NAMED = 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,8 +76,7 @@ class TuningProblem:
         Args:
             residuals: Of the targets, (rows,) [-].
         """
-        every = zip(self.targets.names, np.asarray(residuals), strict=True)
-        return [f"{name} misses by {100 * r:.3g} %" for name, r in every if not abs(r) <= MET]
+        return _worst("misses by", [(self.targets, np.asarray(residuals))], MET)
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
         """Constraints that are violated, and by how much.
@@ -83,10 +84,8 @@ class TuningProblem:
         Args:
             tolerance: Relative violation that is none.
         """
-        found = []
-        for rows, values in ((self.equal, np.abs(self.equal(answers))), (self.limits, self.limits(answers))):
-            found += [f"{n} by {100 * v:.3g} %" for n, v in zip(rows.names, values, strict=True) if v > tolerance]
-        return found
+        parts = (self.equal, np.abs(self.equal(answers))), (self.limits, np.maximum(self.limits(answers), 0.0))
+        return _worst("by", parts, tolerance)
 
     def lagrangian(self, answers: Any, multipliers: tuple[Any, Any], weight: Any) -> Any:
         """Augmented Lagrangian, () [-].
@@ -115,6 +114,16 @@ class TuningProblem:
             of_equal + weight * self.equal(answers),
             np.maximum(of_limits + weight * self.limits(answers), 0.0),
         )
+
+
+def _worst(words: str, parts: Sequence[tuple[Rows, np.ndarray]], tolerance: float) -> list[str]:
+    """The names of rows whose values are beyond a tolerance, with these values in percent; the worst of many."""
+    every = [pair for rows, values in parts for pair in zip(rows.names, values, strict=True)]
+    beyond = [(name, value) for name, value in every if not abs(value) <= tolerance]
+    least = sorted((abs(value) for _, value in beyond), reverse=True)[:NAMED][-1:]
+    named = [(name, value) for name, value in beyond if not abs(value) < least[0]][:NAMED]
+    more = [f"{len(beyond) - len(named)} more by less"] if len(beyond) > len(named) else []
+    return [f"{name} {words} {100 * value:.3g} %" for name, value in named] + more
 
 
 def make_problem(

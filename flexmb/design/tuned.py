@@ -9,6 +9,9 @@ from ..display import Result, Summary
 from ..results import RESULTS
 from .curve import Curve
 
+# Bounds and limits that are reached: so many are printed.
+SHOWN = 8
+
 
 class Combination(NamedTuple):
     """One combination of choices.
@@ -82,7 +85,9 @@ class Tuned(Result):
         lines += [f"  {name} = {_text(value)}" for name, value in self.dimensions.items()]
         for name, value in self.answers.items():
             lines.append(f"  {name}: {_text(value)} (start {_text(self.start[name])})")
-        lines += [f"  {text}" for text in self.active]
+        lines += [f"  {text}" for text in self.active[:SHOWN]]
+        if len(self.active) > SHOWN:
+            lines.append(f"  ... and {len(self.active) - SHOWN} more, in `active`")
         if self.combinations:
             lines += ["all combinations, the one above with *:", self.table()]
         return "\n".join(lines)

@@ -1,5 +1,6 @@
 """matplotlib in the plane and in space by the same few calls."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,6 +22,9 @@ STYLES: dict[str, dict[str, Any]] = {
 }
 # Share of the picture that arrows take.
 ARROW = 0.15
+
+# Letters of a title in an inch.
+LETTERS = 11.5
 
 
 def new_axes(dimension: int, ax: Any = None) -> Any:
@@ -127,6 +131,16 @@ def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
     figure = plt.figure(figsize=(4.2 * columns, 3.8 * rows), layout="constrained")
     projection = "3d" if dimension == 3 else None
     return figure, [figure.add_subplot(rows, columns, i + 1, projection=projection) for i in range(count)]
+
+
+def entitle(figure: Any, text: str) -> None:
+    """Write a title above all panels, in as many lines as the width of the figure asks for.
+
+    Args:
+        figure: matplotlib Figure.
+        text: The title.
+    """
+    figure.suptitle(textwrap.fill(text, int(LETTERS * figure.get_figwidth())), fontsize=10)
 
 
 def polylines(ax: Any, lines: Sequence[Float[np.ndarray, "n d"]], label: str, values: Any = None, **style: Any) -> Any:

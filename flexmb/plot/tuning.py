@@ -5,7 +5,10 @@ from typing import Any
 import numpy as np
 
 from ..design.tuned import Tuned
-from .canvas import BLACK, BLUE, GREY
+from .canvas import BLACK, BLUE, GREY, entitle
+
+# A quantity of more entries is drawn in one colour; so many lines stand in a column of a legend.
+APART = 6
 
 
 def tuning(found: Tuned) -> Any:
@@ -51,7 +54,7 @@ def tuning(found: Tuned) -> Any:
             _relative(ax, count, name, np.asarray(found.history[name], float))
         if ax is not None:
             ax.set_ylabel(f"{label} over its start [-]")
-            ax.legend(fontsize=8)
+            ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (APART + 1))
     for ax in axes[:panels]:
         ax.axvline(_returned(found), color="#777777", linewidth=1.0, linestyle=":")
         ax.set_xlabel("evaluation")
@@ -64,17 +67,19 @@ def tuning(found: Tuned) -> Any:
         ax.legend(fontsize=8)
     for ax in axes:
         ax.grid(visible=True, alpha=0.3)
-    figure.suptitle(f"{found.result.name}: {found.reason}", fontsize=10)
+    entitle(figure, f"{found.result.name}: {found.reason}")
     return figure
 
 
 def _relative(ax: Any, count: np.ndarray, name: str, values: np.ndarray) -> None:
-    """Lines of a quantity, all its entries, over the first value."""
-    for place in np.ndindex(values.shape[1:]):
+    """Lines of a quantity, all its entries, over the first value; many entries are of one colour."""
+    places = list(np.ndindex(values.shape[1:]))
+    color = ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color() if len(places) > APART else None
+    for place in places:
         own = values[(slice(None), *place)]
         first = own[0] if np.isfinite(own[0]) and own[0] != 0 else 1.0
         label = name + (f"[{', '.join(map(str, place))}]" if place else "")
-        ax.plot(count, own / first, label=label)
+        ax.plot(count, own / first, label=label if color is None else None, color=color)
 
 
 def _returned(found: Tuned) -> int:

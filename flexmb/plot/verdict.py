@@ -7,7 +7,7 @@ import numpy as np
 
 from ..design.judgement import STRAIGHT, Verdict
 from ..display import prefix_of
-from .canvas import BLACK, GREY, RED
+from .canvas import BLACK, GREY, RED, entitle
 
 PANEL = 3.7, 2.9
 # What is drawn together: title, beginnings of the names of curves, and whether as a share of what it is at rest.
@@ -59,7 +59,7 @@ def verdict(found: Verdict) -> Any:
         ax.set_xlabel(f"stroke {found.driven} [{prefix}{found.unit}]")
         ax.grid(visible=True, alpha=0.3)
         ax.tick_params(labelsize=8)
-    figure.suptitle(found.summary().title, fontsize=10)
+    entitle(figure, found.summary().title)
     return figure
 
 

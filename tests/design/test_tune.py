@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import matplotlib as mpl
 import numpy as np
 import optax
 import optimistix
@@ -463,3 +464,38 @@ def test_a_fit_in_the_mean_is_a_success():
     assert found.dimensions["x"] == pytest.approx(2.1 / (1 + 1.1**2), rel=1e-9)
     found = fm.tune(lambda x: x, answers, {"x": 0.5}, {"x": (0.1, 5.0)}, targets={**targets, "c": 1.0}, throw=False)
     assert found.result is fm.RESULTS.local_minimum
+
+
+def test_what_is_said_of_a_long_curve_is_short():
+    """A resonance at 200 frequencies, 1 % larger than any that these dimensions have."""
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    over = np.linspace(1.0, 200.0, 200)
+
+    def response(made):
+        return 1 / jnp.hypot(made["k"] - 1e-2 * made["m"] * over**2, 0.5 * over)
+
+    wanted = fm.design.Curve(over, 1.01 * np.asarray(response({"k": 100.0, "m": 2.0})), "frequency [Hz]")
+    found = fm.tune(
+        lambda k, m: {"k": k, "m": m},
+        {"response": response, "masses": lambda made: made["m"] * np.ones(30)},
+        {"k": 60.0, "m": 1.5},
+        {"k": (10.0, 500.0), "m": (0.1, 10.0)},
+        targets={"response": wanted},
+    )
+    assert found.result is fm.RESULTS.successful
+    worst = np.argmax(np.abs(found.answers["response"] - wanted.values))
+    assert f"response[{worst}] misses by" in found.reason
+    assert found.reason.endswith("197 more by less")
+    assert len(str(found)) < 600
+    figure = fm.plot.tuning(found)
+    figure.canvas.draw()
+    pages = [figure.bbox, *(ax.bbox for ax in figure.axes)]
+    texts = [figure._suptitle, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
+    assert all(page.height > 100 for page in pages)
+    for text in texts:
+        box = text.get_window_extent()
+        assert figure.bbox.contains(box.x0, box.y0)
+        assert figure.bbox.contains(box.x1, box.y1)
+    plt.close(figure)
