@@ -4127,8 +4127,8 @@ FAULTS = [
     ),
     Fault(
         "paths/walk.py",
-        "if departure.coincide and",
-        "if False and",
+        "if departure.is_neutral:",
+        "if False:",
         "paths/test_path.py -k round_bar",
     ),
     Fault(

@@ -285,6 +285,8 @@ class SparseEquations:
         """Equations for a change of the free coordinates, the multipliers and the load factor, with a plane."""
         row = np.concatenate([plane.x[self.free], np.zeros(len(self.held))])
         corner = float(plane.load) + float(plane.x[self.fast] @ t.following)
+        if plane.stiffness:
+            factored = shifted(t.at.tangent, float(plane.stiffness), self.sizes[self.free])
         return Bordered(t.at.tangent, factored, t.by_load, row, corner)
 
     def _direction(self, t: _Tangent, bordered: Bordered) -> Direction:

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..arguments import library_of
@@ -70,10 +71,18 @@ class Direction(NamedTuple):
 
 
 class Plane(NamedTuple):
-    """Normal of the plane in which a corrector stays, as a covector of (x, load)."""
+    """Plane in which a corrector stays.
+
+    Attributes:
+        x: Its normal as a covector of x, (n_x,).
+        load: Its normal as a covector of the load factor, ().
+        stiffness: Added to every critical value in the corrector's equations, not in their residual, () [N m]. Where a
+            motion meets no stiffness, these equations are singular without it, and round-off moves the state at will.
+    """
 
     x: Float[Array, "n_x"]
     load: Float[Array, ""]
+    stiffness: Any = np.zeros(())
 
 
 class Scale(NamedTuple):
@@ -159,9 +168,10 @@ def _bordered_solve(
     plane: Plane,
     residual: Float[Array, "n_q"],
     distance: Float[Array, ""],
+    added: Any = 0.0,
 ):
-    """Solve [K, r_load; plane] (dq, dload) = (-residual, -distance); regular at limit points, where K is not."""
-    k = at.K0 + at.G0
+    """Solve [K + added, r_load; plane] (dq, dload) = (-residual, -distance); regular at limit points, unlike K."""
+    k = at.K0 + at.G0 + added
     across = plane.x @ at.transfer.DFx
     corner = plane.x @ onto + plane.load
     pivots = jnp.abs(diagonal_of(k))
@@ -288,7 +298,8 @@ def step_along(
         last = c.done | c.bad
         distance = plane.x @ (x - predicted.x + particular) + plane.load * (load - predicted.load)
         residual, distance = jnp.where(last, 0.0, residual), jnp.where(last, -1.0, distance)
-        dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance)
+        z = at.transfer.DFx / scale.sizes[:, None]
+        dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance, plane.stiffness * (z.T @ z))
         along = onto * dload + at.transfer.DFx @ dq
         change = particular + along
         size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(dload))

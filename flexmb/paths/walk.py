@@ -70,6 +70,9 @@ SAME = 1e-7
 MEETS_NONE = 1e-5
 # What makes a singular stiffness regular for its null vector, as share of the critical value at the begin of the step.
 SHIFT = 1e-9
+# What holds a motion that meets no stiffness on a branch, as share of the critical values at the ends of the step: far
+# below the stiffness of other motions, so that the corrector converges, and far above round-off.
+HOLD = 1e-3
 # Motion of the first step on another branch (extents, radians).
 FIRST_ON_BRANCH = 0.02
 
@@ -291,11 +294,11 @@ class Departure(NamedTuple):
 
     Attributes:
         new: First step on the other branch; None if it was not found.
-        coincide: Whether other motions lose their stiffness there too, or on the same step.
+        is_neutral: Whether a second motion loses its stiffness there, and meets none on the branch either.
     """
 
     new: Stride | None
-    coincide: bool
+    is_neutral: bool
 
 
 class _Trial(NamedTuple):
@@ -624,6 +627,19 @@ class Walker:
         self.critical_steps.append(at)
         self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
 
+    def is_neutral(self, taken: Stride, crossing: Crossing, phi: Direction) -> bool:
+        """Whether a motion meets no stiffness on the branch that leaves a bifurcation along another motion."""
+        begin, direction = crossing.zero.step, unit(self.scale, phi)
+        value = max(abs(step.critical_value(crossing.number)) for step in (taken.begin, taken.end))
+        plane = normal_to(self.scale, direction)._replace(stiffness=np.array(HOLD * value))
+        # The farther along the branch, the larger is the stiffness that round-off is measured against.
+        for length in self.longest(direction) / np.array([2, 8, 32]):
+            new = self.advance(begin.point, direction, length, plane)
+            if bool(new.converged) and float(new.cosine) > 0.5:
+                sizes = np.sort(np.abs(new.values))
+                return bool(sizes[0] <= MEETS_NONE * sizes[1])
+        return False
+
     def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:
         """First step on the branch that leaves a bifurcation along a motion.
 
@@ -745,12 +761,11 @@ class Walker:
                     continue
             departure = self.pass_critical_points(taken, switch)
             if departure is not None:
+                if departure.is_neutral:
+                    return RESULTS.neutral_branch
                 if departure.new is None:
                     return RESULTS.not_converged
                 taken = departure.new
-                sizes = np.sort(np.abs(taken.end.values))
-                if departure.coincide and sizes[0] <= MEETS_NONE * sizes[1]:
-                    return RESULTS.neutral_branch
             elif self.ended is not None:
                 return RESULTS.successful
             if taken.last is not None:
@@ -781,11 +796,13 @@ class Walker:
                 break
             number = sum(point.kind == "bifurcation" for point in self.critical)
             if crossing.kind == "bifurcation" and number in switch:
-                others, side, coincide = motions[i + 1 :], switch.pop(number), len(motions) > 1
+                others, side = motions[i + 1 :], switch.pop(number)
+                if len(motions) > 1 and self.is_neutral(taken, crossing, phi):
+                    return Departure(None, True)
                 way, _ = self.chord(taken.begin.point, taken.end.point)
                 along_phi, along_load = (abs(product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i]))
                 if along_phi > along_load:
                     # The walk came along phi itself, and the other branch is the one that follows the load.
                     phi, others = loaded[i], []
-                return Departure(self.branch(crossing.zero.step, phi, others, side), coincide)
+                return Departure(self.branch(crossing.zero.step, phi, others, side), False)
         return None

@@ -417,17 +417,23 @@ def test_no_jump_to_a_branch_that_ends_in_a_fold():
         np.testing.assert_allclose(loads, [c.load_factor for c in paths[0].critical_points], rtol=1e-6)
 
 
-@pytest.mark.parametrize("sparse", [False, True])
-def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
-    """It buckles to any side at once, pi^2 EI/(4 L^2): where a branch goes is said by an imperfection alone."""
+def round_bar(turn):
+    """A column that buckles to any side at once; its local axes are turned about it."""
     b = fm.Builder()
     b.node("base", (0, 0, 0))
     b.node("tip", (0, 0, 1.0))
     section = fm.Rigidity(EA=1e6, EIy=4 / np.pi**2, EIz=4 / np.pi**2, GIt=0.3)
-    b.add(spatial.spectral_beam(order=4), "base", "tip", section=section, y=(0, 1, 0))
+    y = (-np.sin(turn), np.cos(turn), 0)
+    b.add(spatial.spectral_beam(order=4), "base", "tip", section=section, y=y)
     b.fix("base")
     b.force("tip", (0, 0, -1.1))
-    model = b.build()
+    return b.build()
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
+    """It buckles to any side at once, pi^2 EI/(4 L^2): where a branch goes is said by an imperfection alone."""
+    model = round_bar(0.0)
     with pytest.raises(fm.AnalysisError, match="may buckle to any side") as caught:
         fm.path(model, switch=1, sparse=sparse)
     assert caught.value.code == "neutral_branch"
@@ -437,6 +443,13 @@ def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
     assert np.all(found.stable)
     bent = fm.path(model, imperfection={1: 1e-6}, sparse=sparse)
     assert bent.critical_points == ()
+
+
+def test_a_round_bar_is_neutral_whatever_the_round_off():
+    """Turned about its axis the column is the same, and its numbers are rounded in another way."""
+    for turn in np.linspace(0.0, 3.0, 13):
+        with pytest.raises(fm.AnalysisError, match="may buckle to any side"):
+            fm.path(round_bar(turn), switch=1)
 
 
 def test_ends_that_are_refused_by_name():
