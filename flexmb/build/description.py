@@ -15,7 +15,7 @@ from ..elements import spatial
 from ..elements.element import Element
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
-from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
+from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
 from .given import number_in, some_of
 
@@ -131,6 +131,9 @@ class Description:
             of, point, symbol = label.rpartition(".")
             if not point:
                 raise ModelError(f"Argument `dofs`: {shown(label)} is no degree of freedom: say of what, as 'top.x'.")
+            if of.startswith(TURN_OF) and of not in twin.members and turned_by(of)[1]:
+                # The hinge about a global axis is made by that name.
+                of, symbol = turned_by(of)
             is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
             kind, component = ("element", symbol[1:]) if is_element else ("node", symbol)
             key = twin._entry(of, component, kind)
@@ -209,12 +212,11 @@ class Description:
             self._unknown_node(node, "position")
         if self.nodes[node].kind.part != "position":
             kind = self.nodes[node].kind
-            room = "planar" if kind.dimension == 2 else "spatial"
-            # A mass, or a body, on a second rotation of a node: the element joins position and rotation by name.
-            way = f" A body on it is an element: add({room}.body, 'position', '{node}', mass=.., center=.., inertia=..)."
-            raise ModelError(
-                f"Node '{node}' has no position: it is a {kind.part} node.{way if kind.part == 'rotation' else ''}"
-            )
+            way = ""
+            if kind.part == "rotation":
+                room = "planar" if kind.dimension == 2 else "spatial"
+                way = f" Put a body on it by add({room}.body, 'position', '{node}', mass=.., center=.., inertia=..)."
+            raise ModelError(f"Node '{node}' has no position: it is a {kind.part} node.{way}")
         return node
 
     def _kind_of(self, part: str) -> NodeKind:

@@ -1,4 +1,4 @@
-"""Warnings of rigidities, stress, strain and damping that a Builder describes and that do nothing."""
+"""Warnings of rigidities, stress, strain, damping and laws that a Builder describes and that do nothing."""
 
 import dataclasses
 import functools
@@ -24,7 +24,7 @@ RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
 def warn_of_idle(builder: Description) -> None:
-    """Warn of stress, strain and damping that act on deformations which are all held, and of numbers not asked for."""
+    """Warn of stress, strain, damping and laws that act on held deformations alone, and of numbers not asked for."""
     _warn_of_other_numbers(builder)
     for what in ("prestress", "strain"):
         for sets in builder.loads.values():
@@ -46,13 +46,15 @@ def warn_of_idle(builder: Description) -> None:
             if all(role is Role.PRESCRIBED for role in builder.members[of].roles):
                 warn(f"Temperature of element '{of}': all of its deformations are PRESCRIBED, so that it does nothing.")
     for of, member in builder.members.items():
-        if isinstance(member.properties.get("damping"), MaterialDamping):
-            # Of a material that is stated once and held here.
+        if not member.roles or any(role not in HELD for role in member.roles):
             continue
-        dampers = [getattr(member.element, kind) for kind in ("damping", "dissipation")]
-        damped = any(member.element.arguments(f, member.properties) is not None for f in dampers)
-        if damped and member.roles and all(role in HELD for role in member.roles):
-            warn(f"Damping of element '{of}': all of its deformations are held, so that it does nothing.")
+        for what, kinds in {"Damping": ("damping", "dissipation"), "Law": ("law", "energy")}.items():
+            # Damping of a material is stated once, and held here.
+            of_material = what == "Damping" and isinstance(member.properties.get("damping"), MaterialDamping)
+            functions = [getattr(member.element, kind) for kind in kinds]
+            acts = any(member.element.arguments(f, member.properties) is not None for f in functions)
+            if acts and not of_material:
+                warn(f"{what} of element '{of}': all of its deformations are held, so that it does nothing.")
 
 
 def _warn_of_other_numbers(builder: Description) -> None:

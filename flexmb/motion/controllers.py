@@ -8,7 +8,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, ArrayLike, Float
+from jaxtyping import Array, Float
 
 from ..arguments import is_concrete, returned
 from ..compilation.record import Record, static
@@ -242,8 +242,8 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
         y = seen(t, y)
         return y if reads is None else y[np.array(reads)]
 
-    def everywhere(u: ArrayLike):
-        u = returned("The controller", u)
+    def everywhere(found: Any):
+        u = returned("The controller", found)
         if drives is None or u.shape != (len(drives),):
             return u
         return jnp.zeros(len(inputs)).at[np.array(drives)].set(u)

@@ -250,7 +250,7 @@ def _of_loose(model: Model, loose: np.ndarray) -> str:
         ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(one, model.labels.x)[:4]) for one in loose.T
     )
     turned = any(name.startswith(TURN_OF) for name, *_ in model.labels.elements)
-    tilts = ' A rotation that is turned about one axis is free about the others, without tilt="fixed".' if turned else ""
+    tilts = ' A rotation turned about one axis is free about the others, unless tilt="fixed".' if turned else ""
     return (
         f"In the undeformed mechanism nothing elastic resists {names}: fix it, stiffen it, or clamp what is pinned"
         f" there (a rigid_beam does not turn the rotation of its second node; a rigid_body does).{tilts}"

@@ -539,7 +539,11 @@ def test_arrays_that_are_written_into_afterwards_leave_a_model_as_it_is():
     assert all(map(np.array_equal, numbers(False), numbers(True)))
 
 
-@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda b: b.copy(), lambda b: pickle.loads(pickle.dumps(b))])
+def pickled(b):
+    return pickle.loads(pickle.dumps(b))
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, fm.Builder.copy, pickled])
 def test_a_copy_of_a_builder_has_contents_of_its_own(copied):
     b = two_nodes()
     beam(b)
@@ -558,7 +562,7 @@ def test_a_copy_of_a_builder_has_contents_of_its_own(copied):
     twin.start("leaf", 2, 0.1)
     twin.fix("B", "x")
     assert (list(b.nodes), list(b.members)) == (["A", "B", "A.rotation", "B.rotation"], ["leaf"])
-    assert not (b.dofs or b.starts or b.signals["output"] or b.loads["initial"].get("force"))
+    assert [b.dofs, b.starts, b.signals["output"], b.loads["initial"].get("force")] == [[], {}, [], None]
     np.testing.assert_array_equal(fm.frequencies(b.build()), before)
 
 
@@ -578,9 +582,9 @@ def test_a_body_on_a_second_rotation_of_a_node_is_an_element():
         on_second(b)
         return b.build()
 
-    with pytest.raises(fm.ModelError, match=r"'second' has no position.* add\(planar.body, 'position', 'second', mass=") as fault:
+    way = r"'second' has no position.* add\(planar.body, 'position', 'second', mass=.., center=.., inertia=..\)"
+    with pytest.raises(fm.ModelError, match=way):
         arms(lambda b: b.body("second", 1.0, inertia=0.02))
-    assert "center=" in str(fault.value)
     model = arms(lambda b: b.add(planar.body, "pin", "second", mass=1.0, center=(0.1, 0), inertia=0.02))
     expected = np.sqrt(np.array([3.0, 12.0]) / (0.02 + 1.0 * 0.1**2)) / (2 * np.pi)
     np.testing.assert_allclose(fm.frequencies(model), expected, rtol=1e-12)
@@ -600,7 +604,7 @@ def test_fractions_and_decimals_are_numbers(kind):
         b.force("B", (n(1), 0))
         b.gravity((0, n("-9.81")))
         b.prestress("leaf", n(2))
-        b.prescribe("B", "y", n("1e-3"), increment=True)
+        b.prescribe("B", "y", n("1e-3"))
         return b.build()
 
     assert all(map(np.array_equal, *(jax.tree.leaves(model(n).parameters) for n in (kind, float))))

@@ -116,3 +116,19 @@ def test_what_is_resisted_is_found_by_one_program(compilations):
             build(planar.beam, fm.Rigidity(EIy=rigidity), released=(1,))
     assert set(compilations) <= {"flexmb.build.idle._diagonals"}
     assert len(compilations) <= 1
+
+
+@pytest.mark.parametrize("element", [planar.spring_damper, planar.rotary_spring_damper])
+def test_a_law_of_deformations_that_are_all_held_is_told(element):
+    def build(**options):
+        b = fm.Builder()
+        b.node("A", (0.0, 0.0))
+        b.node("B", (1.0, 0.0))
+        b.add(planar.beam, "A", "B", name="leaf", section=fm.Rigidity(EA=1.0, EIy=1.0))
+        b.add(element(lambda e, ed: 3.0 * e), "A", "B", name="spring", **options)
+        b.fix("A")
+        return b.build()
+
+    with pytest.warns(fm.FlexmbWarning, match="Law of element 'spring': all of its deformations are held"):
+        build(released=())
+    build()

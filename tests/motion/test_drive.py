@@ -132,8 +132,8 @@ def test_a_rotation_in_the_plane_is_loaded_and_driven_by_the_name_that_inputs_ta
     np.testing.assert_array_equal(found[2], found[0])
     with pytest.raises(fm.ModelError, match=r"'tip.psi' names no coordinate.* There are: foot.x, .*, tip.phi, leaf.e1"):
         fm.simulate(model, times, loads={"tip.psi": lambda t: t})
-    b = fm.Builder()
-    b.node("hub", (0, 0))
+    b = sprung_mass(stiffness=90.0, mass=0.4)
+    b.node("hub", (0, 1))
     b.fix("hub", "position")
     b.inertia("hub", 0.5)
     b.rotation("ground")
