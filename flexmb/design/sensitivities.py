@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_by_name, check_whole, shown
 from ..compilation.by_meaning import jit
-from ..display import Result, Summary, counted, largest, short
+from ..display import Result, Summary, counted, largest, listed, short
 from ..errors import AnalysisError, clean, warn
 from ..results import ANSWERED, NO_DERIVATIVE, RESULTS, check
 from .designs import MOST, numbers
@@ -20,6 +20,9 @@ from .swept import Sweep
 
 # A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
 REVERSE_COST = 2.0
+# The second order of a scatter counts beyond this share of the first, and beyond round-off of the answer; so many
+# dimensions are looked at. Our choice.
+NOT_LINEAR, ROUND_OFF, CHECKED = 0.2, 1e-9, 20
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -108,6 +111,13 @@ def sensitivities(
         Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
         :func:`flexmb.frequencies`); d ln a/d ln p = (p/a) da/dp.
     """
+    return _sensitivities(build, answers, dimensions, second_order, mode, throw)[0]
+
+
+def _sensitivities(
+    build: Build, answers: Answers, dimensions: Mapping[str, Any], second_order: bool, mode: str | None, throw: bool
+) -> tuple[Sensitivities, Callable[[np.ndarray], Any]]:
+    """As :func:`sensitivities`, and the compiled function of (n,) that gives values, slopes, curvatures and code."""
     check_by_name("dimensions", dimensions)
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
@@ -118,7 +128,8 @@ def sensitivities(
         mode = "forward" if len(point) <= REVERSE_COST * m else "reverse"
     if mode not in ("forward", "reverse"):
         raise ValueError(f"Argument `mode` must be 'forward' or 'reverse', but is {clean(repr(mode))}.")
-    values, slopes, curvatures, code = jit(_derivatives(function, mode, second_order))(point)
+    derivatives = jit(_derivatives(function, mode, second_order))
+    values, slopes, curvatures, code = derivatives(point)
     result = RESULTS(int(code))
     if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(np.isfinite(slopes)):
         result = RESULTS.not_finite
@@ -132,7 +143,8 @@ def sensitivities(
     with np.errstate(divide="ignore", invalid="ignore"):
         table = slopes * point / values[:, None]
     second = np.asarray(curvatures) if second_order else None
-    return Sensitivities(tuple(rows.labels), tuple(layout.labels), values, point, slopes, table, second, mode, result)
+    labels = tuple(rows.labels), tuple(layout.labels)
+    return Sensitivities(*labels, values, point, slopes, table, second, mode, result), derivatives
 
 
 def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
@@ -154,6 +166,30 @@ def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
         return value, slopes, curvatures, code
 
     return everything
+
+
+def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray) -> None:
+    """Warn of answers whose scatter is not linear, from derivatives one deviation to both sides of each dimension."""
+    linear = np.abs(found.slopes * spread)
+    shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
+    checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]
+    bent = np.zeros((len(checked), *linear.shape))  # H_ij s_i s_j of each answer
+    for row, i in zip(bent, checked, strict=True):
+        aside = spread * (np.arange(len(spread)) == i)
+        (_, up, _, first), (_, down, _, last) = derivatives(found.point + aside), derivatives(found.point - aside)
+        known = first in ANSWERED and last in ANSWERED
+        row[:] = (np.asarray(up) - np.asarray(down)) * spread / 2 if known else np.nan
+    mean = np.abs(sum((row[:, i] for row, i in zip(bent, checked, strict=True)), np.zeros(len(linear)))) / 2
+    added = np.maximum(mean, np.sqrt(np.sum(bent**2, axis=(0, 2)) / 2))
+    deviations = np.sqrt(np.sum(linear**2, axis=1))
+    wrong = np.flatnonzero(~(added <= np.maximum(NOT_LINEAR * deviations, ROUND_OFF * np.abs(found.values))))
+    if len(wrong):
+        names = [f"'{found.answers[i]}' (± {short(deviations[i])}, second order {short(added[i])})" for i in wrong]
+        warn(
+            f"The scatter of {listed(names)} is not linear in the dimensions, and its first-order deviation does not"
+            " hold: within the tolerances two frequencies may nearly coincide, or a design has no answer. Ask for"
+            " samples=1000, or take a smooth measure of both, such as fm.linear.smooth_minimum."
+        )
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -230,8 +266,14 @@ def tolerances(
         AnalysisError: As for :func:`sensitivities`; a sample that fails is left out of the statistics and has its code
             in ``samples``.
 
+    Warns:
+        FlexmbWarning: The first order does not hold: what the second order adds to the mean or to the deviation of an
+            answer is more than a fifth of the deviation, as where two frequencies nearly coincide. It is seen one
+            deviation to both sides, for the twenty dimensions with the largest shares.
+
     Source:
-        First-order propagation of variance: sum of (da/dp s)^2; Monte Carlo.
+        First-order propagation of variance: sum of (da/dp s)^2. Second order, H = d2a/dp2 and independent normal
+        deviations: it adds sum of H_ii s_i^2/2 to the mean, sum of (H_ij s_i s_j)^2/2 to the variance. Monte Carlo.
     """
     if not isinstance(deviations, Mapping):
         raise TypeError(
@@ -243,12 +285,13 @@ def tolerances(
         if not np.all((own := numbers(f"Deviation of '{name}'", deviation)) >= 0) or not np.all(np.isfinite(own)):
             raise ValueError(f"Deviation of '{name}' must not be negative, but finite; it is {deviation}.")
     samples = check_whole("samples", samples, 0, MOST)
-    found = sensitivities(build, answers, dimensions)
+    found, derivatives = _sensitivities(build, answers, dimensions, False, None, True)
     layout = layout_of(dimensions)
     spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
     variances = (found.slopes * spread) ** 2
     total = variances.sum(axis=1)
     shares = variances / np.where(total > 0, total, 1.0)[:, None]
+    _warn_of_curvature(found, derivatives, spread)
     first_order = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
     if not samples:
         return first_order
