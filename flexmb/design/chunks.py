@@ -1,6 +1,8 @@
 """Some designs at a time: compiled once, on all cores or handed to an executor."""
 
 import functools
+import logging
+import os
 import pickle
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
@@ -16,6 +18,8 @@ from ..results import ANSWERED, RESULTS
 from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely
 from .possible import refusal
 
+# The process that has imported this module; a fork of it is another.
+_IMPORTED_BY = os.getpid()
 # Answers by name, (designs, ...), and codes, (designs,).
 Values = tuple[dict[str, np.ndarray], np.ndarray]
 
@@ -83,10 +87,8 @@ class Worker:
             return
         import concurrent.futures
 
-        from ..setup import cache_folder
-
-        cache = str(cache_folder()) if jax.config.values["jax_compilation_cache_dir"] else None
-        futures = [self.executor.submit(_work, self.work, part, cache) for part in parts]
+        asked = os.getpid(), jax.config.values["jax_compilation_cache_dir"]
+        futures = [self.executor.submit(_work, self.work, part, *asked) for part in parts]
         if all(isinstance(f, concurrent.futures.Future) for f in futures):
             places = {future: index for index, future in enumerate(futures)}
             for future in concurrent.futures.as_completed(futures):
@@ -108,14 +110,27 @@ def _packed(task: Task) -> Any:
         return cloudpickle.dumps(task)
 
 
-def _work(sent: Any, part: Chunk, cache: str | None) -> Values:
-    """One part in a worker, which may be another process."""
+def _work(sent: Any, part: Chunk, asking: int, cache: str | None) -> Values:
+    """One part in a worker, which may be another process than the one that asks.
+
+    Raises:
+        ValueError: The process is a fork.
+    """
+    if os.getpid() not in (asking, _IMPORTED_BY):
+        # A copy of a process with threads of JAX, which do not run here: what waits for them waits for ever.
+        raise ValueError(
+            "Argument `executor` is a pool whose processes are forks, in which JAX hangs. Take"
+            " ProcessPoolExecutor(mp_context=multiprocessing.get_context('spawn'))."
+        )
     from ..setup import enable_cache, enable_x64
 
     if not jax.config.values["jax_enable_x64"]:
         enable_x64()
     if cache is not None and not jax.config.values["jax_compilation_cache_dir"]:
-        enable_cache(cache)
+        try:
+            enable_cache(cache)
+        except OSError as fault:
+            logging.getLogger("flexmb").warning("a worker of a sweep compiles without a cache: %s", fault)
     return (_unpacked(sent) if isinstance(sent, bytes) else kernel_of(sent))(part)
 
 

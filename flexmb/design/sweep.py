@@ -58,7 +58,9 @@ def sweep(
         together: Designs that are computed at once; more than one pays on a GPU (small ones only on a CPU, where many
             LAPACK calls at once may hang).
         executor: Anything with ``submit`` of ``concurrent.futures``, such as a pool or
-            ``dask.distributed.Client(..).get_executor()``; chunks are its tasks, and each worker compiles for itself.
+            ``dask.distributed.Client(..).get_executor()``; chunks are its tasks, and each worker compiles for itself,
+            with the folder of ``fm.enable_cache`` where it can be used. Processes must not be forks:
+            ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``.
         checkpoint: A file that grows by every chunk; a sweep that was interrupted goes on from it. It must be of this
             sweep: compared are the designs, the names, ``compiled``, the model of the first design that can be built
             with all its numbers, and ``build`` and the answers as far as they can be seen (their code, defaults, what
@@ -75,7 +77,8 @@ def sweep(
 
     Raises:
         ValueError: A dimension that ``build`` does not take or lacks; numbers of designs that differ; names that meet;
-            a checkpoint that is damaged, in use, or of another sweep, which is left as it is.
+            a pool whose processes are forks; a checkpoint that is damaged, in use, or of another sweep, which is left
+            as it is.
         ModelError, SpacarError: Not one design can be built.
         OSError: The checkpoint cannot be read or written.
 

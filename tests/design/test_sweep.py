@@ -1,7 +1,8 @@
 """Sweeps: the same numbers as one by one, failures beside the others, files, checkpoints, executors."""
 
 import contextlib
-from concurrent.futures import ThreadPoolExecutor
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import jax
@@ -199,10 +200,45 @@ def test_sets_of_designs():
             call()
 
 
+def double(value):
+    return 2 * value
+
+
+def twice(made):
+    return 2.0 * made
+
+
+def cache_in_use():
+    return jax.config.values["jax_compilation_cache_dir"]
+
+
 def test_an_executor_gives_the_same(grid):
     with ThreadPoolExecutor(2) as pool:
         found = fm.sweep(design_cases.unloaded_guide, first_frequency, grid.designs, chunk=4, executor=pool)
     np.testing.assert_allclose(found["first_frequency"], grid["first_frequency"], rtol=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_pool_that_forks_is_refused():
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+        with pytest.raises(ValueError, match=r"processes are forks.*get_context\('spawn'\)"):
+            fm.sweep(double, {"twice": twice}, {"value": [1.0, 2.0]}, compiled=False, executor=pool)
+
+
+@pytest.mark.parametrize("usable", [True, False])
+def test_processes_use_the_cache_where_they_can(tmp_path, usable):
+    folder = tmp_path / "cache"
+    folder.mkdir() if usable else folder.write_text("no folder")
+    before = cache_in_use()
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    try:
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            found = fm.sweep(double, {"twice": twice}, {"value": [1.0, 2.0]}, compiled=False, executor=pool)
+            used = pool.submit(cache_in_use).result()
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
+    np.testing.assert_array_equal(found["twice"], [4.0, 8.0])
+    assert used == (str(folder) if usable else None)
 
 
 @pytest.mark.filterwarnings("ignore")
