@@ -6,12 +6,19 @@ import itertools
 import json
 import os
 import re
+import struct
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+# A file may unpack to so many times its size: numbers that are alike compress well. What is written here is not packed.
+LARGEST_RATIO = 100
+# Kind of a compressed variable in a .mat, as MATLAB's format of level 5 has it, and bytes that are unpacked at once.
+COMPRESSED, PIECE = 15, 1 << 20
 
 
 def write_whole(path: str | os.PathLike, content: bytes) -> None:
@@ -106,6 +113,36 @@ def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str
     if "about" in arrays:
         raise ValueError("An array named 'about' cannot be saved beside what is said about all of them: rename it.")
     write_arrays(Path(path), {**arrays, "about": np.asarray(json.dumps(about))})
+
+
+def check_unpacked(content: bytes) -> None:
+    """Refuse an .npz or a .mat that unpacks to more than so many times its size, before it does.
+
+    Raises:
+        ValueError: It does; or it is damaged.
+    """
+    most = LARGEST_RATIO * len(content)
+    if content[:2] == b"PK":
+        # No member gives more than its entry in the directory says.
+        size = sum(member.file_size for member in zipfile.ZipFile(io.BytesIO(content)).infolist())
+    else:
+        size = _size_of_compressed(content, most)
+    if size > most:
+        raise ValueError(f"it unpacks to more than {LARGEST_RATIO} times its size")
+
+
+def _size_of_compressed(content: bytes, most: int) -> int:
+    """Bytes that the compressed variables of a .mat unpack to, counted piece by piece up to a limit."""
+    order, at, size = ">" if content[126:128] == b"MI" else "<", 128, 0
+    while at + 8 <= len(content) and size <= most:
+        kind, count = struct.unpack_from(f"{order}II", content, at)
+        at += 8 + count
+        if kind == COMPRESSED:
+            unpacker, rest = zlib.decompressobj(), content[at - count : at]
+            while rest and size <= most:
+                size += len(unpacker.decompress(rest, PIECE))
+                rest = unpacker.unconsumed_tail
+    return size
 
 
 def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:

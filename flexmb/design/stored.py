@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import clean
+from ..files import check_unpacked
 from ..results import RESULTS
 from .checkpoint import MAGIC, Stored
 from .chunks import gathered
@@ -72,6 +73,7 @@ def _of_checkpoint(stored: Stored) -> Contents:
 
 def _arrays(content: bytes) -> dict[str, np.ndarray]:
     """Arrays of a file by name."""
+    check_unpacked(content)
     if content[:2] == b"PK":
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}

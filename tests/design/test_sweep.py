@@ -2,12 +2,14 @@
 
 import contextlib
 import multiprocessing
+import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import jax
 import numpy as np
 import pytest
+import scipy.io
 from cases import design_cases, mechanisms
 from cases.files import arrays_of
 
@@ -210,6 +212,36 @@ def twice(made):
 
 def cache_in_use():
     return jax.config.values["jax_compilation_cache_dir"]
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat"])
+def test_a_file_that_unpacks_to_much_more_is_refused_before(tmp_path, ending):
+    path, zeros = tmp_path / f"a.{ending}", {"a": np.zeros(2**23)}
+    if ending == "npz":
+        np.savez_compressed(path, **zeros)
+    else:
+        scipy.io.savemat(path, zeros, do_compression=True)
+    assert path.stat().st_size < 2**17
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match="unpacks to more than 100 times its size"):
+            fm.design.Sweep.load(path)
+        # The content of the file, and pieces of one MB.
+        assert tracemalloc.get_traced_memory()[1] < 2**23
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat"])
+def test_a_sweep_that_was_packed_is_loaded(grid, tmp_path, ending):
+    grid.save(path := tmp_path / f"a.{ending}")
+    if ending == "npz":
+        with np.load(path) as file:
+            np.savez_compressed(path, **dict(file))
+    else:
+        own = {name: array for name, array in scipy.io.loadmat(path).items() if not name.startswith("__")}
+        scipy.io.savemat(path, own, do_compression=True, long_field_names=True)
+    np.testing.assert_array_equal(fm.design.Sweep.load(path)["first_frequency"], grid["first_frequency"])
 
 
 def test_an_executor_gives_the_same(grid):
