@@ -666,7 +666,7 @@ def _copy(path: Path, to: Path) -> None:
         _refuse(f"flexmb demo: the folder '{clean(to)}' does not exist.")
     target, content = to / path.name, path.read_bytes()
     with _writing(target):
-        if target.exists() and target.read_bytes() != content:
+        if target.exists() and (not target.is_file() or target.read_bytes() != content):
             _refuse(f"flexmb demo: '{clean(target)}' is there already and differs; move it away first.")
         write_whole(target, content)
     _tell(str(target))

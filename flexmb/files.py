@@ -1,15 +1,18 @@
-"""Files that appear whole or not at all, and named arrays in them: npz and mat."""
+"""Files that are read without waiting and within a limit, that appear whole or not at all; named arrays in them."""
 
+import contextlib
 import errno
 import io
 import itertools
 import json
 import os
 import re
+import stat
 import struct
 import tempfile
 import zipfile
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +22,38 @@ import numpy as np
 LARGEST_RATIO = 100
 # Kind of a compressed variable in a .mat, as MATLAB's format of level 5 has it, and bytes that are unpacked at once.
 COMPRESSED, PIECE = 15, 1 << 20
+# A file of 100 000 beams has 12 MiB.
+LARGEST_FILE = 64 * 2**20
+# What a shell hands over: read as it is, whatever stands behind it.
+STREAMS = ("/dev/stdin", "/dev/fd/")
+
+
+def read_whole(path: str | os.PathLike, largest: int = LARGEST_FILE) -> bytes:
+    """Return the content of a regular file, or of /dev/stdin and /dev/fd/N.
+
+    A pipe would wait for its writer, and a device such as /dev/zero has no end.
+
+    Args:
+        path: The file; a link is followed.
+        largest: Bytes that it has at most.
+
+    Raises:
+        OSError: It cannot be read, is no regular file, or is larger (errno EFBIG).
+    """
+    # Opened so, a pipe waits for nobody.
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(handle, "rb") as file:
+        state = os.fstat(handle)
+        if stat.S_ISDIR(state.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        if os.fspath(path).startswith(STREAMS):
+            os.set_blocking(handle, True)
+        elif not stat.S_ISREG(state.st_mode):
+            raise OSError(errno.EINVAL, "it is no regular file", os.fspath(path))
+        content = file.read(largest + 1) if state.st_size <= largest else b""
+    if max(len(content), state.st_size) > largest:
+        raise OSError(errno.EFBIG, f"it has more than {largest} bytes", os.fspath(path))
+    return content
 
 
 def write_whole(path: str | os.PathLike, content: bytes) -> None:
@@ -31,10 +66,25 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
     """
     path = _target(path)
     if path.exists() and not path.is_file():
-        path.write_bytes(content)
+        with naming(path):
+            path.write_bytes(content)
         return
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "There is no such folder", str(path.parent))
+    with naming(path):
+        _replace(path, content)
+
+
+@contextlib.contextmanager
+def naming(path: str | os.PathLike) -> Iterator[None]:
+    """Name this file in every OSError within: that of a full disk has no name, that of a temporary file another."""
+    try:
+        yield
+    except OSError as fault:
+        raise OSError(fault.errno, fault.strerror or str(fault), os.fspath(path)) from None
+
+
+def _replace(path: Path, content: bytes) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".flexmb.")
     try:
         with os.fdopen(handle, "wb") as file:

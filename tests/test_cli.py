@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import resource
 import subprocess
 import sys
 from functools import partial
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.io
 from cases.commands import command as call
+from cases.disk import full, not_regular
 from cases.files import arrays_of
 
 import flexmb as fm
@@ -670,16 +670,26 @@ def test_a_file_from_a_pipe(tmp_path):
     assert found.stdout.startswith(b"stdin  mode 0  status ok")
 
 
+@pytest.mark.timeout(60)
+def test_what_is_no_regular_file_is_refused_at_once(tmp_path):
+    """A pipe would wait for its writer, and /dev/zero has no end."""
+    target = tmp_path / "pf3d.dat"
+    os.mkfifo(target)
+    for path in (*not_regular(tmp_path, ".dat"), target):
+        for calls in (["check", path], ["run", path, "--mode", "7"], ["demo", "pf3d", "--to", tmp_path]):
+            result = call(*calls)
+            assert result.exit_code == 2
+            assert "is there already" in result.stderr or result.stderr.endswith("': it is no regular file.\n")
+    with pytest.raises(IsADirectoryError):
+        fm.read_spacar(tmp_path)
+
+
 def test_a_disk_that_is_full_leaves_nothing(tmp_path):
     path = tmp_path / "a.json"
     path.write_bytes(b"old")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
-    try:
-        with pytest.raises(OSError, match="too large"):
-            write_whole(path, b"x" * 10**5)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    # The limit has no name, and the file that it stops another one.
+    with full(), pytest.raises(OSError, match=r"too large: '.*/a.json'"):
+        write_whole(path, b"x" * 10**5)
     assert [(p.name, p.read_bytes()) for p in tmp_path.iterdir()] == [("a.json", b"old")]
 
 

@@ -39,7 +39,8 @@ class Run:
     """One run of a compiled function of this package, in which its program may call the host; a context.
 
     While a program calls the host, an interruption from the keyboard is held back: raised within the handler it would
-    be lost, and the answer of that call with it. The handler refuses instead, so that the program ends.
+    be lost, and the answer of that call with it. The handler refuses instead, so that the program ends. Where the
+    process ignores interruptions, as a job in the background of a shell or under nohup does, the program runs on.
 
     Attributes:
         calls_host: One value, whether the program is known to.

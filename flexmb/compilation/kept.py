@@ -153,8 +153,12 @@ def _read(path: Path) -> list[bytes]:
 def _write(path: Path, *parts: bytes) -> None:
     path.parent.mkdir(mode=0o700, exist_ok=True)
     part = path.with_suffix(f".{os.getpid()}-{id(parts)}")
-    part.write_bytes(b"\n".join([_check(path.name.encode(), *parts), *parts]))
-    part.replace(path)
+    try:
+        part.write_bytes(b"\n".join([_check(path.name.encode(), *parts), *parts]))
+        part.replace(path)
+    finally:
+        # It is still there where the disk is full.
+        part.unlink(missing_ok=True)
 
 
 def write_program(path: Path, program: jax.stages.Compiled) -> None:

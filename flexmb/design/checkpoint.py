@@ -6,6 +6,7 @@ JSON, then their numbers.
 A kill leaves the last record incomplete, at worst, which is then dropped.
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -18,7 +19,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..errors import clean, warn
-from ..files import write_whole
+from ..files import naming, write_whole
 from ..results import RESULTS
 from .designs import Designs
 
@@ -135,6 +136,8 @@ class Checkpoint:
         """
         self.path, self.answers = Path(path), answers
         self.is_empty = not self.path.exists()
+        if not self.is_empty and not self.path.is_file():
+            raise OSError(errno.EINVAL, "it is no regular file", str(path))
         if self.is_empty:
             write_whole(self.path, _beginning(meaning, designs, answers, units))
         self.file = open(self.path, "r+b")
@@ -158,13 +161,15 @@ class Checkpoint:
         """
         named = {"": np.asarray(rows, "<i8"), "codes": np.asarray(codes, "<i4")}
         named |= {f"answer {name}": np.ascontiguousarray(v, "<f8") for name, v in values.items()}
-        self.file.write(_record(_packed(named)))
-        self.file.flush()
+        with naming(self.path):
+            self.file.write(_record(_packed(named)))
+            self.file.flush()
         self.is_empty = False
 
     def close(self) -> None:
         """End writing; what was begun in vain is removed."""
-        self.file.close()
+        with naming(self.path):
+            self.file.close()
         if self.is_empty:
             self.path.unlink(missing_ok=True)
 

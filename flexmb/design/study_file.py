@@ -1,6 +1,7 @@
 """The TOML file of a design study: every key known and of its kind, or one error with file and key."""
 
 import difflib
+import errno
 import math
 import os
 import tomllib
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import StudyError, clean
+from ..files import read_whole
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
 from .study import Study
@@ -82,10 +84,12 @@ class _Reader:
 
     def __init__(self, path: Path):
         self.path, self.name = path, clean(path.name)
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise StudyError(f"{self.name}: the file has more than {LARGEST_FILE} bytes; a study is smaller.")
+        try:
+            content = read_whole(path, LARGEST_FILE)
+        except OSError as fault:
+            if fault.errno != errno.EFBIG:
+                raise
+            raise StudyError(f"{self.name}: the file has more than {LARGEST_FILE} bytes; a study is smaller.") from None
         try:
             self.data: dict[str, Any] = tomllib.loads(content.decode("utf-8-sig"))
         except (ValueError, RecursionError) as fault:

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 
 from ..compilation.kept import take_as_written
 from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
+from ..files import read_whole
 from ..linear.buckling import buckling_loads
 from ..linear.modes import frequencies
 from ..linear.stress import stress
@@ -83,7 +84,7 @@ class FromFile:
 
 def content_of(source: Path) -> str:
     """Content of a file, as a SHA-256."""
-    return hashlib.sha256(source.read_bytes()).hexdigest()
+    return hashlib.sha256(read_whole(source)).hexdigest()
 
 
 @dataclasses.dataclass(frozen=True)

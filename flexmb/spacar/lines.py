@@ -2,10 +2,12 @@
 
 import codecs
 import dataclasses
+import errno
 import math
 import os
 import re
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import jax.core
 import numpy as np
 
 from ..errors import SpacarError, clean
+from ..files import LARGEST_FILE, read_whole
 from .arithmetic import value_of
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
@@ -28,8 +31,6 @@ TEXT = ("name", "law")
 AXES = ("rx", "ry", "rz")
 # Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
 SMALLEST, LARGEST = 1e-100, 1e50
-# A file of 100 000 beams has 12 MiB.
-LARGEST_FILE = 64 * 2**20
 
 _WHOLE = re.compile(r"[+-]?\d{1,9}", re.ASCII)
 # The largest whole number, of nine digits.
@@ -51,6 +52,7 @@ def within(value: Any) -> Any:
     return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
 
+_LINE = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n|\Z)")
 _WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")
 
 
@@ -76,21 +78,27 @@ def known(value: Any) -> bool:
     return not isinstance(value, jax.core.Tracer)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class Statement:
     """One line of a file.
 
     Attributes:
         line: Its number, from 1.
         keyword: In capitals.
-        words: Its parameters.
         raw: The line as it stands, without comment.
+        named: What placeholders stand for; None where a brace is a letter like others.
     """
 
     line: int
     keyword: str
-    words: tuple[str, ...]
     raw: str
+    named: Mapping[str, Any] | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Its parameters, which would take ten times the room of the line."""
+        plain = self.named is None or "{" not in self.raw
+        return tuple(self.raw.split() if plain else _words(self.raw, self.named))[1:]
 
     @property
     def numbers(self) -> set[int]:
@@ -98,7 +106,7 @@ class Statement:
         return {int(w) for w in self.words if _WHOLE.fullmatch(w)}
 
 
-def placeholders(found: list[Statement]) -> tuple[str, ...]:
+def placeholders(found: Iterable[Statement]) -> tuple[str, ...]:
     """Names of the parameters that placeholders name, each once; pi is none, but a number of its own."""
     words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
     return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w) if name != "pi"))
@@ -109,13 +117,15 @@ def read_text(path: str | os.PathLike) -> str:
 
     Raises:
         SpacarError: It is UTF-16, no text at all, or too large.
-        OSError: It cannot be read.
+        OSError: It cannot be read, or is no regular file.
     """
-    path, name = Path(path), clean(Path(path).name)
-    with path.open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)
-    if len(content) > LARGEST_FILE:
-        raise SpacarError(f"{name}:1: the file has more than {LARGEST_FILE} bytes; an input file is smaller")
+    name = clean(Path(path).name)
+    try:
+        content = read_whole(path)
+    except OSError as fault:
+        if fault.errno != errno.EFBIG:
+            raise
+        raise SpacarError(f"{name}:1: the file has more than {LARGEST_FILE} bytes; an input file is smaller") from None
     # The mark of UTF-32 begins with that of UTF-16.
     for mark, encoding in ((codecs.BOM_UTF32_LE, "32"), (codecs.BOM_UTF16_LE, "16"), (codecs.BOM_UTF16_BE, "16")):
         if content.startswith(mark):
@@ -141,20 +151,19 @@ def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def statements(text: str, numbers: Mapping[str, Any] | None = None) -> list[Statement]:
-    """Lines of a file that say something.
+def statements(text: str, numbers: Mapping[str, Any] | None = None) -> Iterator[Statement]:
+    """Lines of a file that say something, each as it is asked for: of a file with faults few are needed.
 
     Args:
         numbers: What placeholders "{name}" stand for; without, a brace is a letter like others.
     """
-    found = []
-    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
-        raw = re.split("[%#;]", line, maxsplit=1)[0].strip()
+    for number, line in enumerate(_LINE.finditer(text), 1):
+        raw = re.split("[%#;]", line[0], maxsplit=1)[0].strip()
         if raw:
-            keyword, *words = raw.split() if numbers is None or "{" not in raw else _words(raw, numbers)
+            keyword = (raw.split(maxsplit=1) if numbers is None or "{" not in raw else _words(raw, numbers))[0]
             # Outside of ASCII, other letters have the same capitals: the ligature of f and i those of FI.
-            found.append(Statement(number, keyword.upper() if keyword.isascii() else keyword, tuple(words), raw))
-    return found
+            keyword = sys.intern(keyword.upper()) if keyword.isascii() else keyword
+            yield Statement(number, keyword, raw, numbers)
 
 
 @dataclasses.dataclass(frozen=True)

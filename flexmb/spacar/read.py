@@ -1,5 +1,6 @@
 """SPACAR input files (.dat) to a Builder: every line is acted on, refused, or named in a warning."""
 
+import contextlib
 import dataclasses
 import difflib
 import os
@@ -38,7 +39,7 @@ from .lines import (
 from .reading import AlreadyReported, Declared, Reading
 
 # Nobody reads more, and a file of another kind has one in each line.
-MOST_FAULTS = 1000
+MOST_FAULTS = 100
 SHOWN_LINES = 20
 
 
@@ -109,11 +110,9 @@ def read_spacar(
     faults = _Faults()
     r = Reading(dict(callables or {}))
     # What has no name in it, such as "{2*pi}", is a number without any being given.
-    found = statements(text, numbers or {})
-    try:
-        _read(r, found, faults)
-    except _Enough:
-        pass
+    found: list[Statement] = []
+    with contextlib.suppress(_Enough):
+        _read(r, statements(text, numbers or {}), found, faults)
     if faults:
         more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
         raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
@@ -164,9 +163,9 @@ class _Faults(list[tuple[int, str]]):
             raise _Enough
 
 
-def _read(r: Reading, found: list[Statement], faults: _Faults) -> None:
-    """Act on all lines, in the order in which they build on each other."""
-    placed = list(_Blocks(r, faults).rows(found))
+def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults: _Faults) -> None:
+    """Act on all lines, in the order in which they build on each other; they are added to those that were found."""
+    placed = list(_Blocks(r, faults).rows(lines, found))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
     outlines.take(r, lambda s, text: faults.blame(s, text, "element"))
@@ -194,9 +193,10 @@ class _Blocks:
         self.reading, self.faults = r, faults
         self.block, self.ends, self.drawing = 0, 0, False
 
-    def rows(self, found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
+    def rows(self, lines: Iterator[Statement], found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
         """Rows of the keyword table for the lines that have one; the others are acted on here."""
-        for s in found:
+        for s in lines:
+            found.append(s)
             try:
                 row = self._row(s)
             except Fault as fault:
@@ -209,7 +209,7 @@ class _Blocks:
                 if row is not None:
                     yield row, s
         if found and self.ends < 2:
-            last = Statement(found[-1].line, "END", (), "")
+            last = Statement(found[-1].line, "END", "END")
             self.reading.warnings.append((last, f"{2 - self.ends} END missing at the end; read as if it stood there"))
 
     def _row(self, s: Statement) -> Row | None:

@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import clean
 from .document import Document, EditError
 from .filing import opened
-from .history import History, recover
+from .history import History, recover, unreadable
 from .places import Storage, left_place, new_place, place_of
 from .session import Session
 
@@ -42,13 +42,15 @@ def session_of_file(path: Path) -> Session:
     place = place_of(path)
     if place.is_taken():
         raise TakenError(path, place.address())
-    if (history := _recovered(place)) is not None:
-        session = Session(history, place=place)
+    history, damage = _recovered(place)
+    if history is not None:
+        session = Session(history, place=place, notes=damage)
         session.file.recovered = True
         session.file.know()
         return session
     found = opened(path)
-    session = Session(History(found.document, place.journal, file=str(path)), place=place, notes=found.notes)
+    notes = [*damage, *found.notes]
+    session = Session(History(found.document, place.journal, file=str(path)), place=place, notes=notes)
     session.file.know()
     return session
 
@@ -60,9 +62,12 @@ def session_of_new(document: Document | None = None, notes: list[str] | None = N
         document: To begin with.
         notes: What is to be said about it.
     """
+    notes = list(notes or ())
     while document is None and (place := left_place()) is not None:
-        if (history := _recovered(place)) is not None:
-            session = Session(history, place=place)
+        history, damage = _recovered(place)
+        notes += damage
+        if history is not None:
+            session = Session(history, place=place, notes=notes)
             session.file.recovered = True
             return session
         place.leave()
@@ -84,16 +89,17 @@ def session_of(model: Any, names: Mapping[str, Any]) -> Session:
     return session_of_new(document, left_out)
 
 
-def _recovered(place: Storage) -> History | None:
-    """What a journal tells, where not all of it was saved; a journal that tells nothing is put aside."""
+def _recovered(place: Storage) -> tuple[History | None, list[str]]:
+    """What a journal tells, where not all of it was saved, and what is to be said of one that is damaged."""
     if not place.journal.exists():
-        return None
+        return None, []
     try:
         history = recover(place.journal)
-    except (EditError, ValueError, KeyError, TypeError):
-        place.journal.replace(place.journal.with_suffix(".unreadable"))
-        return None
+    except EditError:
+        kept = place.journal.replace(unreadable(place.journal))
+        return None, [f"The journal of what nobody saved cannot be read. It is kept as '{kept}'."]
+    damage = [history.damage] if history.damage else []
     if history.is_saved:
         history.close()
-        return None
-    return history
+        return None, damage
+    return history, damage

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import errno
 import io
 import json
 import re
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import clean
-from ..files import write_whole
+from ..files import read_whole, write_whole
 from .document import Document
 
 OPENED, SAVED = (".dat", ".json"), (".dat", ".py", ".json")
@@ -50,7 +51,7 @@ def opened(path: Path) -> Opened:
         ValueError: It holds no such thing, or ends otherwise.
     """
     if path.suffix == ".json":
-        return Opened(_of_json(path.read_bytes(), path.name), [])
+        return Opened(_of_json(read_whole(path), path.name), [])
     if path.suffix == ".dat":
         from .dat_file import open_dat
 
@@ -72,7 +73,7 @@ def received(name: str, text: str) -> Opened:
     with tempfile.TemporaryDirectory() as folder:
         plain = re.sub(r"[^\w.-]", "_", Path(name).name)[-80:] or "mechanism"
         path = Path(folder) / plain
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text.encode())
         return opened(path)
 
 
@@ -97,6 +98,9 @@ def write(document: Document, path: Path) -> list[str]:
         OSError: It cannot be written.
         ValueError: It ends otherwise.
     """
+    for file in files_of(path):
+        if file.exists() and not file.is_file():
+            raise OSError(errno.EINVAL, "it is no regular file", str(file))
     if path.suffix == ".json":
         write_whole(path, f"{document.text}\n".encode())
     elif path.suffix == ".py":

@@ -7,6 +7,7 @@ import errno
 import itertools
 import json
 import os
+import shutil
 import time
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,10 +17,13 @@ try:
 except ImportError:  # Where the system has no such locks, all journals are offered.
     fcntl = None
 
+from ..files import naming
 from .document import Document, EditError, Report, apply
 
 # Requests that are remembered, so that one which is sent again is done once.
 KEPT_REQUESTS = 1000
+# What a damaged line of a journal raises where it is read or done again.
+UNREADABLE = (EditError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError)
 
 
 class _Step(NamedTuple):
@@ -40,6 +44,7 @@ class History:
         file: Path of the file that the document belongs to; None where it has none.
         saved: The document as its file has it; None where no file does.
         requests: What came of the last requests, by their keys: a report of edits, or a label.
+        damage: What of the journal could not be recovered, in words; "" where all of it was.
     """
 
     def __init__(
@@ -57,6 +62,7 @@ class History:
         self.file = file
         self.saved: Document | None = self.document
         self.requests: dict[str, Report | str | None] = {}
+        self.damage = ""
         self._back: list[_Step] = []
         self._forth: list[_Step] = []
         self._file = None
@@ -228,33 +234,52 @@ class History:
 def recover(path: str | os.PathLike) -> History:
     """The history that a journal tells, which goes on in the same file.
 
-    A line that was not finished when the process was killed is left out: its edit was never answered.
+    A line that was not finished when the process was killed is left out: its edit was never answered. Of a journal that
+    is damaged before its last line the part before that is recovered, and a copy of all of it stays beside it.
 
     Args:
         path: The journal.
 
     Raises:
         EditError: It is no journal.
-        OSError: It cannot be read.
+        OSError: It cannot be read, or a damaged one cannot be copied.
     """
     path = Path(path)
-    lines, whole = [], 0
+    found, whole, count = None, 0, 0
     content = path.read_bytes()
     for raw in content.splitlines(keepends=True):
-        line = _read(raw)
-        if line is None:
+        try:
+            line = json.loads(raw) if raw.endswith(b"\n") else {}
+            if found is None:
+                found = History(Document.from_data(line["document"]), file=line.get("file"))
+            elif line:
+                found._replay(line)
+            else:
+                break
+        except UNREADABLE:
             break
-        lines.append(line)
-        whole += len(raw)
-    if not lines or "document" not in lines[0]:
+        whole, count = whole + len(raw), count + 1
+    if found is None:
         raise EditError("", f"'{path}' is no journal of the workbench.")
-    found = History(Document.from_data(lines[0]["document"]), file=lines[0].get("file"))
-    for line in lines[1:]:
-        found._replay(line)
+    if lost := content[whole:].count(b"\n"):
+        copy = unreadable(path)
+        with naming(copy):
+            shutil.copyfile(path, copy)
+            copy.chmod(0o600)
+        found.damage = (
+            f"The journal of this mechanism is damaged at line {count + 1}. {len(found.undo_labels)} steps before it"
+            f" are recovered. {lost} lines are lost. The whole journal is kept as '{copy}'."
+        )
     with open(path, "r+b") as file:
         file.truncate(whole)
     found._open(path, "a")
     return found
+
+
+def unreadable(path: Path) -> Path:
+    """A file beside a journal that is not there yet, for what cannot be read of it."""
+    names = (path.with_suffix(f".unreadable{f'-{k}' if k else ''}") for k in itertools.count())
+    return next(name for name in names if not name.exists())
 
 
 def journals(folder: str | os.PathLike | None = None) -> list[Path]:
@@ -307,12 +332,3 @@ def is_locked(path: Path) -> bool:
             return True
         fcntl.flock(file, fcntl.LOCK_UN)
         return False
-
-
-def _read(raw: bytes) -> dict[str, Any] | None:
-    """A line of a journal; None where it is not whole."""
-    try:
-        line = json.loads(raw) if raw.endswith(b"\n") else None
-    except ValueError:
-        return None
-    return line if isinstance(line, dict) else None

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ..compilation.formulas import text_of
-from ..design.study_file import parameters_in
+from ..design.study_file import LARGEST_FILE, parameters_in
 from ..errors import ModelError, StudyError, clean
+from ..files import read_whole
 from .building import free_names, numbers_of
 from .document import Document
 
@@ -66,8 +67,8 @@ def write_beside(document: Document, path: Path) -> str | None:
         start = ["# Values and bounds of the names in the file; flexmb sweep and flexmb tune take this study."]
         answers = ["[answers]", "f1 = { frequency = 1 }"]
         return "\n".join([*start, f"model = {json.dumps(path.name)}", "", *lines, "", *answers, ""])
-    text = study.read_text(encoding="utf-8-sig")
     try:
+        text = read_whole(study, LARGEST_FILE).decode("utf-8-sig")
         before = tomllib.loads(text)
     except ValueError as fault:
         raise ModelError(f"{clean(study.name)} beside the file is no study: {clean(fault)}") from None

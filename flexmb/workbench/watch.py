@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
+from ..files import read_whole
+
 # Between two looks [s].
 PERIOD = 0.5
 
@@ -88,7 +90,7 @@ class Watch:
 def content_of(path: Path) -> str | None:
     """What a file holds, as a short text; None where there is none."""
     with contextlib.suppress(OSError):
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return hashlib.sha256(read_whole(path)).hexdigest()
     return None
 
 

@@ -128,15 +128,30 @@ def counted(number: np.ndarray, *, interrupts: bool):
     return number + 1.0
 
 
+@pytest.fixture
+def interruptions():
+    """A function that says what becomes of them: a shell may have started the tests with interruptions ignored."""
+    before = signal.getsignal(signal.SIGINT)
+    yield functools.partial(signal.signal, signal.SIGINT)
+    signal.signal(signal.SIGINT, before)
+
+
+def many(start, interrupts):
+    call, like = functools.partial(counted, interrupts=interrupts), jax.ShapeDtypeStruct((), float)
+    return jax.lax.fori_loop(0, 20_000, lambda _, x: call_host(call, like, x), start)
+
+
+def test_an_interruption_that_the_process_ignores_ends_no_program(interruptions):
+    """As of a job in the background of a shell, or under nohup."""
+    interruptions(signal.SIG_IGN)
+    assert float(jit(functools.partial(many, interrupts=True))(jnp.array(0.0))) == 20_000
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 @pytest.mark.parametrize("again", [False, True])
-def test_an_interruption_ends_a_program_and_is_told(again):
+def test_an_interruption_ends_a_program_and_is_told(again, interruptions):
     """Pressed while the host answers; heard by this thread, whichever thread the program runs in."""
-    like = jax.ShapeDtypeStruct((), float)
-
-    def many(start, interrupts):
-        call = functools.partial(counted, interrupts=interrupts)
-        return jax.lax.fori_loop(0, 20_000, lambda _, x: call_host(call, like, x), start)
-
+    interruptions(signal.default_int_handler)
     programs = {interrupts: jit(functools.partial(many, interrupts=interrupts)) for interrupts in (False, True)}
     for _ in range(1 + again):
         COUNTED.clear()

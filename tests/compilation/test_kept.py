@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.interpolate
+from cases.disk import full
 
 import flexmb as fm
 from flexmb import planar, setup, spatial
@@ -48,6 +49,13 @@ def folder(tmp_path):
     yield tmp_path / "programs"
     jax.config.update("jax_compilation_cache_dir", before)
     compile_thoroughly(False, keep=True)
+
+
+def test_a_full_disk_keeps_no_part_of_a_program(tmp_path):
+    path = tmp_path / "programs" / "name"
+    with full(), pytest.raises(OSError, match="too large"):
+        kept._write(path, b"x" * 10**5)
+    assert list(path.parent.iterdir()) == []
 
 
 def cantilever(element) -> fm.Model:

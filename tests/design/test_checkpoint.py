@@ -7,6 +7,7 @@ from concurrent.futures import Executor, Future
 
 import numpy as np
 import pytest
+from cases.disk import full, not_regular
 
 import flexmb as fm
 from flexmb.design.checkpoint import MAGIC, Checkpoint, _packed, _record
@@ -73,6 +74,18 @@ def test_an_unfinished_sweep_goes_on(tmp_path):
     # The designs may be divided otherwise.
     again = fm.sweep(note, {"a": scaled}, DESIGNS, **run(path, chunk=5))
     np.testing.assert_array_equal(again["a"], found["a"])
+
+
+def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path):
+    path = tmp_path / "sweep"
+    begun(path)
+    with full(path.stat().st_size), pytest.raises(OSError, match=r"File too large: '.*/sweep'"):
+        fm.sweep(build, {"a": scaled}, DESIGNS, **run(path))
+    found = fm.sweep(build, {"a": scaled}, DESIGNS, **run(path))
+    np.testing.assert_array_equal(found["a"], FACTOR * DESIGNS["size"] ** 2)
+    for special in not_regular(tmp_path, ""):
+        with pytest.raises(OSError, match="it is no regular file"):
+            fm.sweep(build, {"a": scaled}, DESIGNS, **run(special))
 
 
 def test_answers_in_any_order_go_on(tmp_path):

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 from cases.commands import command as call
+from cases.disk import not_regular
 from cases.files import arrays_of
 
 import flexmb as fm
@@ -450,6 +451,17 @@ def test_a_checkpoint_has_a_file_of_its_own(study):
     result = call("sweep", study, "--checkpoint", study.with_name("c"))
     assert_one_line(result, "is no checkpoint of a sweep")
     assert study.with_name("c").read_text() == "mine"
+
+
+@pytest.mark.timeout(60)
+def test_what_is_no_regular_file_is_refused_at_once(study):
+    for path in not_regular(study.parent, ".toml"):
+        result = call("sweep", path)
+        assert result.exit_code == 2
+        assert result.stderr == f"flexmb: cannot read or write '{path}': it is no regular file.\n"
+    for path in not_regular(study.parent, ".dat"):
+        study.write_text(STUDY.replace("guide.dat", path.name))
+        assert_one_line(call("sweep", study), f"cannot read '{path}': it is no regular file.")
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is full, of Linux")

@@ -2,6 +2,7 @@
 
 import codecs
 import re
+import tracemalloc
 
 import jax
 import jax.numpy as jnp
@@ -452,9 +453,27 @@ def test_what_is_no_text(case, tmp_path):
     assert str(info.value).startswith(words)
 
 
-def test_a_file_without_end_is_not_read_whole():
-    with pytest.raises(fm.SpacarError, match=f"zero:1: the file has more than {LARGEST_FILE} bytes"):
+def test_a_file_without_end_is_not_read_whole(tmp_path):
+    with pytest.raises(OSError, match="it is no regular file: '/dev/zero'"):
         fm.read_spacar("/dev/zero")
+    with (tmp_path / "large.dat").open("wb") as file:
+        file.truncate(LARGEST_FILE + 1)
+    with pytest.raises(fm.SpacarError, match=f"large.dat:1: the file has more than {LARGEST_FILE} bytes"):
+        fm.read_spacar(tmp_path / "large.dat")
+
+
+@pytest.mark.parametrize("line", ["TURBINE {0} 2 3 4", "X {0} 1.0 y", "PLBEAM a b c d e f g h"])
+def test_many_faults_take_little_memory(line):
+    """Ten times the text at most, of which a copy is made: the lines are kept, their words are not."""
+    text = "\n".join(line.format(i + 1) for i in range(20_000))
+    tracemalloc.start()
+    try:
+        assert len(faults(text)) == 101
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # Text, line, its number and place: 300 bytes. As tuples of words the shortest line took 700.
+    assert most < 20_000 * 350 + 2**20
 
 
 def test_a_file_of_another_kind_is_answered_shortly():

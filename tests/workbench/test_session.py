@@ -2,16 +2,20 @@
 
 import collections
 import json
+import os
 import time
 from pathlib import Path
 
 import pytest
+from cases.disk import full, not_regular
 from cases.workbench import cantilever, thing
 
 import flexmb as fm
+from flexmb.spacar.lines import LARGEST_FILE
 from flexmb.workbench import watch
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
 from flexmb.workbench.document import Document
+from flexmb.workbench.messages import guarded
 from flexmb.workbench.session import Refused, Session
 
 pytestmark = pytest.mark.timeout(120)
@@ -223,6 +227,63 @@ def test_a_broken_journal_is_put_aside(opened, tmp_path):
     _, told = opened(session_of_new())
     assert things(told) == []
     assert journal.with_suffix(".unreadable").exists()
+
+
+@pytest.mark.parametrize("damage", [b"\0", b'{"edit": [{"op": "none"}]}', b'{"document": 1}', b"[]"])
+def test_a_journal_that_is_damaged_in_its_middle_is_kept_and_told(opened, damage):
+    session, _ = opened(session_of_new())
+    for name in "ABCD":
+        session.ask("edit", {"ops": [thing("node", name, position=["0", "1"])]})
+    journal = session.file.place.journal
+    killed(session)
+    # The third line is that of B.
+    lines = journal.read_bytes().splitlines(keepends=True)
+    lines[2] = damage + b"\n"
+    journal.write_bytes(b"".join(lines))
+    again, told = opened(session_of_new())
+    assert things(told) == ["A"]
+    (note,) = again.notes
+    copy = journal.with_suffix(".unreadable")
+    assert "damaged at line 3. 1 steps before it" in note
+    assert f"3 lines are lost. The whole journal is kept as '{copy}'" in note
+    assert copy.read_bytes() == b"".join(lines)
+    # It goes on from there, and a second damage takes nothing of the first.
+    again.ask("edit", {"ops": [thing("node", "E", position=["0", "1"])]})
+    killed(again)
+    journal.write_bytes(b"nothing of that kind\n")
+    empty, told = opened(session_of_new())
+    assert things(told) == []
+    assert f"cannot be read. It is kept as '{copy}-1'" in empty.notes[0]
+    assert copy.read_bytes() == b"".join(lines)
+
+
+def test_what_is_no_regular_file_is_neither_opened_nor_written(opened, tmp_path):
+    """A pipe would hold up every page, and /dev/zero fill the memory."""
+    session, _ = opened(session_of_new())
+    session.ask("edit", {"ops": cantilever()})
+    for ending in (".dat", ".json"):
+        for path in not_regular(tmp_path, ending):
+            with pytest.raises(OSError, match="it is no regular file"):
+                session.ask("open", {"path": str(path)})
+            with pytest.raises(OSError, match="it is no regular file"):
+                session.ask("save", {"path": str(path), "over": True, "anyway": True})
+            assert watch.content_of(path) is None
+    with (tmp_path / "large.json").open("wb") as file:
+        file.truncate(LARGEST_FILE + 1)
+    with pytest.raises(OSError, match=f"it has more than {LARGEST_FILE} bytes: '.*large.json'"):
+        session.ask("open", {"path": str(tmp_path / "large.json")})
+    # The study beside a file is one, too.
+    os.mkfifo(tmp_path / "guide.toml")
+    with pytest.raises(OSError, match=r"it is no regular file: '.*guide.toml'"):
+        session.ask("save", {"path": str(tmp_path / "guide.dat"), "anyway": True})
+
+
+def test_a_full_disk_is_told_with_the_name_of_the_file(opened, tmp_path):
+    session, _ = opened(session_of_new())
+    session.ask("edit", {"ops": cantilever()})
+    with full(100), pytest.raises(Refused, match=r"'.*/guide.json': File too large."):
+        guarded(session.ask, "save", {"path": str(tmp_path / "guide.json")})
+    assert not list(tmp_path.glob("*guide*"))
 
 
 def test_half_a_line_of_a_journal_is_left_out(opened):
