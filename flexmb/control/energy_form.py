@@ -12,8 +12,8 @@ from ..linear.spectrum import MASSLESS, shift_to_definite
 from ..math.linear import factorise, pencil
 from .second_order_form import SecondOrder
 
-# What is left of a sum is nothing below this share of its terms.
-NOTHING = 1e-9
+# What is left of a sum is nothing below this share of its terms, or of what round-off may make of them.
+NOTHING, ROUND_OFF = 1e-9, 1e-14
 
 
 class EnergyForm(NamedTuple):
@@ -68,7 +68,13 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     b = jnp.where(massive[:, None] | (jnp.abs(b) > NOTHING * jnp.linalg.norm(b, axis=1, keepdims=True)), b, 0.0)
     c = jnp.where(massive | (jnp.abs(c) > NOTHING * jnp.linalg.norm(c, axis=2, keepdims=True)), c, 0.0)
     if any(orders):
-        b, d, adrift, noted = _beside_what_follows(b, c, d, (stiffness, damping, mass), orders)
+        size, own = jnp.abs(basis), [jnp.abs(of) for of in system[:12]]
+        sizes = (
+            jnp.stack([size.T @ of @ size for of in (own[2], own[1], own[0])]),
+            jnp.stack([size.T @ of for of in own[3:6]]),
+            jnp.stack([of @ size for of in own[6:9]]),
+        )
+        b, d, adrift, noted = _beside_what_follows(b, c, d, (stiffness, damping, mass), orders, sizes)
     else:
         adrift, noted = jnp.zeros(d.shape[1:], bool), jnp.sum(jnp.abs(d), axis=0)
     # Motions without mass follow the others, and forces, at once.
@@ -113,10 +119,16 @@ def _beside_what_follows(
     d: Float[Array, "3 n_y n_u"],
     parts: tuple[Array, ...],
     orders: tuple[int, ...],
+    sizes: tuple[Array, ...],
 ):
     """Of inputs that are rates, what acts on the motion beside that which follows at rest, by powers of the rate.
 
-    q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on.
+    q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on. Where
+    a floor moves all that it holds as one body, B1 - C r and C0 r + D0 are zero but for round-off of the terms in the
+    degrees of freedom, whose sizes bound it; r has that of K r - B0 times the inverse of K, here one.
+
+    Args:
+        sizes: Of the terms that K, C and M, b, and c are sums of, (3, n, n), (3, n, n_u), (3, n_y, n).
 
     Returns:
         b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, and sizes of their terms,
@@ -126,12 +138,18 @@ def _beside_what_follows(
     is_rate = np.array([order > 0 for order in orders])
     follows = jnp.where(is_rate & factors.regular(), factors.solve(jnp.where(is_rate, b[0], 0.0)), 0.0)
     follows = jnp.where(jnp.isfinite(follows), follows, 0.0)
-    taken = jnp.stack([part @ follows for part in parts])
-    terms = jnp.stack([jnp.abs(part) @ jnp.abs(follows) for part in parts]) + jnp.abs(b)
-    b = jnp.where(jnp.abs(b - taken) > NOTHING * terms, b - taken, 0.0)
-    noted = jnp.abs(c) @ jnp.abs(follows) + jnp.abs(d)
-    seen = c @ follows + d
-    seen = jnp.where(jnp.abs(seen) > NOTHING * noted, seen, 0.0)
+    by_parts, by_inputs, by_outputs = sizes
+    size = jnp.abs(follows)
+    unsure = by_parts[0] @ size + by_inputs[0]
+
+    def left(total: Array, moved: Array, of: Array, beside: Array):
+        allowed = NOTHING * (jnp.abs(moved) @ size + jnp.abs(beside))
+        return jnp.where(jnp.abs(total) > allowed + ROUND_OFF * (of + jnp.abs(moved) @ unsure), total, 0.0)
+
+    moved = jnp.stack(parts)
+    b = left(b - moved @ follows, moved, by_parts @ size + by_inputs, b)
+    noted = jnp.abs(c) @ size + jnp.abs(d)
+    seen = left(c @ follows + d, c, by_outputs @ size, d)
     rank = np.asarray(orders)
     drifts = jnp.zeros(d.shape[1:], bool)
     for k in range(2):

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, library_of
 from ..compilation.compile import jit
 from ..linear.linearize import Linearization, Matrices
 from ..mechanics.blocks import kernel
@@ -24,6 +24,9 @@ from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .held import Held, held_by, held_of, moved_by, with_held
+
+# A sum of terms is round-off below this share of their sizes.
+ROUND_OFF = 1e-12
 
 
 class SecondOrder(NamedTuple):
@@ -178,7 +181,18 @@ def mixed(
     if weights is None:
         return by_p, by_q, through
     mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
-    return [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+    found = [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+    by, of = abs(mix), abs(read)
+    sizes = [abs(b) @ by for b in by_p], [of @ abs(c) for c in by_q], [of @ abs(d) @ by for d in through]
+    # A floor that moves as a whole deforms nothing: what its points do cancels but for round-off.
+    return jax.tree.map(_exact, found, sizes)
+
+
+def _exact(total: Any, size: Any) -> Any:
+    """Nothing where terms of a size cancel but for round-off; derivatives stay."""
+    known = jax.lax.stop_gradient(total)
+    small = abs(known) <= ROUND_OFF * jax.lax.stop_gradient(size)
+    return library_of(small).where(small, total - known, total)
 
 
 def stacked(rows: list[Any], size: int, xp: Any = jnp) -> Any:
