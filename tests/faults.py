@@ -513,7 +513,10 @@ FAULTS = [
     Fault("control/noise.py", "* densities / 2", "* densities", "control/test_noise.py -k one_mass"),
     Fault("control/noise.py", "(-DECAYS if exact else GROWS)", "1", "control/test_noise.py -k loop"),
     Fault(
-        "control/energy_form.py", "* terms, b - taken, 0.0)", "* terms, b, 0.0)", "control/test_noise.py -k one_mass"
+        "control/energy_form.py",
+        "left(b - moved @ follows, moved",
+        "left(b, moved",
+        "control/test_noise.py -k one_mass",
     ),
     Fault(
         "control/feedback.py",
