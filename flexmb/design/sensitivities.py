@@ -173,7 +173,7 @@ def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray],
     linear = np.abs(found.slopes * spread)
     shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
     checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]
-    bent = np.zeros((len(checked), *linear.shape))  # H_ij s_i s_j of each answer
+    bent: Any = np.zeros((len(checked), *linear.shape))  # H_ij s_i s_j of each answer
     for row, i in zip(bent, checked, strict=True):
         aside = spread * (np.arange(len(spread)) == i)
         (_, up, _, first), (_, down, _, last) = derivatives(found.point + aside), derivatives(found.point - aside)

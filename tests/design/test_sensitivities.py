@@ -200,10 +200,10 @@ def test_scatter_where_two_frequencies_nearly_coincide_is_not_linear():
         return fm.frequencies(model)[0]
 
     with pytest.warns(fm.FlexmbWarning, match=r"'lowest' .* two frequencies may nearly coincide.* samples=1000"):
-        found = fm.tolerances(two_carts, lowest, near, spread, samples=1000)
+        found = fm.design.tolerances(two_carts, lowest, near, spread, samples=1000)
     # sqrt(k)/(2 pi) has a slope of sqrt(k)/(4 pi k).
     sigma = np.sqrt(1000.0) / (4 * np.pi * 1000.0) * 10.0
     assert found.deviations[0] == pytest.approx(sigma, rel=1e-4)
     # Of the mean of 1000 samples, three deviations: 3/sqrt(1000) = 0.1.
     assert (found.sampled_mean[0] - found.values[0]) / sigma == pytest.approx(-1 / np.sqrt(np.pi), abs=0.1)
-    fm.tolerances(two_carts, lowest, {"first": 1000.0, "second": 1300.0}, spread)
+    fm.design.tolerances(two_carts, lowest, {"first": 1000.0, "second": 1300.0}, spread)
