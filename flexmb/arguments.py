@@ -29,6 +29,15 @@ def is_concrete(tree: Any) -> bool:
     return not any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(tree))
 
 
+def undifferentiated(tree: Any) -> Any:
+    """A pytree whose numbers have no derivatives: those that ``jax.grad`` alone traces are known then."""
+
+    def known(leaf: Any) -> Any:
+        return jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf
+
+    return jax.tree.map(known, tree)
+
+
 def require_double_precision() -> None:
     """Refuse to work in single precision, which jax.config may have been put back to.
 
@@ -173,6 +182,27 @@ def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
         yield marked
 
 
+def check_real(what: str, value: Any, fault: type = ValueError) -> None:
+    """Refuse complex numbers, traced ones too: real arithmetic would leave out their imaginary part.
+
+    Args:
+        what: What they are, for the message.
+        value: Pytree of numbers.
+        fault: What to raise.
+
+    Raises:
+        ValueError: Or what is given as ``fault``.
+    """
+    if any(np.iscomplexobj(leaf) for leaf in jax.tree.leaves(value)):
+        raise fault(f"{what} must be real, but is complex. Give its real part if that is meant.")
+
+
+def as_reals(what: str, value: Any, fault: type = ValueError) -> Any:
+    """Numbers as an array of JAX of floats; complex ones are refused as by :func:`check_real`."""
+    check_real(what, value, fault)
+    return jax.numpy.asarray(value, float)
+
+
 def as_floats(value: Any) -> Any:
     """Numbers as a kernel takes them: floats on the host, since JAX compiles a program to convert a number.
 
@@ -255,6 +285,7 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
     if type(value) in (int, float) and shape in (None, ()) and abs(value) <= LARGEST:
         # What nearly all are.
         return
+    check_real(what, value, fault)
     traced = not is_concrete(value)
     array = None if traced else numbers(value)
     # Numbers by name that are traced as well.
@@ -325,6 +356,7 @@ def check_number(
         within = within if least is None else within & (number >= least)
         return within if most is None else within & (number <= most)
 
+    check_real(f"Argument `{name}`", value, fault)
     if not is_concrete(value):
         if np.shape(value) == ():
             note(is_within(value))

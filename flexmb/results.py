@@ -243,11 +243,12 @@ def check(result: Any, throw: bool, about: str = "") -> None:
     import jax.core
     import numpy as np
 
-    from .arguments import check_flag
+    from .arguments import check_flag, undifferentiated
 
     check_flag("throw", throw)
     if not throw:
         return
+    result = undifferentiated(result)
     if isinstance(result, jax.core.Tracer):
         collect(result)
         return

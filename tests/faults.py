@@ -694,7 +694,7 @@ FAULTS = [
     Fault("motion/sudden.py", "sharp[last] + 1", "sharp[last]", "motion/test_sudden.py -k where"),
     Fault(
         "motion/sudden.py",
-        "known = [_undifferentiated(f) for f in looked_at]",
+        "known = [undifferentiated(f) for f in looked_at]",
         "known = looked_at",
         "motion/test_sudden.py -k where",
     ),

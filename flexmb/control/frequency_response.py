@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import as_known, check_choice, check_numbers, is_concrete, library_of, shown
+from ..arguments import as_known, check_choice, check_numbers, is_concrete, library_of, shown, undifferentiated
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
@@ -264,9 +264,10 @@ def response_of(
         if not rests:
             raise NotImplementedError('About a state of motion there are no real modes: leave out method="modes".')
     whole = second_order(lin)
-    if is_concrete(m):
-        refuse_negative_mass(lin)
-        refuse_idle_inputs(lin, whole)
+    refuse_negative_mass(lin)
+    known = undifferentiated((lin, whole))
+    if is_concrete(known):
+        refuse_idle_inputs(*known)
     whole, orders = plain(whole)
     _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
     lossy = None if losses is None else _with_losses(lin, loss_factors(lin, losses))

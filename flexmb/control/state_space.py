@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, undifferentiated
 from ..compilation.compile import jit
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.choice import sparsely
@@ -275,18 +275,17 @@ def _matrices_of(
     """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
     if isinstance(lin, SparseLinearization):
         return _matrices_of_large(lin, modes, bandwidth)
-    m = lin.matrices
-    traced = not is_concrete(m)
+    known = undifferentiated(lin)
+    traced = not is_concrete(known)
     condensed: tuple[int, ...] = ()
     if not traced:
-        _refuse_undetermined(lin)
-        refuse_negative_mass(lin)
-        condensed = _all_massless(lin)
+        _refuse_undetermined(known)
+        refuse_negative_mass(known)
+        condensed = _all_massless(known)
     whole = second_order(lin)
     if not traced:
-        plain: Any = [np.asarray(of) for of in whole]
-        whole = SecondOrder(*plain)
-        _refuse_idle_inputs(lin, whole, condensed)
+        plain: Any = [np.asarray(of) for of in undifferentiated(tuple(whole))]
+        _refuse_idle_inputs(known, SecondOrder(*plain), condensed)
     kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
     names = [f"mode {i + 1}" for i in kept]
     if not traced and not kept:
@@ -299,11 +298,12 @@ def _matrices_of(
         # No number stands where a rate of an input would have to.
         d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
         return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)) if names else [], None
-    _refuse_rates(lin, np.asarray(found.late), orders)
-    shifted = [np.any(of, axis=tuple(range(np.ndim(of) - 1))).tolist() for of in map(np.asarray, found.shifted)]
+    late, moved, numbers = undifferentiated((found.late, found.shifted, found.matrices))
+    _refuse_rates(lin, np.asarray(late), orders)
+    shifted = [np.any(of, axis=tuple(range(np.ndim(of) - 1))).tolist() for of in map(np.asarray, moved)]
     if condensed and lin.matrices.M0.ndim == 2 and not kept:
-        _warn_of_lost_damping(lin, whole, found.matrices)
-    error = error_of(lin, kept, bandwidth, whole, found.matrices) if kept else None
+        _warn_of_lost_damping(known, SecondOrder(*plain), numbers)
+    error = error_of(known, kept, bandwidth, SecondOrder(*plain), numbers) if kept else None
     return found.matrices, _names(names, lin, orders, shifted), error
 
 

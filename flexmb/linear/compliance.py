@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, computed, is_concrete
+from ..arguments import check_flag, computed, is_concrete, undifferentiated
 from ..compilation.compile import jit
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
@@ -107,8 +107,8 @@ def compliance(
         # Dense matrices know of nodes that no free motion takes along.
         lin = linearized(model, "compliance", where=where)
     found, jacobian, result = _compliance(lin.matrices, places, local=local)
-    if not isinstance(result, jax.core.Tracer) and int(result) == RESULTS.singular_stiffness:
-        return _beside_free_motions(lin, node, np.asarray(jacobian))
+    if is_concrete(known := undifferentiated((lin, jacobian, result))) and known[2] == RESULTS.singular_stiffness:
+        return _beside_free_motions(lin, jacobian, node, known)
     check(result, True)
     _warn_of_instability(found, node)
     return or_nan(found, result)
@@ -128,17 +128,28 @@ def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:
         )
 
 
-def _beside_free_motions(lin: Linearization, node: str, jacobian: np.ndarray) -> Float[Array, "n n"]:
-    """Compliance in what is not free, of a node that takes part in no free motion."""
-    flexibility, free = free_motions(lin.matrices)
-    if np.any(takes_part(jacobian, free)):
-        moving = named(lin.model, np.asarray(lin.matrices.DFx) @ free)
+def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: Any) -> Float[Array, "n n"]:
+    """Compliance in what is not free, of a node that takes part in no free motion.
+
+    Args:
+        lin: Linearization.
+        jacobian: Displacements and rotations of the node by the degrees of freedom, (n, n_q).
+        node: Its name.
+        known: Both as concrete numbers.
+    """
+    m, at = known[0].matrices, np.asarray(known[1])
+    flexibility, free, held = free_motions(m)
+    if np.any(takes_part(at, free)):
+        moving = named(known[0].model, np.asarray(m.DFx) @ free)
         raise AnalysisError(
             "singular_stiffness",
             f"The compliance of node '{node}' is unbounded: it takes part in a motion that meets no stiffness:"
             f" {moving}. Support or stiffen that motion.",
         )
-    return jnp.asarray(jacobian @ flexibility @ jacobian.T)
+    if is_concrete(lin):
+        return jnp.asarray(at @ flexibility @ at.T)
+    # With springs on the free motions the rest is as it was, and has derivatives.
+    return jacobian @ jnp.linalg.solve(lin.matrices.K + held @ held.T, jacobian.T)
 
 
 def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], local: bool) -> list[Float[Array, "m n"]]:
@@ -229,7 +240,7 @@ def directional_compliance(
             " jax.jit, jax.grad and jax.vmap."
         )
     x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
-    flexibility, free = free_motions(lin.matrices)
+    flexibility, free, _ = free_motions(lin.matrices)
     if free.shape[1]:
         warn(f"The compliance is unbounded in motions that meet no stiffness: {named(lin.model, dfx @ free)}.")
     found = {}

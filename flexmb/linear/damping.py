@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_numbers, is_concrete, library_of, shown
+from ..arguments import as_reals, check_flag, check_numbers, is_concrete, library_of, shown
 from ..compilation.compile import jit
 from ..display import among
 from ..elements.section import Material
@@ -88,8 +88,7 @@ def damped(
         added = added + rayleigh[0] * m.M0 + rayleigh[1] * m.K0
     if ratio is not None or loss_factor is not None:
         refuse_unsymmetric(m.symmetric)
-        if is_concrete(m):
-            refuse_negative_mass(lin)
+        refuse_negative_mass(lin)
         ratios = None if ratio is None else _ratios(lin, ratio)
         losses = None if loss_factor is None else loss_factors(lin, loss_factor)
         modal, result = _modal_damping(m, ratios, losses)
@@ -179,7 +178,7 @@ def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
         raise ValueError(
             f"Argument `ratio` must be one number, one a mode, or pairs (frequency [Hz], ratio), but has shape {sizes}."
         )
-    table = jnp.asarray(pairs, float)
+    table = as_reals("Argument `ratio`", pairs)
     if is_concrete(table) and not np.all(np.diff(np.asarray(table)[:, 0]) > 0):
         raise ValueError(f"Argument `ratio`: its frequencies must ascend, but are {shown(np.asarray(table)[:, 0])}.")
     return lambda hertz: jnp.interp(hertz, table[:, 0], table[:, 1])

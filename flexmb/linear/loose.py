@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
 from ..errors import AnalysisError
 from ..math.element_matrices import Whole
@@ -45,11 +45,12 @@ def named(model: Model, motions: np.ndarray) -> str:
     return "; ".join(found)
 
 
-def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
+def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Flexibility in all motions that meet stiffness, and the motions that meet none.
 
     Returns:
-        Inverse of K on what is not free, (n_q, n_q), and free motions in the degrees of freedom, (n_q, k).
+        Inverse of K on what is not free, (n_q, n_q), free motions in the degrees of freedom, (n_q, k), and for each of
+        these the forces of springs that hold it alone, (n_q, k).
 
     Raises:
         AnalysisError: not_finite.
@@ -65,7 +66,8 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray]:
     left, sizes, right = np.linalg.svd(k * scale[:, None] * scale)
     stiff = sizes > FREE * len(k) * max(1.0, np.max(sizes, initial=0.0))
     inverse = right[stiff].T @ (left[:, stiff] / sizes[stiff]).T
-    return inverse * scale[:, None] * scale, right[~stiff].T * scale[:, None]
+    free = right[~stiff].T
+    return inverse * scale[:, None] * scale, free * scale[:, None], free / scale[:, None]
 
 
 def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
@@ -105,13 +107,13 @@ def _is_negative(mass: np.ndarray) -> bool:
 
 
 def refuse_negative_mass(lin: Linearization) -> None:
-    """Refuse a mass matrix with a negative eigenvalue.
+    """Refuse a mass matrix with a negative eigenvalue, where numbers are known.
 
     Raises:
         AnalysisError: singular_mass, with the names of the nodes.
     """
-    names = negative_mass(lin)
-    if names:
+    known = undifferentiated(lin)
+    if is_concrete(known) and (names := negative_mass(known)):
         raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {of_negative_mass(names)}")
 
 
@@ -121,7 +123,10 @@ def of_negative_mass(names: str) -> str:
 
 
 def without_mass(model: Model) -> str:
-    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where there is none."""
+    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where none is known."""
+    model = undifferentiated(model)
+    if not is_concrete(model):
+        return ""
     motions = dense(motions_of(model)[0]) * constraints(model).columns[:, None]
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
     values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
@@ -137,7 +142,7 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     """
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
-    _, free = free_motions(m)
+    _, free, _ = free_motions(m)
     light = [v for v in free.T if _is_left_alone(v, m.M0)]
     if not damped:
         light = [v for v in light if _is_left_alone(v, m.C0 + m.D0)]
@@ -150,7 +155,7 @@ def _is_left_alone(v: np.ndarray, matrix: np.ndarray) -> bool:
 
 
 def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
-    """Refuse motions that have neither mass nor stiffness, of concrete numbers about one state.
+    """Refuse motions that have neither mass nor stiffness, about one state and where numbers are known.
 
     Args:
         lin: Linearization.
@@ -159,6 +164,7 @@ def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
     Raises:
         AnalysisError: singular_stiffness, with the names of what moves.
     """
+    lin = undifferentiated(lin)
     m = lin.matrices
     if not is_concrete(m) or np.ndim(m.K0) != 2 or not np.size(m.K0):
         return
@@ -198,11 +204,13 @@ def naming_culprit(lin: Linearization | SparseLinearization) -> Iterator[None]:
     try:
         yield
     except AnalysisError as fault:
-        about = ""
+        about, lin = "", undifferentiated(lin)
+        if not is_concrete(lin):
+            raise
         if fault.code == RESULTS.lost_in_round_off.name:
             about = of_stiffest(lin.model)
         elif fault.code == RESULTS.singular_stiffness.name and isinstance(lin, SparseLinearization):
-            about = of_unresisted(lin) if is_concrete(lin.elements) else ""
+            about = of_unresisted(lin)
         if not about:
             raise
         raise AnalysisError(fault.code, f"{fault} {about}") from None

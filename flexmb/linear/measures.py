@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_numbers, check_whole, is_concrete, numbers, shown
+from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, shown
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
@@ -76,6 +76,7 @@ def smooth_maximum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
 def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
     """Several positive values as an array."""
     check_number("sharpness", sharpness, least=1)
+    check_real(f"Argument `values` of {name}", values)
     concrete = is_concrete(values)
     if concrete and (numbers(values) is None or np.ndim(values) != 1 or not np.size(values)):
         raise ValueError(f"Argument `values` of {name} must be several numbers, not {shown(values)}.")

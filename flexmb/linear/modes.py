@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
-from ..arguments import check_whole, is_concrete
+from ..arguments import check_whole, is_concrete, undifferentiated
 from ..compilation.compile import jit
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
@@ -195,9 +195,9 @@ def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array,
 
 def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
     """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
-    about = ""
-    if throw and not isinstance(result, jax.core.Tracer):
-        code = int(result)
+    about, model, known = "", undifferentiated(model), undifferentiated(result)
+    if throw and is_concrete((model, known)):
+        code = int(known)
         if code in (RESULTS.singular_mass, RESULTS.singular_stiffness):
             lin = model if isinstance(model, Linearization) else linearize(model, increment=0.0, throw=False)
             if code == RESULTS.singular_mass:
@@ -337,11 +337,11 @@ def poles(
     if large is not None:
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
-    if not is_concrete(lin.matrices):
-        return _poles_of_traced(lin.matrices, count)
     refuse_negative_mass(lin)
     # Nothing but damping leaves a pole at zero; without it any number would be one.
     refuse_without_anything(lin, damped=False)
+    if not is_concrete(lin.matrices):
+        return _poles_of_traced(lin.matrices, count)
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     return slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)
@@ -365,7 +365,8 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
 def _poles_of_large(lin: SparseLinearization, count: Any) -> Any:
     """A few poles by sparse matrices."""
     if not is_concrete(lin.elements):
-        return poles_of_elements(lin.elements, count)
+        with naming_culprit(lin):
+            return poles_of_elements(lin.elements, count)
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())

@@ -27,6 +27,8 @@ from .spectrum import EPS, FAINT
 NEAR = 1e-8
 # A free motion has no more elastic energy than this share of what round-off of the largest stiffness would be.
 FREE = 1e-8
+# What stands for a complex number that is not known: NaN in both parts, each of which may be asked for.
+NOTHING = complex(np.nan, np.nan)
 # Factors that know an eigenvalue to this share make iterations converge, by a better product than the factored one.
 KNOWN = 0.1
 
@@ -61,7 +63,7 @@ def _of_finite(function: Callable[..., Any], wanted: list[tuple[Any, str]], *arg
     if all(np.all(np.isfinite(number)) for number in jax.tree.leaves(arguments)):
         with contextlib.suppress(AnalysisError), one_thread():
             return jax.tree.leaves(function(*arguments))
-    return [np.full(shape, np.nan, kind) for shape, kind in wanted]
+    return [np.full(shape, NOTHING if np.dtype(kind).kind == "c" else np.nan, kind) for shape, kind in wanted]
 
 
 def _false_stiffness(elements: ElementMatrices) -> float:

@@ -14,8 +14,9 @@ from ..math.by_deformations import product
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import SEMIDEFINITE, uneven
 from ..results import RESULTS
+from .loose import FREE
 from .sparse_poles import poles_of_sparse
-from .sparse_solve import on_host
+from .sparse_solve import NOTHING, on_host
 from .sparse_spectrum import refuse_negative_masses
 from .spectrum import masses_of_motions, poles_of
 
@@ -44,7 +45,8 @@ def traced_poles(
 
     Returns:
         Ordered by |Im|, (count,) [rad/s], NaN where there are fewer; code of RESULTS, () [-]: not_finite where matrices
-        are not, singular_mass where there are fewer poles, or a negative mass. Derivatives are NaN where they do not
+        are not, singular_mass where there are fewer poles, or a negative mass, singular_stiffness where a motion has
+        neither mass, stiffness nor damping. Derivatives are NaN where they do not
         exist: of poles that meet with one vector, as in critical damping or of a free motion. Those of a repeated pole
         have vectors that the choice of them does not change in sums.
 
@@ -83,8 +85,8 @@ def _refused(*_: Any) -> Any:
 def _with_vectors(k: Any, c: Any, m: Any, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Poles, a code, and their left and right vectors, each a row, for which w^H (2 lambda M + C) v = 1."""
     k, c, m = (np.asarray(of) for of in (k, c, m))
-    values = np.full(count, np.nan, complex)
-    left, right = (np.full((count, len(k)), np.nan, complex) for _ in range(2))
+    values = np.full(count, NOTHING)
+    left, right = (np.full((count, len(k)), NOTHING) for _ in range(2))
     code = RESULTS.successful if np.all(np.isfinite([k, c, m])) else RESULTS.not_finite
     if code is RESULTS.successful:
         every = poles_of(k, c, m)
@@ -95,7 +97,19 @@ def _with_vectors(k: Any, c: Any, m: Any, *, count: int) -> tuple[np.ndarray, np
             left[place], right[place] = _vectors(k, c, m, every, int(pole))
         if len(near) < count or (len(m) and masses_of_motions(m)[0][0] < -SEMIDEFINITE):
             code = RESULTS.singular_mass
+        elif _is_undetermined(k, c, m, every):
+            code = RESULTS.singular_stiffness
     return values, np.array(code, np.int32), left, right
+
+
+def _is_undetermined(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray) -> bool:
+    """Whether a motion has neither mass, stiffness nor damping, so that any number is a pole."""
+    sizes = np.abs(poles[poles != 0])
+    s = np.exp(0.7j) * (np.median(sizes) if len(sizes) else 1.0)
+    size = np.abs(s) ** 2 * np.abs(np.diag(m)) + np.abs(s) * np.abs(np.diag(c)) + np.abs(np.diag(k))
+    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    left = np.linalg.svd((s**2 * m + s * c + k) * scale[:, None] * scale, compute_uv=False)
+    return bool(len(left)) and bool(left[-1] <= FREE * len(k))
 
 
 def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, number: int) -> tuple[Any, Any]:
@@ -184,7 +198,7 @@ def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, 
     near = s + BESIDE * (np.abs(s) or np.max(np.abs(poles)) or 1.0)
     rows, change = sum(whole.elements.unknowns), 2 * s * whole.mass + whole.damping
     factors = whole.factors(whole.at_frequency(near))
-    nothing = np.full(rows, np.nan, complex), np.full(rows, np.nan, complex)
+    nothing = np.full(rows, NOTHING), np.full(rows, NOTHING)
     if not factors.regular or np.sum(np.abs(poles - s) <= SAME * np.abs(s)) > 1:
         return nothing
     found = []

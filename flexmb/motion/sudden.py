@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete
+from ..arguments import is_concrete, undifferentiated
 from ..compilation.compile import jit
 from ..compilation.program import Captured, has_effects, is_wave
 from ..display import short
@@ -49,7 +49,7 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = Fal
     """
     looked_at = [f for f in functions if not has_table(f)]
     looked_at = [f for f in looked_at if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
-    known = [_undifferentiated(f) for f in looked_at]
+    known = [undifferentiated(f) for f in looked_at]
     both = [(f, own) for f, own in zip(looked_at, known, strict=True) if is_concrete(own)]
     if not both or not span[0] < span[1]:
         return None
@@ -69,15 +69,6 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = Fal
     found = np.full(max(4, 2 ** int(np.ceil(np.log2(len(edges))))), np.inf)
     found[: len(edges)] = times[edges]
     return found
-
-
-def _undifferentiated(function: Any) -> Any:
-    """A function whose numbers have no derivatives; those of ``jax.grad`` alone are concrete then."""
-
-    def known(number: Any) -> Any:
-        return jax.lax.stop_gradient(number) if isinstance(number, jax.core.Tracer) else number
-
-    return jax.tree.map(known, function)
 
 
 @jit

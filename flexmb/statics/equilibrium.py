@@ -6,7 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, is_concrete
+from ..arguments import check_number, is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_force
@@ -205,9 +205,9 @@ def check_stiffness(model: Model, result: Any, throw: bool) -> None:
         result: Code of RESULTS.
         throw: Whether a failure is an error.
     """
-    if throw and is_concrete(result) and int(result) in STIFFNESS_MISSING and is_concrete(model):
-        if about := without_stiffness(model):
-            check(RESULTS.singular_stiffness, throw, about)
+    known, code = undifferentiated((model, result))
+    if throw and is_concrete((known, code)) and int(code) in STIFFNESS_MISSING and (about := without_stiffness(known)):
+        check(RESULTS.singular_stiffness, throw, about)
     check(result, throw)
 
 

@@ -218,9 +218,9 @@ def test_derivative_of_a_compliance_still_is():
 # -- neither mass nor stiffness -------------------------------------------------------------------------------------
 
 
-def with_a_wheel(damping=0.0):
+def with_a_wheel(damping=0.0, factor=1.0):
     """A mass on a damped spring, and a rotation that nothing joins, which a damper may hold to the frame."""
-    b = motions.sprung_mass(stiffness=500.0, damping=0.1, mass=2.0)
+    b = motions.sprung_mass(stiffness=500.0 * factor, damping=0.1, mass=2.0)
     b.rotation("wheel")
     b.dof("wheel", "phi")
     if damping:
@@ -247,6 +247,48 @@ def with_a_wheel(damping=0.0):
 def test_what_has_neither_mass_nor_stiffness_is_named(ask):
     with pytest.raises(fm.AnalysisError, match=r"wheel\.phi \(1\)"):
         ask(with_a_wheel())
+
+
+TRACED = {
+    "frequencies": lambda model: fm.frequencies(model)[0],
+    "frequencies of a linearisation": lambda model: fm.frequencies(fm.linearize(model))[0],
+    "poles": lambda model: fm.poles(model, count=2)[0].imag,
+    "sparse poles": lambda model: fm.poles(model, count=2, sparse=True)[0].imag,
+    "compliance": lambda model: fm.compliance(model, "wheel")[0, 0],
+    "stiffness": lambda model: fm.stiffness(model, "wheel", "phi"),
+    "matrices": lambda model: jax.tree.leaves(fm.control.state_matrices(model))[0].sum(),
+    "response": lambda model: abs(fm.frequency_response(model, [0.5]).response).sum(),
+}
+DERIVATIVES = {"grad": jax.grad, "jacfwd": jax.jacfwd, "jacrev": jax.jacrev}
+
+
+@pytest.mark.parametrize("name", TRACED)
+def test_what_is_differentiated_is_refused_by_the_same_words_and_is_nan_in_a_program(name):
+    def asked(factor):
+        return TRACED[name](with_a_wheel(factor=factor))
+
+    for derivative in DERIVATIVES.values():
+        with pytest.raises(fm.AnalysisError, match=r"wheel\.phi \(1\)"):
+            derivative(asked)(1.0)
+    assert np.isnan(jax.jit(asked)(1.0))
+
+
+@pytest.mark.parametrize("name", ["frequencies", "poles", "matrices", "response"])
+def test_a_negative_mass_is_refused_where_it_is_differentiated(name):
+    def asked(inertia):
+        return TRACED[name](mechanisms.planar_guide(elongation=True, inertia=inertia).build())
+
+    with pytest.raises(fm.AnalysisError, match="negative mass"):
+        jax.grad(asked)(-0.01)
+
+
+def test_derivative_of_a_compliance_beside_a_free_motion():
+    def flexibility(factor):
+        return fm.compliance(with_a_wheel(factor=factor), "mass")[0, 0]
+
+    # One over the stiffness, and its derivatives.
+    assert jax.grad(flexibility)(2.0) == pytest.approx(-1 / (500 * 2.0**2), rel=1e-9)
+    assert jax.hessian(flexibility)(2.0) == pytest.approx(2 / (500 * 2.0**3), rel=1e-9)
 
 
 def test_what_damping_alone_holds_has_a_pole_at_zero():
