@@ -220,8 +220,9 @@ def returned(what: str, value: Any) -> Any:
         value: What it returned.
 
     Raises:
-        ModelError: It is no number and no array of numbers.
+        ModelError: It is no number and no array of numbers, or complex.
     """
+    check_real(what, value, ModelError)
     try:
         return jax.numpy.atleast_1d(jax.numpy.asarray(value, float))
     except (TypeError, ValueError) as fault:

@@ -33,6 +33,7 @@ def cart(**options):
 
 
 MODEL = cart().build()
+INPUT = MODEL.labels.inputs[0].name
 SPACAR = "PLTRUSS 1 1 2\nX 2 1 0\nFIX 1\nFIX 2 2\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nXM 2 1\nESTIFF 1 1\nEND\nEND\n"
 
 ASKS = {
@@ -193,6 +194,25 @@ NUMBERS = {
     "q of words": (lambda: fm.configuration(MODEL, q=["a", "b"]), "`q` must be numbers"),
     "step of a path": (lambda: fm.path(MODEL, step=float("nan")), "`step` must be finite"),
     "steps of a path": (lambda: fm.path(MODEL, max_steps=1.5), "`max_steps` must be a whole number"),
+    "a complex thickness in a trace": (
+        lambda: jax.eval_shape(lambda t: fm.mass(leaf(t)), 1e-3 + 1e-20j),
+        "thickness = .*complex.*but it must be a number",
+    ),
+    "a complex place in a trace": (
+        lambda: jax.eval_shape(lambda x: fm.Builder().node("A", (x, 0)) and x, 1j),
+        "Node 'A' must be real",
+    ),
+    "a complex mass": (lambda: cart().mass("1", 1 + 0j), "mass on node '1' must be real"),
+    "complex masses of many designs": (
+        lambda: jax.vmap(lambda m: fm.mass(cart_of(m)))(jnp.array([1j, 2])),
+        "mass on node '1' must be real",
+    ),
+    "a complex load factor": (lambda: fm.equilibrium(MODEL, load_factor=jnp.array(1j)), "`load_factor` must be real"),
+    "complex frequencies": (lambda: fm.frequency_response(MODEL, [1j]), "`hertz` must be real"),
+    "a complex rotation": (
+        lambda: fm.rotations.from_vector(jnp.array([1j, 0, 0])),
+        "`vector` must be real",
+    ),
     "local a word": (lambda: fm.compliance(MODEL, "1", local="no"), "`local` must be True or False"),
 }
 
@@ -276,6 +296,40 @@ FUNCTIONS = {
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
         r"controller gives shape \(1,\), but the mechanism has 2 inputs",
     ),
+    "a complex load": (
+        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": lambda t: jax.lax.complex(0.0 * t, t)}),
+        "Load '1.x' .* must be real",
+    ),
+    "a complex input in a trace": (
+        lambda: jax.eval_shape(lambda c: fm.simulate(MODEL, TIMES, inputs={INPUT: lambda t: c}).x, 1j),
+        "Input '.*' .* must be real",
+    ),
+    "a complex table": (
+        lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.motion.Table(jnp.array([0.0, 1]), jnp.array([0j, 1j]))}),
+        "Load '1.x', a table, must be real",
+    ),
+    "a complex controller": (
+        lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: jax.lax.complex(y, y)),
+        "What the controller gives must be real",
+    ),
+    "a complex rate of a controller": (
+        lambda: fm.simulate(
+            MODEL,
+            TIMES,
+            control=fm.motion.Feedback(lambda t, z, y: y, lambda t, z, y: jax.lax.complex(z, z), np.ones(1)),
+        ),
+        "The controller's rate must be real",
+    ),
+    "a complex state of a sample": (
+        lambda: fm.simulate(
+            MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, jax.lax.complex(z, z)), 0.1, jnp.zeros(2))
+        ),
+        "the sampled controller gives must be real",
+    ),
+    "a complex reference": (
+        lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: y, reference=lambda t: jnp.array([1j, 2])),
+        "`reference` must be real",
+    ),
     "nothing that moves": (lambda: fm.simulate(held(), TIMES), "Nothing moves by itself"),
     "a start that is a number": (lambda: fm.simulate(MODEL, TIMES, initial=0.0), "`initial` must be an Equilibrium"),
     "a start of another model": (
@@ -288,6 +342,21 @@ FUNCTIONS = {
         "The controller has 1 inputs",
     ),
 }
+
+
+def leaf(thickness):
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (0.1, 0))
+    b.fix("a")
+    b.add(planar.beam, "a", "b", name="l", section=fm.Rectangle(0.01, thickness, fm.Material(2e11, 8e10, 8e3)))
+    return b.build()
+
+
+def cart_of(mass):
+    b = cart()
+    b.mass("1", mass)
+    return b.build()
 
 
 def held():

@@ -12,7 +12,7 @@ import jax
 import jax.core
 import numpy as np
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, check_real, is_concrete, shown
 from ..compilation.compile import remembered
 from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
@@ -321,7 +321,9 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
 
         try:
             with no_garbage_looked_for():
-                return jax.eval_shape(call, arguments, nodes, varying, extra)
+                value = jax.eval_shape(call, arguments, nodes, varying, extra)
+            check_real("its value", value)
+            return value
         except Exception as fault:
             first = first_line(fault)
             if "unexpected keyword argument 'ref'" in first:

@@ -10,6 +10,7 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
+from ..arguments import as_reals, check_real
 from .alone import alone
 from .record import Record, static
 
@@ -164,11 +165,15 @@ def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
     time = jax.ShapeDtypeStruct((), float)
     taken: Any = function
     if not isinstance(function, Record):
-        taken = captured(lambda t: jnp.asarray(function(t), float), time)
+        taken = captured(lambda t: as_reals("its value", function(t)), time)
     # Some say it, which takes no trace.
     shape = getattr(taken, "shape_of_value", None)
     # By another name: that of a record is its text, with all that follows from it.
-    return taken, jax.eval_shape(lambda t: taken(t), time).shape if shape is None else shape
+    if shape is None:
+        value = jax.eval_shape(lambda t: taken(t), time)
+        check_real("its value", value)
+        shape = value.shape
+    return taken, shape
 
 
 def digest(found: Captured) -> str:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import is_concrete, numbers, shown
+from ..arguments import as_reals, is_concrete, numbers, shown
 from ..compilation.compile import jit
 from .energy_form import EnergyForm
 from .frequency_response import one_of
@@ -107,11 +107,11 @@ def _told(given: Any) -> tuple[Any, Any, Any, Any]:
                 lambda hertz: np.moveaxis(np.asarray(given(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
             )
         own: Any = control.ss(given)
-        return shape, labels, tuple(jnp.asarray(part, float) for part in (own.A, own.B, own.C, own.D)), None
+        return shape, labels, tuple(as_reals("The controller", part) for part in (own.A, own.B, own.C, own.D)), None
     if callable(given):
         return None, None, None, given
     if isinstance(given, tuple) and len(given) == 4:
-        a, b, c, d = (jnp.atleast_2d(jnp.asarray(part, float)) for part in given)
+        a, b, c, d = (jnp.atleast_2d(as_reals("The controller", part)) for part in given)
         n = a.shape[0]
         d_shape = (c.shape[0], b.shape[1])
         if a.shape != (n, n) or b.shape[0] != n or c.shape[1] != n or d.shape != d_shape:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, check_numbers, check_whole, is_concrete, shown
+from ..arguments import as_reals, check_number, check_numbers, check_whole, is_concrete, shown
 from ..errors import ModelError
 from ..motion.controlled_form import Feedback
 from ..motion.controllers import Sampled, at_time, controller_of, linear_controller, matrices_of, windup_of
@@ -58,7 +58,7 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     follow = _following(given, tracking)
 
     def within(u: ArrayLike):
-        u = jnp.atleast_1d(jnp.asarray(u, float))
+        u = jnp.atleast_1d(as_reals("What the controller gives", u, ModelError))
         if low.shape not in ((), u.shape):
             raise ModelError(f"Argument `limits` is for {low.shape[0]} outputs, but the controller has {u.shape[0]}.")
         return jnp.clip(u, low, high)
@@ -136,7 +136,8 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
         raise ModelError(f"Argument `law` must be a function of time, such as lambda t: [3.0], not {shown(law)}.")
 
     def added(t: Float[Array, ""], u: ArrayLike):
-        u, extra = (jnp.atleast_1d(jnp.asarray(part, float)) for part in (u, law(t)))
+        both = ("What the controller gives", u), ("Argument `law`", law(t))
+        u, extra = (jnp.atleast_1d(as_reals(what, part, ModelError)) for what, part in both)
         if extra.shape != u.shape:
             raise ModelError(f"Argument `law` gives shape {extra.shape}, but the controller has {u.shape[0]} outputs.")
         return u + extra

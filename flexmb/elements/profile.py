@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, holds, is_concrete, shown
+from ..arguments import as_floats, as_reals, check_real, holds, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
@@ -255,6 +255,7 @@ def _function(function: Callable[..., Any]) -> Captured:
             raise ModelError(
                 f"The function of a Profile must give a section such as Rectangle(..), not {shown(found)}."
             )
+        check_real("The section that the function of a Profile gives", found, ModelError)
         for leaf in jax.tree.leaves(found):
             if jnp.shape(leaf):
                 raise ModelError(
@@ -267,7 +268,9 @@ def _function(function: Callable[..., Any]) -> Captured:
 
 
 def _breaks(function: Callable[..., Any]) -> Captured:
-    return captured(lambda length: tuple(jnp.asarray(one, float) for one in function(length)), _SCALAR)
+    return captured(
+        lambda length: tuple(as_reals("Where a Profile breaks", one, ModelError) for one in function(length)), _SCALAR
+    )
 
 
 @jit

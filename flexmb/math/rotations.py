@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Float
 
+from ..arguments import as_reals
 from ..lazy import only
 from .rotation import CONJUGATE, rotation_matrix, rotation_vector
 
@@ -28,7 +29,7 @@ def from_vector(vector: Float[ArrayLike, "3"]) -> Float[Array, "4"]:
     Source:
         Definition; near zero by the series of sine and cosine.
     """
-    vector = jnp.asarray(vector, float)
+    vector = as_reals("Argument `vector`", vector)
     square = vector @ vector
     is_small = square < SMALL
     half = jnp.sqrt(jnp.where(is_small, 1.0, square)) / 2
@@ -50,7 +51,7 @@ def from_axis_angle(axis: Float[ArrayLike, "3"], angle: Float[ArrayLike, ""]) ->
     Source:
         Definition.
     """
-    axis, half = jnp.asarray(axis, float), jnp.asarray(angle, float) / 2
+    axis, half = as_reals("Argument `axis`", axis), as_reals("Argument `angle`", angle) / 2
     return jnp.concatenate([jnp.cos(half)[None], jnp.sin(half) * axis / jnp.sqrt(axis @ axis)])
 
 
@@ -66,7 +67,7 @@ def to_vector(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3"]:
     Source:
         Definition.
     """
-    return rotation_vector(jnp.asarray(rotation, float))
+    return rotation_vector(as_reals("Argument `rotation`", rotation))
 
 
 def to_matrix(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3 3"]:
@@ -81,7 +82,7 @@ def to_matrix(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3 3"]:
     Source:
         Quaternion products; see :func:`flexmb.math.rotation.rotation_matrix`.
     """
-    return rotation_matrix(jnp.asarray(rotation, float))
+    return rotation_matrix(as_reals("Argument `rotation`", rotation))
 
 
 def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Float[Array, "3"]:
@@ -97,7 +98,7 @@ def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Fl
     Source:
         Its rotation matrix times the vector.
     """
-    return to_matrix(rotation) @ jnp.asarray(vector, float)
+    return to_matrix(rotation) @ as_reals("Argument `vector`", vector)
 
 
 def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
@@ -113,7 +114,7 @@ def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Floa
     Source:
         Quaternion product second * first.
     """
-    second, first = jnp.asarray(second, float), jnp.asarray(first, float)
+    second, first = as_reals("Argument `second`", second), as_reals("Argument `first`", first)
     scalar = second[0] * first[0] - second[1:] @ first[1:]
     return jnp.concatenate(
         [scalar[None], second[0] * first[1:] + first[0] * second[1:] + jnp.cross(second[1:], first[1:])]
@@ -132,7 +133,7 @@ def inverse(rotation: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
     Source:
         Conjugate quaternion.
     """
-    return jnp.asarray(rotation, float) * CONJUGATE
+    return as_reals("Argument `rotation`", rotation) * CONJUGATE
 
 
 __all__, __dir__ = only(globals(), lambda value: getattr(value, "__module__", "") == __name__)

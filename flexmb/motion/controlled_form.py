@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from ..arguments import as_reals
 from ..compilation.record import Record, static
 from ..errors import ModelError
 from ..math.linear import factorise
@@ -278,7 +279,7 @@ class ControlledForm(Record):
     def _rate(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
         """Rates of the controller's state, (n_z,)."""
         rate: Any = self.feedback.rate
-        found = jnp.atleast_1d(jnp.asarray(rate(t, states, y), float))
+        found = jnp.atleast_1d(as_reals("The controller's rate", rate(t, states, y), ModelError))
         if found.shape != states.shape:
             raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
         return found

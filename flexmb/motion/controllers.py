@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete, returned
+from ..arguments import check_real, is_concrete, returned
 from ..compilation.record import Record, static
 from ..errors import ModelError, first_line
 from .controlled_form import Feedback
@@ -93,6 +93,7 @@ def matrices_of(system: Any) -> tuple[tuple[Any, Any, Any, Any], float | None, A
     if period is True:
         raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
     parts = [getattr(system, name) for name in "ABCD"]
+    check_real("The controller", parts, ModelError)
     a, b, c, d = (jnp.asarray(part, float) if not is_concrete(part) else np.asarray(part, float) for part in parts)
     reads, drives = (_named(getattr(system, labels, None)) for labels in ("input_labels", "output_labels"))
     return (a, b, c, d), float(period) if period else None, reads, drives

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, check_real, is_concrete, shown
 from ..checks.mobility import locked_inputs
 from ..compilation.program import Captured, captured, of_time
 from ..compilation.record import Record
@@ -289,6 +289,7 @@ def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Ca
 
 
 def _check_table(what: str, table: Table) -> None:
+    check_real(f"{what}, a table,", table, ModelError)
     if not is_concrete(table):
         return
     times, values = np.asarray(table.times), np.asarray(table.values)

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, is_concrete, returned
+from ..arguments import as_reals, check_number, check_real, is_concrete, returned
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
@@ -117,6 +117,7 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 
 def _now(controller: Feedback | Sampled, count: int):
     """A controller with its functions as they are at this call, for so many outputs of the mechanism."""
+    check_real("The `start` of the controller", controller.start, ModelError)
     states = jnp.zeros(0) if controller.start is None else controller.start
     like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
     names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
@@ -129,7 +130,7 @@ def _now(controller: Feedback | Sampled, count: int):
 def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
     """Refuse a sampled controller that takes no time, or whose step does not give inputs and a state like its start."""
     check_number("period", control.period, above=0)
-    start = jax.tree.map(lambda leaf: jnp.asarray(leaf, float), control.start)
+    start = jax.tree.map(lambda leaf: as_reals("The `start` of the controller", leaf, ModelError), control.start)
     try:
         given = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
     except Exception as fault:
@@ -137,6 +138,7 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
         raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
     if not isinstance(given, tuple) or len(given) != 2:
         raise ModelError("The step of the sampled controller must give the inputs and the state that follows.")
+    check_real("What the step of the sampled controller gives", given, ModelError)
     shapes = [jax.tree.map(jnp.shape, part) for part in (start, given[1])]
     if jax.tree.structure(start) != jax.tree.structure(given[1]) or shapes[0] != shapes[1]:
         raise ModelError(f"The step of the sampled controller gives a state {shapes[1]}, but it starts as {shapes[0]}.")

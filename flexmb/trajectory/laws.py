@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, check_numbers, check_whole, checked_times, is_concrete, shown
+from ..arguments import as_reals, check_number, check_numbers, check_whole, checked_times, is_concrete, shown
 from ..compilation.program import of_time
 from ..compilation.record import Record
 from ..display import Result, Summary, short
@@ -126,7 +126,7 @@ def rates(law: Callable, t: Float[ArrayLike, ""]) -> tuple[Any, Any, Any]:
     t = jnp.asarray(t, float)
 
     def first(t: Float[Array, ""]):
-        return jax.jvp(lambda t: jnp.asarray(law(t), float), (t,), (jnp.ones_like(t),))
+        return jax.jvp(lambda t: as_reals("Argument `law`", law(t)), (t,), (jnp.ones_like(t),))
 
     (value, rate), (_, second) = jax.jvp(first, (t,), (jnp.ones_like(t),))
     return value, rate, second

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_number, checked_times, is_concrete, shown
+from ..arguments import as_reals, check_number, checked_times, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -315,9 +315,11 @@ class TimeVarying(Result, Record):
                 raise ValueError(
                     f"There is no input '{unknown[0]}'; there is {', '.join(self.input_labels) or 'none'}."
                 )
-            rows = [jnp.broadcast_to(jnp.asarray(u.get(name, 0.0), float), sizes[1:]) for name in self.input_labels]
+            rows = [
+                jnp.broadcast_to(as_reals("Argument `u`", u.get(name, 0.0)), sizes[1:]) for name in self.input_labels
+            ]
             u = jnp.stack(rows) if rows else None
-        u = jnp.zeros(sizes) if u is None else jnp.asarray(u, float)
+        u = jnp.zeros(sizes) if u is None else as_reals("Argument `u`", u)
         u = u[None] if u.ndim == 1 and sizes[0] == 1 else u
         if u.shape != sizes:
             raise ValueError(
@@ -325,7 +327,7 @@ class TimeVarying(Result, Record):
                 f" each time, {sizes}, but has shape {u.shape}."
             )
         count = len(self.state_labels)
-        start = jnp.zeros(count) if initial is None else jnp.asarray(initial, float)
+        start = jnp.zeros(count) if initial is None else as_reals("Argument `initial`", initial)
         if start.shape != (count,):
             raise ValueError(
                 f"Argument `initial` must have one number for each of the {count} states, not shape {start.shape}."
