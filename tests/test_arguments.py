@@ -196,7 +196,7 @@ NUMBERS = {
     "steps of a path": (lambda: fm.path(MODEL, max_steps=1.5), "`max_steps` must be a whole number"),
     "a complex thickness in a trace": (
         lambda: jax.eval_shape(lambda t: fm.mass(leaf(t)), 1e-3 + 1e-20j),
-        "thickness = .*complex.*but it must be a number",
+        "Property 'section' of element 'l' must be real",
     ),
     "a complex place in a trace": (
         lambda: jax.eval_shape(lambda x: fm.Builder().node("A", (x, 0)) and x, 1j),
