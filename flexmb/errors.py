@@ -85,11 +85,11 @@ class BeamTheoryWarning(FlexmbWarning):
 
 
 class CoarseWarning(FlexmbWarning):
-    """A beam is bent or twisted further than one beam is right for."""
+    """A beam is bent or twisted further than one beam is right for, or stretched further than cubic beams are."""
 
 
 class IdleWarning(FlexmbWarning):
-    """A stress or a strain is given that does nothing, since what it acts on is held."""
+    """A stress or a strain is given that does nothing, since its deformation is held or has no stiffness."""
 
 
 def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:

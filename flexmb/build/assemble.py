@@ -81,7 +81,8 @@ def assemble(builder: Description) -> Model:
         first_e.setdefault(name, len(e_roles))
         kind = "norm" if element is UNIT_NORM else "deformation"
         symbol = "norm" if element is UNIT_NORM else "e"
-        e_labels += [Entry(name, i + 1, f"{symbol}{i + 1}", kind) for i in range(len(roles))]
+        called = element.deformation_names
+        e_labels += [Entry(name, i, f"{symbol}{i}", kind, called.get(i, "")) for i in range(1, len(roles) + 1)]
         e_roles += roles
 
     warm = {of for sets in builder.loads.values() for _, of, _ in sets.get("temperature", {})}

@@ -24,6 +24,7 @@ from ..arguments import (
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
+from ..elements.told import deformations_of
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
@@ -137,7 +138,7 @@ class Builder(Description):
         element: Any,
         *nodes: str,
         name: str | None = None,
-        released: Sequence[int] | str | None = None,
+        released: Sequence[int | str] | str | None = None,
         **properties: Any,
     ) -> str:
         """Add an element.
@@ -147,9 +148,10 @@ class Builder(Description):
             nodes: One name for each positional parameter of the element, or one for each end: a node that has a
                 position stands for its rotation too where the next parameter asks for one.
             name: Its name; by default the type and a number.
-            released: Numbers (from 1) of the deformations that may change, or "all"; the others are FIXED, at zero or
-                what temperature makes of them. By default as the element type says: all of an elastic element, none of
-                a rigid one. What an element only measures is released in any case.
+            released: Names or numbers (from 1) of the deformations that may change, or "all"; the others are FIXED, at
+                zero or what temperature makes of them. The name of a strain field releases all of its coefficients. By
+                default as the element type says: all of an elastic element, none of a rigid one. What an element only
+                measures is released in any case. The closure of a spectral beam is released by name alone.
             properties: What the element type asks for, such as ``section``, and its options, such as ``order``.
 
         Returns:
@@ -174,7 +176,7 @@ class Builder(Description):
             raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
         roles = [Role.FIXED] * n_e
         usual = element.freed(properties)
-        for i in (*released_in(name, usual if released is None else released, n_e), *element.measured):
+        for i in (*released_in(name, usual if released is None else released, element, n_e), *element.measured):
             roles[i - 1] = Role.DEPENDENT
         resolved = self._resolve(element, name, [str(n) for n in nodes])
         kinds = list(element.nodes.values())
@@ -243,8 +245,8 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, "rotation", or number of a deformation, from 1; in space also "rx", "ry" or "rz", the
-                angle about that global axis.
+            component: Coordinate, "rotation", or name or number (from 1) of a deformation; in space also "rx", "ry" or
+                "rz", the angle about that global axis.
             value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
             axis: Of "rotation" in space, (3,) along the global axes.
@@ -263,7 +265,7 @@ class Builder(Description):
         elif axis is not None or tilt is not None:
             raise ModelError(f"'{of}.{component}': only component \"rotation\" takes an axis or a tilt.")
         else:
-            entry = self._entry(of, component, kind)
+            entry = self._entry_to_free(of, component, kind)
         self._set_roles([entry], Role.PRESCRIBED)
         self._load("prescribed", increment)[entry] = copied(value)
 
@@ -276,7 +278,7 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1; in space also "rx", "ry" or "rz", as for
+            component: Coordinate, or name or number (from 1) of a deformation; in space also "rx", "ry" or "rz", as for
                 :meth:`prescribe`.
             value: Displacement from the position given, or deformation, () [m, rad].
             velocity: Its rate, () [m/s, rad/s].
@@ -462,39 +464,44 @@ class Builder(Description):
         self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
-    def prestress(self, element: str, *values: float, increment: bool = False) -> None:
+    def prestress(self, element: str, *values: float, increment: bool = False, **named: float) -> None:
         """Constant stress resultants beside those of an element's stiffness; a second call takes the first one's place.
+
+        Example:
+            >>> b.prestress("wire", elongation=50.0)
 
         Args:
             element: Name of the element.
             values: From the first deformation on [N, N m].
             increment: Whether it belongs to the incremental loads.
+            named: By name of the deformation, of a strain field for its mean [N, N m].
+
+        Raises:
+            ModelError: No such deformation, or one that is given twice; the closure of a spectral beam, where it does
+                nothing.
         """
         check_flag("increment", increment, ModelError)
-        self._load("prestress", increment).update(self._values("Prestress", element, values))
+        self._load("prestress", increment).update(self._values("Prestress", element, values, named))
 
-    def strain(self, element: str, *values: float) -> None:
+    def strain(self, element: str, *values: float, **named: float) -> None:
         """Set the deformations at which an element is free of stress; a second call takes the place of the first.
+
+        Example:
+            >>> b.strain("leaf", elongation=1e-6)
 
         Args:
             element: Name of the element.
             values: From the first deformation on [m, rad].
+            named: By name of the deformation, of a strain field for its mean [m, rad].
 
         Raises:
-            ModelError: The element has no stiffness, or the deformation has none: the closure of a spectral beam.
+            ModelError: The element has no stiffness, or the deformation has none: the closure of a spectral beam. No
+                such deformation, or one that is given twice.
         """
         member = self._member(element)
         if not member.element.is_elastic(member.properties):
             raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
-        first = min((field[0] for field in member.element.fields), default=1)
-        found = self._values("Strain", element, values)
-        for key, value in found:
-            if key[2] < first and is_concrete(value) and value != 0:
-                raise ModelError(
-                    f"Strain of element '{element}': deformation {key[2]} is part of its closure, which has no"
-                    f" stiffness. Give zero there; the strains are those from {first} on."
-                )
-        self._load("strain", False).update(found)
+        self._load("strain", False).update(self._values("Strain", element, values, named))
 
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
         """Change the temperature of an element, which expands and, where one side is warmer, bends towards the other.
@@ -555,8 +562,8 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
-                "ry" or "rz", a moment about that global axis at every state, or a motion about it.
+            component: Coordinate, or name or number (from 1) of a deformation. Of a rotation "phi" in the plane; in
+                space "rx", "ry" or "rz", a moment about that global axis at every state, or a motion about it.
             quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation,
                 which can move: a stress resultant of the element, which acts against its deformation, as that of a
                 spring that is stretched. "displacement", "velocity" or "acceleration" of one that is FIXED or
@@ -586,10 +593,10 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or number of a deformation, from 1. Of a rotation "phi" in the plane; in space "rx",
-                "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is linearised
-                about, in a simulation the component of the rotation vector from its start, beside that from the
-                undeformed mechanism to the start, which jumps where it passes a full turn, as a hinge's deformation
+            component: Coordinate, or name or number (from 1) of a deformation. Of a rotation "phi" in the plane; in
+                space "rx", "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is
+                linearised about, in a simulation the component of the rotation vector from its start, beside that from
+                the undeformed mechanism to the start, which jumps where it passes a full turn, as a hinge's deformation
                 does not; angular velocity and angular acceleration; moment of a support.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation, or "reaction": force or
                 moment of the support on the mechanism, where it is FIXED or PRESCRIBED; "deformation", "deformation
@@ -614,8 +621,8 @@ class Builder(Description):
         Args:
             name: Its label.
             weights: Factor of each part, () [unit of the sensor over that of the part], differentiable. A part is said
-                as "node.component" or "element.number", with another quantity than the default of :meth:`output`
-                before it.
+                as "node.component", "element.number" or "element.deformation" (its name), with another quantity than
+                the default of :meth:`output` before it.
 
         Raises:
             ModelError: As for :meth:`output`; no parts.
@@ -671,8 +678,6 @@ class Builder(Description):
             of = of.removeprefix(f"{quantity} ") if quantity else of
         if not of:
             raise ModelError(f"{what}: '{said}' is no part: say node and component as 'tip.y', element and number.")
-        if of in self.members and of not in self.nodes:
-            component = component.removeprefix("e")
         return self._signal(side, of, component, quantity, None, False)
 
     def _is_node(self, of: str) -> bool:
@@ -846,12 +851,24 @@ class Builder(Description):
             raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
         return "element", name, 1
 
-    def _values(self, what: str, element: str, values: tuple) -> list[tuple[Key, Any]]:
-        """Numbers of an element's deformations, from the first on, with the keys of these."""
-        found = []
-        for i, value in enumerate(some_of(what.lower(), element, values), 1):
-            check_numbers(f"{what} of element '{element}'", value, (), ModelError)
-            found.append((self._entry(element, i, "element"), copied(value)))
+    def _values(self, what: str, name: str, values: tuple, named: dict[str, Any]) -> dict[Key, Any]:
+        """Numbers of an element's deformations, from the first on and by name, with the keys of these."""
+        some_of(what.lower(), name, (*values, *named))
+        element, found = self._member(name).element, {}
+        strains = deformations_of(element, *element.closure) or f"those from {len(element.closure) + 1} on"
+        for said, value in (*enumerate(values, 1), *named.items()):
+            check_numbers(f"{what} of element '{name}'", value, (), ModelError)
+            key = self._entry(name, said, "element")
+            if key in found:
+                raise ModelError(f"{what} of element '{name}': deformation {key[2]} ({said}) is given twice.")
+            idle = what == "Strain" or self._role(key) is Role.FIXED
+            # A number that is traced is not zero.
+            if idle and key[2] in element.closure and not (is_concrete(value) and value == 0):
+                raise ModelError(
+                    f"{what} of element '{name}': deformation {element.called(key[2])} is part of its closure, where it"
+                    f" does nothing. Name what is meant. Its strains are {strains}."
+                )
+            found[key] = copied(value)
         return found
 
     @staticmethod

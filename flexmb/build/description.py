@@ -17,7 +17,7 @@ from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
-from .given import number_in, some_of
+from .given import check_closure, number_in, number_in_element, numbers_freed, some_of
 
 AXES = ("x", "y", "z")
 # Euler parameters off the unit norm by more than this are no rotation.
@@ -82,15 +82,19 @@ class Description:
         self.dimension: int | None = None
         self._clamped: set[str] = set()
 
-    def release(self, element: str, *deformations: int) -> None:
+    def release(self, element: str, *deformations: int | str) -> None:
         """Let deformations of an element change (DEPENDENT).
 
         Args:
             element: Name of the element.
-            deformations: Numbers from 1.
+            deformations: Numbers from 1, or names; of a strain field's name all of its coefficients.
+
+        Raises:
+            ModelError: No such deformation; one of the closure of a spectral beam that is not given by its name.
         """
-        given = some_of("release", element, deformations)
-        self._set_roles([self._entry(element, i, "element") for i in given], Role.DEPENDENT)
+        given, name, member = some_of("release", element, deformations), str(element), self._member(element)
+        numbers = [n for one in given for n in numbers_freed(name, member.element, len(member.roles), one)]
+        self._set_roles([("element", name, n) for n in numbers], Role.DEPENDENT)
 
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
@@ -99,13 +103,13 @@ class Description:
 
         Args:
             of: Name of a node or an element.
-            components: Coordinates ("x", "phi" or numbers) or numbers of deformations, from 1; in space "rx", "ry" or
-                "rz", the angle about that global axis: deformation 1 of a hinge, as for ``prescribe``.
+            components: Coordinates ("x", "phi" or numbers) or deformations (names, or numbers from 1); in space "rx",
+                "ry" or "rz", the angle about that global axis: deformation 1 of a hinge, as for ``prescribe``.
             kind: "node" or "element", where both bear the name.
         """
         keys: list[Key] = []
         for component in some_of("dof", of, components):
-            key = self._entry(of, component, kind)
+            key = self._entry_to_free(of, component, kind)
             if key in keys or self._role(key) is Role.DOF:
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
             keys.append(key)
@@ -135,8 +139,8 @@ class Description:
                 # The hinge about a global axis is made by that name.
                 of, symbol = turned_by(of)
             is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
-            kind, component = ("element", symbol[1:]) if is_element else ("node", symbol)
-            key = twin._entry(of, component, kind)
+            is_element |= of in twin.members and symbol in twin.members[of].element.deformation_names.values()
+            key = twin._entry_to_free(of, symbol, "element" if is_element else "node")
             if key in keys:
                 raise ModelError(f"Argument `dofs` has {shown(label)} twice.")
             keys[key] = None
@@ -307,10 +311,8 @@ class Description:
                 f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
             )
         if kind == "element" or (kind is None and is_element):
-            count, number = len(self._member(of).roles), number_in(component)
-            if number is None or not 1 <= number <= count:
-                raise ModelError(f"Element '{of}' has deformations 1 to {count}, not {shown(component)}.")
-            return "element", of, number
+            member = self._member(of)
+            return "element", of, number_in_element(of, member.element, len(member.roles), component)
         if self.dimension == 3 and isinstance(component, str) and component in TURNS:
             return turn_about(self, self._rotation_name(of), TURNS.index(component))
         return "node", *self._coordinate(of, component)
@@ -325,6 +327,13 @@ class Description:
             raise ModelError(f"Node '{frame}' is defined already: to turn a rotation takes a node of that name.")
         self._owner(("node", rotation, 1))
         self.members[name] = Member(spatial.hinge, (frame, rotation), properties, [Role.DEPENDENT] * 3)
+
+    def _entry_to_free(self, of: str, component: str | int, kind: str | None) -> Key:
+        """As :meth:`_entry`, of what is to have another role: a closure that is FIXED must be given by its name."""
+        key = self._entry(of, component, kind)
+        if key[0] == "element" and self._role(key) is Role.FIXED:
+            check_closure(key[1], self.members[key[1]].element, key[2], component)
+        return key
 
     def _role(self, key: Key) -> Role:
         """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""

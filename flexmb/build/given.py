@@ -3,7 +3,8 @@
 from typing import Any
 
 from ..arguments import as_whole, check_numbers, copied, shown
-from ..elements.element import ALL
+from ..elements.element import ALL, Element
+from ..elements.told import deformations_of
 from ..errors import ModelError
 
 
@@ -30,7 +31,7 @@ def listed(what: str, values: Any) -> list:
 
 
 def number_in(component: Any) -> int | None:
-    """Number of a coordinate or deformation, None where it is none."""
+    """Number of a coordinate, None where it is none."""
     if isinstance(component, str):
         return int(component) if component.isascii() and component.isdecimal() else None
     return as_whole(component)
@@ -43,21 +44,87 @@ def some_of(what: str, of: Any, given: tuple) -> tuple:
     return given
 
 
-def released_in(name: str, wanted: Any, count: int) -> list[int]:
+def number_in_element(name: str, element: Element, count: int, deformation: Any) -> int:
+    """Number of a deformation.
+
+    Args:
+        name: Name of the element.
+        element: Its type.
+        count: How many deformations it has.
+        deformation: Number or name, as given.
+
+    Raises:
+        ModelError: It has no such deformation.
+    """
+    number = element.number_of(deformation)
+    if number is None or not 1 <= number <= count:
+        there = f"has deformations 1 to {count}" if count else "has no deformations"
+        named = f": {names}" if (names := deformations_of(element)) else ""
+        raise ModelError(f"Element '{name}' {there}, not {shown(deformation)}{named}.")
+    return number
+
+
+def check_closure(name: str, element: Element, number: int, deformation: Any) -> None:
+    """Refuse a deformation of the closure that is given by its number, which is another one of other elements.
+
+    Args:
+        name: Name of the element.
+        element: Its type.
+        number: Number of the deformation.
+        deformation: How it was given.
+
+    Raises:
+        ModelError: It belongs to the closure and is not given by its name.
+    """
+    if element.names and number in element.closure and deformation not in element.numbered:
+        own = element.deformation_names[number]
+        raise ModelError(
+            f"Element '{name}' ({element.name}): deformation {number} ({own}) is part of its closure, which joins it to"
+            f" its node. Its strains are {deformations_of(element, *element.closure)}. To free the closure itself, give"
+            f' its name "{own}".'
+        )
+
+
+def numbers_freed(name: str, element: Element, count: int, deformation: Any) -> tuple[int, ...]:
+    """Numbers of the deformations that a number or a name frees: of a strain field's name all of its coefficients.
+
+    Args:
+        name: Name of the element.
+        element: Its type.
+        count: How many deformations it has.
+        deformation: As given.
+
+    Raises:
+        ModelError: It has no such deformation, or a number is part of its closure.
+    """
+    if isinstance(deformation, str) and deformation in element.numbered:
+        return element.numbered[deformation]
+    number = number_in_element(name, element, count, deformation)
+    check_closure(name, element, number, deformation)
+    return (number,)
+
+
+def released_in(name: str, wanted: Any, element: Element, count: int) -> list[int]:
     """Numbers of the deformations that may change.
 
     Args:
-        wanted: As given: "all" or numbers from 1.
+        name: Name of the element.
+        wanted: As given: "all", a name, or numbers from 1 and names.
+        element: Its type.
+        count: How many deformations it has.
+
+    Raises:
+        ModelError: It is none of these, a deformation is unknown, or a number is part of the closure.
     """
     if isinstance(wanted, str) and wanted == ALL:
-        return list(range(1, count + 1))
-    found = None if isinstance(wanted, str | bytes | dict) or not hasattr(wanted, "__iter__") else list(wanted)
-    if found is None or any(as_whole(i) is None for i in found):
+        return [n for n in range(1, count + 1) if n not in element.closure]
+    given = [wanted] if isinstance(wanted, str) and wanted in element.numbered else wanted
+    given = None if isinstance(given, str | bytes | dict) or not hasattr(given, "__iter__") else list(given)
+    if given is None or any(as_whole(one) is None and not isinstance(one, str) for one in given):
+        usual = next((name for name, n in element.numbered.items() if n[0] not in element.closure), "")
+        names = f', or names, such as "{usual}"' if usual else ""
         raise ModelError(
-            f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3); () for none."
-            f" It is {shown(wanted)}."
+            f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3){names}; () for"
+            f" none. It is {shown(wanted)}."
         )
-    for i in found:
-        if not 1 <= i <= count:
-            raise ModelError(f"Element '{name}' has deformations 1 to {count}, not {i}.")
-    return [int(i) for i in found]
+    return [n for one in given for n in numbers_freed(name, element, count, one)]

@@ -24,7 +24,7 @@ RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
 def warn_of_idle(builder: Description) -> None:
-    """Warn of stress, strain, damping and laws that act on held deformations alone, and of numbers not asked for."""
+    """Warn of what acts on held deformations alone (stress, strain, damping, laws), and of numbers not asked for."""
     _warn_of_other_numbers(builder)
     for what in ("prestress", "strain"):
         for sets in builder.loads.values():
@@ -33,12 +33,16 @@ def warn_of_idle(builder: Description) -> None:
                 if not is_concrete(value) or np.asarray(value) != 0:
                     acting.setdefault(of, []).append(number)
             for of, numbers in acting.items():
-                roles = [builder.members[of].roles[n - 1] for n in numbers]
-                if all(role in HELD for role in roles):
-                    told = ", ".join(f"deformation {n} is {r.value}" for n, r in zip(numbers, roles, strict=True))
+                member = builder.members[of]
+                roles = {n: role for n in numbers if (role := member.roles[n - 1]) in HELD}
+                loose = [] if what == "prestress" else _loose(builder, member, [n for n in numbers if n not in roles])
+                told = [f"deformation {member.element.called(n)} is {role.value}" for n, role in roles.items()]
+                told += [f"nothing resists deformation {member.element.called(n)}" for n in loose]
+                if told:
+                    advice = "Release the deformation" if roles else "Give it a stiffness"
                     warn(
-                        f"{what.capitalize()} of element '{of}': {told}, so that it does nothing there. Release the"
-                        " deformation, or leave it out.",
+                        f"{what.capitalize()} of element '{of}': {', '.join(told)}, so that it does nothing there."
+                        f" {advice}, or leave it out.",
                         IdleWarning,
                     )
     for sets in builder.loads.values():
@@ -55,6 +59,21 @@ def warn_of_idle(builder: Description) -> None:
             acts = any(member.element.arguments(f, member.properties) is not None for f in functions)
             if acts and not of_material:
                 warn(f"{what} of element '{of}': all of its deformations are held, so that it does nothing.")
+
+
+def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:
+    """Those of some deformations of an element that its stiffness leaves without stress; none where that is unknown."""
+    element = member.element
+    arguments = element.arguments(element.stiffness, member.properties)
+    starts = [builder.nodes[node].start for node in member.nodes]
+    others = [element.arguments(getattr(element, kind), member.properties) for kind in ELASTIC if kind != "stiffness"]
+    alone = arguments is not None and all(one is None for one in others)
+    if not numbers or not alone or not is_concrete((starts, arguments)):
+        return []
+    companion: Any = element.stiffness
+    with jax.ensure_compile_time_eval():
+        matrix = companion(ref=element.reference([np.asarray(start, float) for start in starts]), **arguments)
+    return [n for n in numbers if not np.any(np.asarray(matrix)[n - 1])]
 
 
 def _warn_of_other_numbers(builder: Description) -> None:

@@ -339,6 +339,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
         if any(not 1 <= i <= n for i in told):
             raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
+    _check_names(element, n)
     taken, extra = _arguments(element, n)
     for kind in COMPANIONS:
         companion = getattr(element, kind)
@@ -350,6 +351,16 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         if answer is not None:
             _check_answer(element, kind, n, answer)
     return n
+
+
+def _check_names(element: Element, n: int) -> None:
+    """Refuse names that are not one for each of n deformations, or that are no keywords of ``Builder.prestress``."""
+    names = element.deformation_names
+    if element.names and len(names) != n:
+        raise _WrongFunction(f"`names` must name {n} deformations, but names {len(names)}: {', '.join(element.names)}.")
+    for number, name in names.items():
+        if not str(name).isidentifier() or name in ("element", "increment") or element.number_of(name) != number:
+            raise _WrongFunction(f"`names` calls deformation {number} {shown(name)}: choose another word for it.")
 
 
 def _vector(size: int) -> jax.ShapeDtypeStruct:

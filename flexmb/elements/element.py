@@ -100,6 +100,8 @@ class Element:
             are series. Their coefficients are what the node of an annotation ``Series2`` or ``Series3`` holds.
         lengths: Numbers (from 0) of the strain fields whose coefficients are lengths, elongation and shears; those of
             the others are angles.
+        names: Name of each deformation, in order, such as ("elongation", "bending_p"); where strains are series, of
+            each deformation before them, then of each field. Without names deformations have numbers alone.
         chosen: Options that are not as usual: name, type and value of each, in alphabetical order.
     """
 
@@ -123,6 +125,7 @@ class Element:
     third_order: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
     lengths: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
     chosen: tuple[tuple[str, type, Any], ...] = ()
 
     def __repr__(self) -> str:
@@ -182,6 +185,45 @@ class Element:
         if self.series is None or _keywords(self.series).keys() - self.options.keys():
             return ()
         return self.series(**self._named_options(self.series))
+
+    @property
+    def closure(self) -> tuple[int, ...]:
+        """Numbers (from 1) of the deformations that join the end of the strain series to its node."""
+        return tuple(n for n in range(1, self._before_fields() + 1) if n not in self.measured)
+
+    @property
+    def numbered(self) -> dict[str, tuple[int, ...]]:
+        """Numbers (from 1) of the deformations that each name stands for: one, or all coefficients of a field."""
+        before = self._before_fields() if self.fields else len(self.names)
+        single = {name: (n,) for n, name in enumerate(self.names[:before], 1)}
+        return single | dict(zip(self.names[before:], self.fields, strict=False))
+
+    @property
+    def deformation_names(self) -> dict[int, str]:
+        """Name of each deformation by its number; the first coefficient of a field has the field's name."""
+        return _deformation_names(self)
+
+    def called(self, number: int) -> str:
+        """How messages call a deformation: its number, and its name in brackets.
+
+        Args:
+            number: From 1.
+        """
+        name = self.deformation_names.get(number)
+        return f"{number} ({name})" if name else str(number)
+
+    def number_of(self, deformation: Any) -> int | None:
+        """Number (from 1) of a deformation, None where it is none.
+
+        Args:
+            deformation: Its number, also as "e2", or its name.
+        """
+        if not isinstance(deformation, str):
+            return as_whole(deformation)
+        digits = deformation.removeprefix("e")
+        if digits.isascii() and digits.isdecimal():
+            return int(digits)
+        return next((n for n, name in self.deformation_names.items() if name == deformation), None)
 
     @property
     def name(self) -> str:
@@ -274,6 +316,10 @@ class Element:
     def _named_options(self, function: Callable[..., Any]) -> dict[str, Any]:
         return {name: value for name, value in self.options.items() if name in _keywords(function)}
 
+    def _before_fields(self) -> int:
+        """Number of deformations before the strain fields."""
+        return min((field[0] for field in self.fields), default=1) - 1
+
     def _functions(self) -> list[Callable[..., Any]]:
         companions = (getattr(self, name) for name in (*COMPANIONS, "shape", "passage", "check"))
         return [self.deformation, *(c for c in companions if c is not None)]
@@ -340,6 +386,12 @@ def _options(element: Element) -> dict[str, tuple[Any, Any]]:
                 found[name] = typing.get_args(hint)[0], parameter.default
     # Of the deformation alone, whose companions may have the annotation.
     return {name: (kind, EMPTY) for name, kind, _ in element.chosen} | found
+
+
+@functools.cache
+def _deformation_names(element: Element) -> dict[int, str]:
+    named = [(n, k, name) for name, numbers in element.numbered.items() for k, n in enumerate(numbers, 1)]
+    return {n: name if k == 1 else f"{name}_{k}" for n, k, name in named}
 
 
 @functools.cache

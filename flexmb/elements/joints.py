@@ -71,7 +71,7 @@ def _hinge(
     return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
 
 
-hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,))
+hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,), names=("angle", "tilt_y", "tilt_z"))
 """Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
 
 Properties: axis (global, undeformed state), stiffness and damping (of all that is released, or one each).
@@ -89,7 +89,7 @@ def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference, axis: Flo
     return _offset(p, rot_p, q, ref, axis)
 
 
-slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,))
+slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,), names=("along", "across_y", "across_z"))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
 [m].
 
@@ -106,7 +106,14 @@ def _prismatic(
     return jnp.concatenate([_offset(p, rot_p, q, ref, axis), rotation])
 
 
-prismatic = Element(_prismatic, **uncoupled(6), shape=beams.straight_shape, check=check_axis, released=(1,))
+prismatic = Element(
+    _prismatic,
+    **uncoupled(6),
+    shape=beams.straight_shape,
+    check=check_axis,
+    released=(1,),
+    names=(*slider.names, "tilt_x", "tilt_y", "tilt_z"),
+)
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
 e4 to e6 rotation [rad], FIXED.
 
@@ -132,7 +139,13 @@ def _screw(
     return jnp.stack([along - pitch * turn, turn, off_y, off_z, tilt_y, tilt_z])
 
 
-screw = Element(_screw, shape=beams.straight_shape, check=check_axis, released=(2,))
+screw = Element(
+    _screw,
+    shape=beams.straight_shape,
+    check=check_axis,
+    released=(2,),
+    names=("mismatch", "angle", "across_y", "across_z", "tilt_y", "tilt_z"),
+)
 """Screw of body q in body p, about an axis through q: e1 displacement along the axis less pitch times turn [m], FIXED;
 e2 turn, counted past full turns [rad]; e3 and e4 displacement off the axis [m] and e5 and e6 tilt [rad], FIXED.
 
@@ -163,7 +176,14 @@ def _check_gear(*, ref: Reference, axis_p: Float[Array, "3"], axis_q: Float[Arra
     return faults if holds(as_floats(ratio) != 0) else [*faults, "has a ratio of zero"]
 
 
-gear = Element(_gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,))
+gear = Element(
+    _gear,
+    stiffness=mesh_stiffness,
+    damping=mesh_damping,
+    check=_check_gear,
+    measured=(2,),
+    names=("mismatch", "turn"),
+)
 """Two gears whose hinges are on one carrier, bevel gears among them: e1 mismatch of rotation at gear p [rad], FIXED
 unless the mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.
 

@@ -187,6 +187,7 @@ leaf_spring = Element(
     third_order=True,
     series=_fields,
     lengths=(ELONGATION, SHEAR),
+    names=spectral_planar.spectral_beam.names,
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 

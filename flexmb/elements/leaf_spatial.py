@@ -18,6 +18,7 @@ from .spectral_spatial import FIELDS
 
 # Deformations: the closure, the warping of both ends, and the coefficients of the strains.
 CLOSURE, WARPINGS = 6, 2
+OF_BEAM = spectral_spatial.spectral_beam.names
 
 
 def _spectral(nodes: Sequence[Array], ref: Reference):
@@ -169,6 +170,7 @@ leaf_spring = Element(
     third_order=True,
     series=_fields,
     lengths=(0, 4, 5),
+    names=(*OF_BEAM[:CLOSURE], "warping_p", "warping_q", *OF_BEAM[CLOSURE:]),
 )
 """A leaf spring as a solid model has it, one element for the whole of it.
 

@@ -39,6 +39,7 @@ truss = Element(
     resultants=beams.truss_resultants,
     thermal=beams.truss_thermal,
     check=beams.check_length,
+    names=("elongation",),
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
@@ -159,6 +160,7 @@ beam = Element(
     thermal=_beam_thermal,
     check=beams.check_length,
     angles=(2, 3),
+    names=("elongation", "bending_p", "bending_q"),
 )
 """Flexible beam, a cubic between its ends.
 
@@ -170,6 +172,7 @@ Deformations:
 Properties: section (without one it is rigid and has no mass), damping.
 
 Options: second_order, whether the elongation counts the shortening by bending, True unless given.
+Stretched by a strain, any number of them bends with EI (1 + strain)^2 in place of EI: beyond 1 % take a spectral beam.
 It counts shear where its section does; where that is left out and would change a stiffness by more than 1 %, a model
 warns.
 """
@@ -199,7 +202,9 @@ def _rigid_thermal(
     return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
 
 
-rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=())
+rigid_beam = Element(
+    _rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
+)
 """Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. It does not turn the rotation at q:
 what is joined there is hinged. ``planar.rigid_body`` is clamped at both ends.
 
@@ -216,7 +221,7 @@ def _hinge(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
     return (rot_q - ref.rot_q) - (rot_p - ref.rot_p)
 
 
-hinge = Element(_hinge, **uncoupled(1), released=ALL)
+hinge = Element(_hinge, **uncoupled(1), released=ALL, names=("angle",))
 """Hinge: e1 relative rotation [rad]. Properties: stiffness [N m/rad], damping [N m s/rad]."""
 
 
@@ -244,6 +249,7 @@ rigid_body = Element(
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
     released=(),
+    names=("offset_x", "offset_y", "tilt"),
 )
 """Rigid body from p to q, clamped at both: e1, e2 offset of q in body axes [m], e3 rotation of q relative to p [rad],
 FIXED. Its two ends may lie in one place.
@@ -262,7 +268,7 @@ def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
     return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
 
 
-slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,))
+slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,), names=("along", "across"))
 """Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 off it (FIXED) [m].
 
 Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
@@ -278,7 +284,14 @@ def _prismatic(
     return jnp.concatenate([_slider(p, rot_p, q, ref=ref, axis=axis), turn])
 
 
-prismatic = Element(_prismatic, **uncoupled(3), shape=beams.straight_shape, check=_check_axis, released=(1,))
+prismatic = Element(
+    _prismatic,
+    **uncoupled(3),
+    shape=beams.straight_shape,
+    check=_check_axis,
+    released=(1,),
+    names=("along", "across", "tilt"),
+)
 """Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
 [rad], FIXED.
 
@@ -292,7 +305,7 @@ def _spring_damper(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]
     return beams.truss(p, q, ref=ref)
 
 
-spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length)
+spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length, names=("elongation",))
 """Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
 It holds nothing: what is beside it does. Properties: those that the law names.
 
@@ -306,7 +319,7 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Floa
     return _hinge(rot_p, rot_q, ref=ref)
 
 
-rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic)
+rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, names=("angle",))
 """Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
 relative to body p [rad]. Properties and option law: as of ``planar.spring_damper``.
 """

@@ -41,6 +41,7 @@ truss = Element(
     resultants=beams.truss_resultants,
     thermal=beams.truss_thermal,
     check=beams.check_length,
+    names=("elongation",),
 )
 """Bar that carries axial force only: e1 elongation [m]. Properties: section (EA, mass), damping."""
 
@@ -208,6 +209,7 @@ beam = Element(
     thermal=_beam_thermal,
     check=_check_beam,
     angles=(2, 3, 4, 5, 6),
+    names=("elongation", "torsion", "bending_z_p", "bending_z_q", "bending_y_p", "bending_y_q"),
 )
 """Flexible beam, cubics between its ends.
 
@@ -224,6 +226,7 @@ along which the beam has its smallest component. Local z, along the thickness, c
 e3 and e4 are the soft bending of a leaf spring.
 
 Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
+Stretched by a strain, any number of them bends with EI (1 + strain)^2 in place of EI: beyond 1 % take a spectral beam.
 It counts shear and restrained warping where its section does; where these are left out and would change a stiffness by
 more than 1 %, a model warns. ``spatial.leaf_spring`` has them, and what clamps do to a plate.
 """
@@ -342,6 +345,7 @@ warping_beam = Element(
     check=_check_warping,
     measured=(7, 8),
     angles=(2, 3, 4, 5, 6),
+    names=(*beam.names, "warping_p", "warping_q"),
 )
 """Flexible beam whose warping is a coordinate of each end, shared by warping beams and leaf springs that meet there: e1
 to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping gives.
@@ -349,7 +353,7 @@ to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times lengt
 Warping is zero where it is restrained. That is found when the model is built, as for ``spatial.leaf_spring``: where the
 rotation is held, or something rigid, a hinge, a body or a part at least three times as thick is joined. Elsewhere it is
 free. Torsion is exact for a torque that is constant along the beam, so that one beam does where a leaf spring is only
-twisted.
+twisted. Stretched by more than 1 % it bends as ``spatial.beam`` does: take another.
 
 Properties: section (with EIw: a :class:`flexmb.Rectangle` or a :class:`flexmb.Rigidity`), damping, y (vector that fixes
 local y), clamped (whether warping is restrained at its first end and at its last, such as (True, False), where that
@@ -392,7 +396,14 @@ def _check_rigid(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[
     return beams.check_across(ref, y)
 
 
-rigid_beam = Element(_rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, check=_check_rigid, released=())
+rigid_beam = Element(
+    _rigid_beam,
+    inertia=beams.rigid_inertia,
+    thermal=_rigid_thermal,
+    check=_check_rigid,
+    released=(),
+    names=("offset_x", "offset_y", "offset_z"),
+)
 """Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. It does not turn the rotation
 at q: what is joined there turns freely. ``spatial.rigid_body`` is clamped at both ends.
 
@@ -435,6 +446,7 @@ rigid_body = Element(
     shape=beams.straight_shape,
     check=_check_rigid,
     released=(),
+    names=(*rigid_beam.names, "tilt_x", "tilt_y", "tilt_z"),
 )
 """Rigid body from p to q, clamped at both: e1 to e3 offset of q in body axes [m], e4 to e6 rotation of q relative to p
 [rad], FIXED. Its two ends may lie in one place.
@@ -456,7 +468,7 @@ def _spring_damper(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]
     return beams.truss(p, q, ref=ref)
 
 
-spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length)
+spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length, names=("elongation",))
 """Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
 It holds nothing: what is beside it does. Properties: those that the law names.
 
@@ -472,7 +484,7 @@ def _rotary_spring_damper(
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
 
 
-rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis)
+rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis, names=("angle",))
 """Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
 relative to body p, counted past full turns [rad]. Properties: axis (global, undeformed state), and those that the law
 names. Option law: as of ``spatial.spring_damper``.

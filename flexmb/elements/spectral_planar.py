@@ -362,6 +362,7 @@ spectral_beam = Element(
     check=_check,
     series=_fields,
     lengths=(ELONGATION, SHEAR),
+    names=("closure_x", "closure_y", "closure_tilt", "elongation", "curvature", "shear"),
 )
 """Geometrically exact beam, one for a whole leaf spring.
 

@@ -351,6 +351,10 @@ spectral_beam = Element(
     check=_check,
     series=_fields,
     lengths=(0, 4, 5),
+    names=(
+        *("closure_x", "closure_y", "closure_z", "closure_tilt_x", "closure_tilt_y", "closure_tilt_z"),
+        *("elongation", "twist", "curvature_y", "curvature_z", "shear_y", "shear_z"),
+    ),
 )
 """Geometrically exact beam, one for a whole leaf spring.
 

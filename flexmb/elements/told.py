@@ -24,9 +24,16 @@ def text_of(element: Any) -> str:
     ends = list(_ends(element))
     short = f", or one for each end: {', '.join(ends)}" if len(ends) < len(_joined(element)) else ""
     lines = [f"Nodes: {kinds}{short}."]
+    lines += [f"Deformations: {names}."] if (names := deformations_of(element)) else []
     lines += [f"Takes: {', '.join(element.properties)}."] if element.properties else []
     lines += [f"Options: {options}."] if (options := _options(element)) else []
     return f"{_name(element)}: {_said(element)[1]}\n\n" + "\n".join(lines)
+
+
+def deformations_of(element: Any, *without: int) -> str:
+    """Numbers and names of an element's deformations, but for some; empty where they have no names."""
+    found = [(numbers, name) for name, numbers in element.numbered.items() if not {*numbers} & {*without}]
+    return ", ".join(f"{n[0]} to {n[-1]} {name}" if len(n) > 1 else f"{n[0]} {name}" for n, name in found)
 
 
 def _joined(element: Any) -> list[str]:

@@ -56,6 +56,7 @@ gear = Element(
     shape=_gear_shape,
     check=_check_gear,
     measured=(2,),
+    names=("mismatch", "turn"),
 )
 """Two meshing gears with centres p and q: e1 mismatch of rotation at gear p [rad], FIXED unless the mesh has a
 stiffness; e2 turn of gear p relative to the line of centres [rad], measured. The arm that holds the centres may turn.
@@ -161,6 +162,7 @@ belt = Element(
     shape=_belt_shape,
     check=_check_belt,
     measured=(2, 3),
+    names=("elongation", "turn_p", "turn_q"),
 )
 """Belt between two pulleys: e1 elongation of the part between them [m]; e2 and e3 turns of the pulleys relative to it
 [rad], measured. Its stiffness EA/L and damping EdA/L follow the free length L as belt is rolled on and off.
@@ -209,6 +211,7 @@ belt_to_point = Element(
     shape=_point_shape,
     check=_check_point,
     measured=(2,),
+    names=("elongation", "turn"),
 )
 """Belt or rope from a pulley at p to the point q: e1 elongation [m]; e2 turn of the pulley relative to it [rad],
 measured. Properties as of a belt, with radius_p alone.

@@ -1,6 +1,5 @@
 """What a path or a motion tells of each of its states, asked for by a text such as "force top.x" or "frequency 1"."""
 
-import re
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -148,10 +147,7 @@ def _force(method: str, word: str) -> Callable[[Any, str], Series]:
 def _of_element(method: str, word: str, unit: str) -> Callable[[Any, str], Series]:
     def ask(result: Any, text: str) -> Series:
         element, number = _split(text)
-        digits = re.fullmatch(r"e?(\d+)", number)
-        if digits is None:
-            raise KeyError(f"'{number}' is no number of a deformation: write element and number, such as leaf.2")
-        values = getattr(result, method)(element, int(digits.group(1)))
+        values = getattr(result, method)(element, int(number) if number.isdecimal() else number)
         return Series(np.asarray(values), f"{word} {text}", unit, word)
 
     return ask

@@ -554,7 +554,7 @@ def linearize(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
 
     Source:
         THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.

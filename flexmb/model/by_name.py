@@ -207,12 +207,12 @@ class ByName:
         """
         return self._acting(_held(self, "external"), node, component)
 
-    def deformation(self: Any, element: str, number: int | None = None) -> Float[Array, "..."]:
+    def deformation(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
         """Deformations of an element.
 
         Args:
             element: Name of the element.
-            number: Which, from 1, as in ``released=``; all of them unless given.
+            number: Which, its name or number from 1, as in ``released=``; all of them unless given.
 
         Returns:
             (states, n), or (states,) of one [m, rad if angular].
@@ -223,12 +223,12 @@ class ByName:
         """
         return _picked(_held(self, "e"), self.labels.deformations(element, number))
 
-    def stress_resultant(self: Any, element: str, number: int | None = None) -> Float[Array, "..."]:
+    def stress_resultant(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
         """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
 
         Args:
             element: Name of the element.
-            number: Which, from 1, as in ``released=``; all of them unless given.
+            number: Which, its name or number from 1, as in ``released=``; all of them unless given.
 
         Returns:
             (states, n), or (states,) of one [N, N m if angular].

@@ -35,12 +35,14 @@ class Entry:
         component: Its number there, from 1.
         symbol: How it is written: "x", "phi", "e2".
         kind: "position", "rotation" or "internal" for a coordinate, "deformation", or "norm" (counted by no one).
+        name: Of a deformation that has one, such as "elongation".
     """
 
     of: str
     component: int
     symbol: str
     kind: str
+    name: str = ""
 
     def __str__(self) -> str:
         return f"{self.of}.{self.symbol}"
@@ -145,7 +147,9 @@ class Labels:
             for i, entry in enumerate(getattr(self, kind))
             if entry.kind != "norm" and (said := str(entry)) in meant
         ]
-        return min(found)[1:] if found else None
+        if found:
+            return min(found)[1:]
+        return ("e", self.e_places[name]) if name in self.e_places else None
 
     def names(self) -> list[str]:
         """Names of what a user drives or loads: coordinates, rotations in space by their axes, deformations."""
@@ -177,11 +181,17 @@ class Labels:
             self.known(node)
         return found
 
-    def deformations(self, element: str, number: int | None = None) -> Any:
+    @property
+    def e_places(self) -> dict[str, int]:
+        """Indices in e of the deformations by their labels, such as "leaf.e4", and by name, as "leaf.elongation"."""
+        own = [(i, entry) for i, entry in enumerate(self.e) if entry.kind == "deformation"]
+        return {str(one): i for i, one in own} | {f"{one.of}.{one.name}": i for i, one in own if one.name}
+
+    def deformations(self, element: str, number: int | str | None = None) -> Any:
         """Indices in e of an element's deformations, or of one of them.
 
         Args:
-            number: Which, from 1.
+            number: Which, from 1, or its name.
 
         Raises:
             KeyError: No such element, or it has no such deformation.
@@ -192,10 +202,13 @@ class Labels:
             raise KeyError(f"no element '{element}' in this model{_instead(element, there, 'element')}")
         if number is None:
             return np.array(own)
-        counts = [self.e[i].component for i in own]
-        if number not in counts:
-            raise KeyError(f"element '{element}' has deformations {counts[0]} to {counts[-1]}, not {number!r}")
-        return own[counts.index(number)]
+        for i in own:
+            if number in (self.e[i].component, self.e[i].symbol) or (number and number == self.e[i].name):
+                return i
+        names = ", ".join(f"{e.component} {e.name}" for i in own if (e := self.e[i]).name)
+        raise KeyError(
+            f"element '{element}' has deformations 1 to {len(own)}, not {number!r}{f': {names}' if names else ''}"
+        )
 
 
 class Model(Result, Record):

@@ -143,7 +143,7 @@ def simulate(
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; what is driven begins elsewhere or
             with speed, and degrees of freedom, which keep their values then, were found, not named; it starts stressed
             by strain or imperfection, unasked.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
         FlexmbWarning: The energy changes by more than loads, dampers, controllers and prescribed motions explain, by
             over 100 ``rtol`` of the greatest kinetic plus elastic energy (``Motion.energy_error``).
 

@@ -269,7 +269,7 @@ def path(
 
     Warns:
         FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
 
     Raises:
         AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or

@@ -26,7 +26,7 @@ _BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
 
 def closure(element: Element) -> int:
     """Number of deformations that close a spectral beam; none for any other element."""
-    return element.fields[0][0] - 1 - len(warping(element)) if element.fields else 0
+    return len(element.closure)
 
 
 def warping(element: Element) -> tuple[int, ...]:

@@ -166,7 +166,7 @@ def equilibrium(
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (of
             numbers that are traced the signs of :func:`flexmb.frequencies` tell).
-        CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
 
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).

@@ -157,7 +157,7 @@ def equilibria(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some of them are not stable.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for.
+        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
 
     Source:
         As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,

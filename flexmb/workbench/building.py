@@ -369,7 +369,7 @@ def _components(values: Any) -> list[Any]:
 
 
 def _released(words: list[str]) -> Any:
-    """What may change: "all", "none" or numbers."""
+    """What may change: "all", "none", or numbers and names."""
     if words in (["all"], ["none"]):
         return "all" if words == ["all"] else ()
-    return _components([word.removeprefix("e") for word in words])
+    return _components(words)

@@ -95,7 +95,9 @@ class Calls:
         kind, of, number = key
         if kind == "element" and of in self._turned:
             return turned_by(of)[1] or "rotation"
-        own = self.b.nodes.get(of) if kind == "node" else None
+        if kind == "element":
+            return _said(self.b.members[of], number)
+        own = self.b.nodes.get(of)
         return str(number) if own is None or own.kind.part == "internal" else own.kind.components[number - 1]
 
     # -- nodes and elements -----------------------------------------------------------------------------------------
@@ -127,10 +129,11 @@ class Calls:
         roles = [role for role in member.roles]
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}
         free = {n for n, role in enumerate(roles, 1) if role is Role.DEPENDENT} - set(element.measured) - chosen
-        usual = released_in(name, element.freed(member.properties), len(roles))
+        usual = released_in(name, element.freed(member.properties), element, len(roles))
         if free != set(usual) - set(element.measured) - chosen:
-            whole = free | chosen | set(element.measured) == set(range(1, len(roles) + 1)) and free
-            args["released"] = ALL if whole else " ".join(map(str, sorted(free))) or "none"
+            every = free == set(released_in(name, ALL, element, len(roles))) - set(element.measured) - chosen
+            words = [_said(member, number) for number in sorted(free)]
+            args["released"] = ALL if every and free else " ".join(words) or "none"
         self._say(call.name, args, name)
 
     def _ends(self, member: Member) -> list[str]:
@@ -353,6 +356,12 @@ def _rows(entries: dict[Key, Any]) -> dict[str, dict[int, Any]]:
     for (_, of, number), value in entries.items():
         rows.setdefault(of, {})[number] = value
     return rows
+
+
+def _said(member: Member, number: int) -> str:
+    """A deformation by its number; of a closure by its name, without which it cannot be freed."""
+    element = member.element
+    return element.deformation_names.get(number, str(number)) if number in element.closure else str(number)
 
 
 def _same(known: Any, value: Any) -> bool:

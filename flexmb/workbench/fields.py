@@ -189,7 +189,8 @@ def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[di
     hints, docs = typing.get_type_hints(function), _arguments(function)
     found = []
     for name, parameter in inspect.signature(function).parameters.items():
-        if name in (*without, "name"):
+        # Numbers by name are fields of what they belong to.
+        if name in (*without, "name") or parameter.kind is parameter.VAR_KEYWORD:
             continue
         # Several components may be none, but of what must be named; the Builder says where.
         several = parameter.kind is parameter.VAR_POSITIONAL
@@ -262,7 +263,9 @@ def _of_element(room: Any, name: str) -> Call:
     fields.sort(key=lambda field: (field["name"] != "section", field["optional"]))
     hint = typing.get_type_hints(element.deformation).get("return")
     has_deformations = getattr(hint, "dim_str", "n") != "0"
-    released = _field("released", "deformations", None, "Numbers (from 1) of the deformations that may change, or all.")
+    released = _field(
+        "released", "deformations", None, "Names or numbers (from 1) of the deformations that may change, or all."
+    )
     group = "element" if has_deformations else "mass" if element.inertia is not None else "load"
     # Where the Builder has a method for it, that is what one draws.
     return _call(

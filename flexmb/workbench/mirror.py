@@ -209,8 +209,8 @@ class _Image:
         is_node = kind == "node" or (kind != "element" and of in self.built.builder.nodes)
         if not is_node and (kind == "element" or known.thing(("element",), of)):
             signs = self._parity(thing, "of")
-            number = component.removeprefix("e")
-            return int(signs[int(number) - 1]) if number.isdecimal() and 0 < int(number) <= len(signs) else 1
+            number = self.built.builder.members[of].element.number_of(component) or 0
+            return int(signs[number - 1]) if 0 < number <= len(signs) else 1
         if component == "rotation":
             return 1 if self.d == 3 else -1
         if component == "phi":

@@ -205,7 +205,7 @@ class _Script:
             words = [word for text in one for word in re.split(r"[\s,]+", text) if word]
             shown = [word if word.isascii() and word.isdecimal() else _quoted(word) for word in words]
             if field["name"] == "released":
-                return _released(words)
+                return _released(words, shown)
             return NODES.join(shown)
         if kind == "nodes":
             return NODES.join(map(_quoted, one))
@@ -243,11 +243,10 @@ def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def _released(words: list[str]) -> str:
+def _released(words: list[str], shown: list[str]) -> str:
     if words in (["all"], ["none"]):
         return '"all"' if words == ["all"] else "()"
-    numbers = [word.removeprefix("e") for word in words]
-    return f"({', '.join(numbers)}{',' * (len(numbers) == 1)})"
+    return f"({', '.join(shown)}{',' * (len(shown) == 1)})"
 
 
 def _wrapped(called: str, args: list[str]) -> str:

@@ -3,6 +3,7 @@
 import inspect
 import pydoc
 import re
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +12,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
+from flexmb.elements.told import deformations_of
 
 ROOMS = (planar, spatial, fm.sections, fm.materials, fm.blocks, fm.plot, fm.linear, fm.motion, fm.design, fm.control)
 ELEMENTS = {
@@ -45,6 +47,17 @@ def test_help_tells_of_the_element(name):
     assert "\n" not in line
     assert " at 0x" not in line + told
     assert name.rpartition(".")[2] in fm.__dict__[name.partition(".")[0]].__doc__
+
+
+def test_the_manual_has_the_deformations_of_every_element():
+    """By number and name, those of the default order, with shear where there is that option."""
+    manual = (Path(__file__).parents[2] / "notebooks" / "README.md").read_text()
+    rows = re.findall(r"^\| ((?:`(?:planar|spatial)\.\w+`(?:, )?)+) \| (.*) \|$", manual, re.MULTILINE)
+    found = {name: said for names, said in rows for name in re.findall(r"`([\w.]+)`", names)}
+    assert found.keys() == ELEMENTS.keys()
+    for name, said in found.items():
+        element = ELEMENTS[name](shear=True) if "shear" in ELEMENTS[name].option_names else ELEMENTS[name]
+        assert re.sub(r" \[(m|rad)\]", "", said) == (deformations_of(element) or "none"), name
 
 
 def test_an_element_of_ones_own_is_told_by_its_function():

@@ -321,7 +321,7 @@ INEXPRESSIBLE = {
     "'left.internal' is named, coordinates that an element owns": named(),
 }
 _CLOSED, _INTERNAL = list(INEXPRESSIBLE.values())[1:]
-_CLOSED.release("left", 2)
+_CLOSED.release("left", "closure_y")
 _INTERNAL.force("left.internal", (1.0,))
 
 

@@ -1,4 +1,4 @@
-"""A word where one beam is bent or twisted further than it is right for, against arcs and twists in closed form."""
+"""A word where a cubic beam is bent, twisted or stretched further than it is right for, against closed forms."""
 
 import warnings
 
@@ -94,4 +94,58 @@ def test_a_twist():
 
 def test_a_spectral_beam_needs_no_other():
     _, words = said(lambda: fm.equilibrium(bent(1.0 * BEND / LENGTH, planar.spectral_beam(5))))
+    assert words == []
+
+
+PULLED = fm.Rigidity(EA=2e3, EIy=BEND, EIz=BEND, GIt=TWIST, mass=1.0)
+
+
+def pulled(strain, element=planar.beam, count=4, across=1e-4, **options):
+    """A cantilever that is stretched, with a small force across its end."""
+    b = fm.Builder()
+    b.node("n0", (0, 0))
+    for i in range(count):
+        b.node(f"n{i + 1}", (LENGTH * (i + 1) / count, 0))
+        b.add(element, f"n{i}", f"n{i + 1}", name=f"l{i}", section=PULLED, **options)
+    b.fix("n0")
+    b.force(f"n{count}", (PULLED.EA * strain, across))
+    return b.build()
+
+
+def deflection(strain, bend, across=1e-4):
+    """Of an exact beam: (F/N)(1 + eps)(L - tanh(kL)/k), k^2 = N (1 + eps)/EI, THEORY.md 2."""
+    pull = PULLED.EA * strain
+    k = np.sqrt(pull * (1 + strain) / bend)
+    return across / pull * (1 + strain) * (LENGTH - np.tanh(k * LENGTH) / k)
+
+
+@pytest.mark.parametrize("strain", [0.005, 0.05])
+def test_more_beams_do_not_help_where_they_are_stretched(strain):
+    """They converge to another EI, and what is advised has the right one."""
+    stiffer = BEND * (1 + strain) ** 2
+    for count, near in ((4, 2e-3), (16, 2e-4)):
+        # Off by the square of their length: 1e-3 with 4.
+        found, words = said(lambda count=count: fm.equilibrium(pulled(strain, count=count)))
+        assert found.position(f"n{count}", "y") == pytest.approx(deflection(strain, stiffer), rel=near)
+        assert [word for word in words if "use more beams" in word] == []
+        assert len(words) == (strain > 0.01)
+    if words:
+        assert "Elements 'l" in words[0]
+        assert "the strain along the beam reaches 0.05" in words[0]
+        assert "off by about 10%, however many they are: use spectral beams" in words[0]
+    found, words = said(lambda: fm.equilibrium(pulled(strain, planar.spectral_beam(5), count=1)))
+    # Digits that a force of 1e-4 leaves, and six coefficients fewer than kL = 4 needs.
+    assert found.position("n1", "y") == pytest.approx(deflection(strain, BEND), rel=1e-4)
+    assert words == []
+
+
+def test_a_beam_that_is_bent_and_stretched_is_not_told_to_be_divided():
+    _, words = said(lambda: fm.equilibrium(pulled(0.02, count=1, across=20.0)))
+    (bent_far,) = [word for word in words if "an end turns" in word]
+    assert "use more beams" not in bent_far
+    assert len(words) == 2
+
+
+def test_a_bar_that_cannot_bend_may_stretch():
+    _, words = said(lambda: fm.equilibrium(pulled(0.05, count=1, across=0.0, released=(1,))))
     assert words == []
