@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements import planar, spatial
+from ..elements.profile import Profile
 from ..elements.section import Section
 from ..elements.sections import Circle, Rectangle
 from ..elements.spectral import pieces_of
@@ -63,12 +64,36 @@ def warn_of_plain_beams(builder: Description) -> None:
         f"{what} by {f'{share:.0%}' if share < 100 else 'more than 9999%'} ('{first}'{last})"
         for what, (share, first, last) in found.items()
     ]
+    worst = {what: builder.members[first] for what, (_, first, _) in found.items()}
     warn(
-        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. A leaf_spring has it, unless its section"
-        " has breaks, and one in the plane that is made with shear=True; a section may state shear=True and"
-        " warping_length=. Where beam theory is what is wanted, ignore fm.BeamTheoryWarning.",
+        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. {_remedy(builder, worst)} Where beam"
+        " theory is what is wanted, ignore fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
+
+
+def _remedy(builder: Description, worst: dict[str, Member]) -> str:
+    """What counts the things that are left out, by these and of the beam that lacks most of each."""
+    sheared = any("shear" in what for what in worst)
+    ways = ["shear by shear=True of the section (and of a spectral_beam)"] * sheared
+    if twisted := [member for what, member in worst.items() if "warping" in what]:
+        # A warping_length is that of one section along the whole.
+        varies = any(member.properties["section"].varies for member in twisted)
+        row = "a row of spatial.warping_beam along it, each with the section there"
+        ways.append(f"warping by {row if varies else 'warping_length= of the section'}")
+    counted = f"ount {' and '.join(ways)}."
+    if not all(map(_may_be_leaf, worst.values())):
+        return f"C{counted}"
+    leaf = "spatial.leaf_spring" if builder.dimension == 3 else "planar.leaf_spring(shear=True)"
+    return f"A {leaf} counts it. Or c{counted}"
+
+
+def _may_be_leaf(member: Member) -> bool:
+    """Whether a leaf spring takes the section of a beam: a rectangle without breaks, of a beam that is straight."""
+    section: Any = member.properties["section"]
+    kind = section._kind() if isinstance(section, Profile) else section
+    breaks = isinstance(section, Profile) and section.breaks
+    return isinstance(kind, Rectangle) and not breaks and member.properties.get("curvature") is None
 
 
 def _left_out(

@@ -391,11 +391,15 @@ def _from_geometry(
     )
 
 
-def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material) -> Profile:
+def notch_circular(
+    width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material, shear: bool = False
+) -> Profile:
     """Bar with a circular notch from both sides in its middle, the hinge of Paros and Weisbord.
 
     Its twist by beams is that of a neck that warps freely, which a short neck between thick parts cannot: a solid model
-    with a neck of 0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. In bending it is within 6 %.
+    with a neck of 0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. In all else a spectral beam
+    with shear is within 6 %. A row of 34 ``spatial.warping_beam``, shorter near the neck, each as thick as the mean of
+    1/t^3 over it says, is 17 % too stiff in torsion and within 6 % in all else; ``at(place, length)`` has the size.
 
     Args:
         width: Side of the bar along local y, () [m].
@@ -403,6 +407,7 @@ def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         neck: Height left in the middle, () [m].
         radius: Of the notch, () [m]; at least half of height - neck.
         material: Material.
+        shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
     Returns:
         The section of the whole beam, whose length is at least that of the notch, 2 sqrt(d (2 radius - d)) with d =
@@ -415,11 +420,11 @@ def notch_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         Paros and Weisbord (1965), Machine Design 37, 151: the shape.
     """
     _depth(width, height, neck, radius=radius)
-    return notch_elliptic(width, height, neck, radius, radius, material)
+    return notch_elliptic(width, height, neck, radius, radius, material, shear)
 
 
 def notch_elliptic(
-    width: Scalar, height: Scalar, neck: Scalar, along: Scalar, across: Scalar, material: Material
+    width: Scalar, height: Scalar, neck: Scalar, along: Scalar, across: Scalar, material: Material, shear: bool = False
 ) -> Profile:
     """Bar with an elliptic notch from both sides in its middle.
 
@@ -430,6 +435,7 @@ def notch_elliptic(
         along: Half axis of the ellipse along the bar, () [m].
         across: Half axis across it, () [m]; at least half of height - neck.
         material: Material.
+        shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
     Returns:
         The section of the whole beam.
@@ -453,13 +459,19 @@ def notch_elliptic(
         x = jnp.abs(place - 0.5) * length
         inside = x < cut
         x = jnp.where(inside, x, 0.0)
-        return Rectangle(width, jnp.where(inside, neck + 2 * across * _rise(x / along), height), material)
+        return Rectangle(width, jnp.where(inside, neck + 2 * across * _rise(x / along), height), material, shear=shear)
 
     return Profile(section, lambda length: (0.5 - cut / length, 0.5, 0.5 + cut / length))
 
 
 def notch_filleted(
-    width: Scalar, height: Scalar, neck: Scalar, flat: Scalar, radius: Scalar, material: Material
+    width: Scalar,
+    height: Scalar,
+    neck: Scalar,
+    flat: Scalar,
+    radius: Scalar,
+    material: Material,
+    shear: bool = False,
 ) -> Profile:
     """Bar with a long notch from both sides in its middle, whose corners are rounded.
 
@@ -470,6 +482,7 @@ def notch_filleted(
         flat: Length of the neck between its roundings, () [m].
         radius: Of the roundings, () [m]; at most half of height - neck.
         material: Material.
+        shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
     Returns:
         The section of the whole beam, whose length is at least flat + 2 radius.
@@ -490,7 +503,7 @@ def notch_filleted(
         x = jnp.abs(place - 0.5) * length - flat / 2
         inside = (x > 0) & (x < radius)
         curved = neck + 2 * radius * _rise(jnp.where(inside, x, 0.0) / radius)
-        return Rectangle(width, jnp.where(x < radius, curved, height), material)
+        return Rectangle(width, jnp.where(x < radius, curved, height), material, shear=shear)
 
     def breaks(length: Float[Array, ""]):
         near, far = flat / 2 / length, (flat / 2 + radius) / length

@@ -88,3 +88,27 @@ def test_sections_that_vary():
     shear = np.trapezoid(2.6 * 15.3 / 13 / t, x) / np.trapezoid(12 * x**2 / t**3, x)
     assert f"along local z by {shear:.0%}" in found
     assert int(found.split("in torsion by ")[1].split("%")[0]) > 1000
+
+
+def test_what_is_advised_is_what_can_be_done():
+    """A leaf spring takes no breaks and no circle; what is advised leaves nothing to warn of."""
+    notch, ends = (0.01, 5e-3, 0.3e-3, 5e-3, STEEL), ((0, 0, 0), (0, 0, 0.02))
+    found = told(spatial.spectral_beam, fm.sections.notch_circular(*notch), ends=ends)
+    assert "leaf_spring" not in found
+    assert "Count shear by shear=True of the section (and of a spectral_beam) and warping by a row of" in found
+    sheared = fm.sections.notch_circular(*notch, shear=True)
+    assert "shear" not in told(spatial.spectral_beam(shear=True), sheared, ends=ends).replace("shear=True", "")
+    pieces = [sheared.at((i + 0.5) / 10, 0.02) for i in range(10)]
+    b = fm.Builder()
+    for i in range(11):
+        b.node(f"n{i}", (0, 0, 0.002 * i))
+    for i, piece in enumerate(pieces):
+        b.add(spatial.warping_beam, f"n{i}", f"n{i + 1}", section=piece)
+    b.fix("n0")
+    assert heard(b) == ""
+    assert "leaf_spring" not in told(spatial.beam, fm.Circle(0.01, STEEL))
+    strip = told(spatial.beam, STRIP)
+    assert "A spatial.leaf_spring counts it. Or count shear by" in strip
+    assert "and warping by warping_length= of the section." in strip
+    thick = fm.Rectangle(0.018, 0.01, STEEL)
+    assert "planar.leaf_spring(shear=True) counts it" in told(planar.spectral_beam, thick, ends=((0, 0), (0.1, 0)))
