@@ -2,8 +2,6 @@ import contextlib
 import gc
 import os
 import threading
-import time
-import zlib
 from importlib.metadata import version
 from pathlib import Path
 
@@ -103,15 +101,9 @@ LONGEST = [HERE / name for name in (HERE / "longest.txt").read_text().split()]
 SLOW = frozenset((HERE / "slow.txt").read_text().split("\n"))
 
 
-# Why a test that --until leaves out was skipped.
-LEFT_OUT = "left out: the time is over"
-
-
 def pytest_addoption(parser):
     text = "what becomes of the tests in tests/slow.txt; out where no file is named, in where one is"
     parser.addoption("--slow", choices=("out", "in", "only"), help=text)
-    parser.addoption("--until", type=float, help="seconds since 1970 after which no further test starts")
-    parser.addoption("--begin", default="", help="any word: it decides which file comes first, for --until")
 
 
 def is_slow(item):
@@ -128,12 +120,6 @@ def slow_ones(config):
 def pytest_collection_modifyitems(config, items):
     place = {path: at for at, path in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
-    if config.option.begin:
-        # Another file begins each time, so that none is always left out.
-        files = sorted({str(item.path) for item in items})
-        first = zlib.crc32(config.option.begin.encode()) % len(files)
-        order = {file: (at - first) % len(files) for at, file in enumerate(files)}
-        items.sort(key=lambda item: order[str(item.path)])
     asked = slow_ones(config)
     if asked != "in":
         left = [item for item in items if is_slow(item) == (asked == "out")]
@@ -141,16 +127,7 @@ def pytest_collection_modifyitems(config, items):
         config.hook.pytest_deselected(items=left)
 
 
-def pytest_runtest_setup(item):
-    if item.config.option.until and time.time() > item.config.option.until:
-        pytest.skip(LEFT_OUT)
-
-
 def pytest_terminal_summary(terminalreporter, config):
-    late = [report.nodeid for report in terminalreporter.stats.get("skipped", ()) if LEFT_OUT in str(report.longrepr)]
-    if late:
-        terminalreporter.write_line(f"Left out, since the time was over, {len(late)} tests:")
-        terminalreporter.write_line("\n".join(late))
     if slow_ones(config) == "out":
         terminalreporter.write_line("Left out: tests/slow.txt. --slow=in runs these too, --slow=only these alone.")
 
