@@ -1,7 +1,10 @@
 import contextlib
 import gc
+import hashlib
+import math
 import os
 import threading
+import time
 from importlib.metadata import version
 from pathlib import Path
 
@@ -101,9 +104,16 @@ LONGEST = [HERE / name for name in (HERE / "longest.txt").read_text().split()]
 SLOW = frozenset((HERE / "slow.txt").read_text().split("\n"))
 
 
+TOO_LATE = "after the time of --until"
+
+
 def pytest_addoption(parser):
     text = "what becomes of the tests in tests/slow.txt; out where no file is named, in where one is"
     parser.addoption("--slow", choices=("out", "in", "only"), help=text)
+    text = "begin no test after this time [s since 1970], and name those that are left out"
+    parser.addoption("--until", type=float, default=math.inf, metavar="TIME", help=text)
+    text = "files in an order that follows from this text, such as a commit; by default the longest first"
+    parser.addoption("--order", metavar="TEXT", help=text)
 
 
 def is_slow(item):
@@ -119,6 +129,8 @@ def slow_ones(config):
 
 def pytest_collection_modifyitems(config, items):
     place = {path: at for at, path in enumerate(LONGEST)}
+    if seed := config.option.order:
+        place = {item.path: hashlib.sha256(f"{seed} {item.path.relative_to(HERE)}".encode()).digest() for item in items}
     items.sort(key=lambda item: place.get(item.path, len(place)))
     asked = slow_ones(config)
     if asked != "in":
@@ -127,7 +139,16 @@ def pytest_collection_modifyitems(config, items):
         config.hook.pytest_deselected(items=left)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    if time.time() > item.config.option.until:
+        pytest.skip(TOO_LATE)
+
+
 def pytest_terminal_summary(terminalreporter, config):
+    late = [one.nodeid for one in terminalreporter.stats.get("skipped", ()) if TOO_LATE in str(one.longrepr)]
+    if late:
+        terminalreporter.write_line("\n".join([f"Left out, since it was too late to begin them: {len(late)}", *late]))
     if slow_ones(config) == "out":
         terminalreporter.write_line("Left out: tests/slow.txt. --slow=in runs these too, --slow=only these alone.")
 
