@@ -877,8 +877,8 @@ FAULTS = [
     ),
     Fault(
         "motion/rosenbrock.py",
-        "equations.settle(t1, end, by_z[:n, :n])",
-        "end",
+        "equations.settle(t1, taken.end, taken.by_z[:n, :n])",
+        "taken.end",
         "motion/test_projected.py",
     ),
     Fault(
@@ -3632,8 +3632,8 @@ FAULTS = [
     Fault("paths/walk.py", "len(self.steps) == 1 and begin.singular", "False", "paths/test_path.py -k elastic"),
     Fault(
         "statics/equilibrium.py",
-        "if about := without_stiffness(model):",
-        "if (about := without_stiffness(model)) and False:",
+        "(about := without_stiffness(known)):",
+        "(about := without_stiffness(known)) and False:",
         "paths/test_path.py -k elastic",
     ),
     Fault("compilation/compile.py", "_folding(False):", "_folding(True):", "compilation/test_known_numbers.py"),

@@ -310,7 +310,7 @@ FUNCTIONS = {
     ),
     "a complex controller": (
         lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: jax.lax.complex(y, y)),
-        "What the controller gives must be real",
+        "[Tt]he controller.* must be real",
     ),
     "a complex rate of a controller": (
         lambda: fm.simulate(
