@@ -84,7 +84,11 @@ def skew_arm_in_space() -> Document:
             ("prescribe", None, {"of": "A", "component": "x", "value": "2e-3"}),
             ("prescribe", None, {"of": "A", "component": "y", "value": "1e-3"}),
             ("prescribe", None, {"of": "A", "component": "3", "value": "-1e-3"}),
-            ("prescribe", None, {"of": "A", "component": "rotation", "value": "0.05", "axis": ["1", "2", "-1"]}),
+            (
+                "prescribe",
+                None,
+                {"of": "A", "component": "rotation", "value": "0.05", "axis": ["1", "2", "-1"], "tilt": "fixed"},
+            ),
             ("force", None, {"node": "C", "force": ["3", "1", "2"]}),
             ("force", None, {"node": "B", "force": ["-1", "2", "3"], "follower": "true"}),
             ("moment", None, {"node": "C", "moment": ["0.2", "0.1", "0.3"]}),
