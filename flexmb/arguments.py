@@ -222,7 +222,7 @@ def returned(what: str, value: Any) -> Any:
     Raises:
         ModelError: It is no number and no array of numbers, or complex.
     """
-    check_real(f"What {what[0].lower()}{what[1:]} returns", value, ModelError)
+    check_real(what, value, ModelError)
     try:
         return jax.numpy.atleast_1d(jax.numpy.asarray(value, float))
     except (TypeError, ValueError) as fault:
