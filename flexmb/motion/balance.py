@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_floats
+from ..mechanics.stress_resultants import is_nonlinear
 from .chain_form import ChainForm
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
@@ -87,10 +88,16 @@ def at_start() -> Before:
 
 
 def is_seen(equations: Any) -> bool:
-    """Whether the balance of a step follows from states alone: multipliers do no work, and no controller sees them."""
-    if isinstance(equations, ControlledForm) and equations.places.late:
+    """Whether the balance of a step is looked at by the states at its ends: elements have laws, and nothing is driven.
+
+    Multipliers then do no work. What has no law has nothing that a step misses, and that balance is the coarser one.
+    """
+    if isinstance(equations, ChainForm | ControlledForm):
         return False
-    return not any(one.quantity in ("x", "e", "increment", "temperature") for one in _all_coordinates(equations).driven)
+    form = _all_coordinates(equations)
+    return is_nonlinear(form.topology) and not any(
+        one.quantity in ("x", "e", "increment", "temperature") for one in form.driven
+    )
 
 
 def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
@@ -170,4 +177,4 @@ def gained_between(equations: Any, times: tuple[Any, Any], states: tuple[MotionS
 
 
 def _all_coordinates(equations: Any) -> Any:
-    return equations if isinstance(equations, CoordinatesForm | ChainForm) else equations.form
+    return equations if isinstance(equations, CoordinatesForm) else equations.form

