@@ -289,7 +289,7 @@ def test_problems_name_the_field_and_the_rest_is_built():
         ([set_("5/nodes/1", "nowhere")], "5/nodes/1", "No node 'nowhere'", ["5"]),
         ([set_("5/nodes", ["left0"])], "5/nodes", "joins", ["5"]),
         ([set_("5/released", "7")], "5/released", "deformations 1 to 3, not 7", ["5"]),
-        ([set_("5/released", "some")], "5/released", "released", ["5"]),
+        ([set_("5/released", "some")], "5/released", "deformations 1 to 3, not 'some'", ["5"]),
         ([set_("5/second_order", "maybe")], "5/second_order", "true or false", ["5"]),
         ([set_("3/position", ["0"])], "3/position", "2 numbers", ["3", "5", "6"]),
         ([set_("4/position", ["0", "0"])], "5/nodes", "length", ["5"]),
