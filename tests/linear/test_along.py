@@ -74,7 +74,7 @@ def test_critical_points_are_states_too(snap):
         ("stiffness apex.phi", "has no component 'phi' here; it has x, y"),
         ("frequency 2", "numbered 1 to 1"),
         ("stress foot", "no stress of an element 'foot'"),
-        ("deformation bar.x", "no number of a deformation"),
+        ("deformation bar.x", "has deformations 1 to 1, not 'x'"),
         ("velocity apex.x", "has no velocities"),
     ],
 )
