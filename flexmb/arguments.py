@@ -197,7 +197,7 @@ def check_real(what: str, value: Any, fault: type = ValueError) -> None:
         raise fault(f"{what} must be real, but is complex. Give its real part if that is meant.")
 
 
-def as_reals(what: str, value: Any, fault: type = ValueError) -> Any:
+def as_reals(what: str, value: Any, fault: type = ValueError) -> jax.Array:
     """Numbers as an array of JAX of floats; complex ones are refused as by :func:`check_real`."""
     check_real(what, value, fault)
     return jax.numpy.asarray(value, float)

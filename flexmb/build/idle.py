@@ -64,7 +64,7 @@ def warn_of_idle(builder: Description) -> None:
 def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:
     """Those of some deformations of an element that its stiffness leaves without stress; none where that is unknown."""
     element = member.element
-    arguments = element.arguments(element.stiffness, member.properties)
+    arguments: Any = element.arguments(element.stiffness, member.properties)
     starts = [builder.nodes[node].start for node in member.nodes]
     others = [element.arguments(getattr(element, kind), member.properties) for kind in ELASTIC if kind != "stiffness"]
     alone = arguments is not None and all(one is None for one in others)
@@ -72,7 +72,7 @@ def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int
         return []
     companion: Any = element.stiffness
     with jax.ensure_compile_time_eval():
-        matrix = companion(ref=element.reference([np.asarray(start, float) for start in starts]), **arguments)
+        matrix = companion(ref=element.reference([np.asarray(start, float) for start in starts]), **(arguments or {}))
     return [n for n in numbers if not np.any(np.asarray(matrix)[n - 1])]
 
 

@@ -283,8 +283,8 @@ def _matrices_of(
         refuse_negative_mass(known)
         condensed = _all_massless(known)
     whole = second_order(lin)
+    plain: Any = () if traced else [np.asarray(of) for of in undifferentiated(tuple(whole))]
     if not traced:
-        plain: Any = [np.asarray(of) for of in undifferentiated(tuple(whole))]
         _refuse_idle_inputs(known, SecondOrder(*plain), condensed)
     kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
     names = [f"mode {i + 1}" for i in kept]

@@ -95,6 +95,8 @@ def is_seen(equations: Any) -> bool:
     if isinstance(equations, ChainForm | ControlledForm):
         return False
     form = _all_coordinates(equations)
+    if not isinstance(form, CoordinatesForm):
+        return False
     return is_nonlinear(form.topology) and not any(
         one.quantity in ("x", "e", "increment", "temperature") for one in form.driven
     )

@@ -97,8 +97,9 @@ class Statement:
     @property
     def words(self) -> tuple[str, ...]:
         """Its parameters, which would take ten times the room of the line."""
-        plain = self.named is None or "{" not in self.raw
-        return tuple(self.raw.split() if plain else _words(self.raw, self.named))[1:]
+        if self.named is None or "{" not in self.raw:
+            return tuple(self.raw.split()[1:])
+        return tuple(_words(self.raw, self.named))[1:]
 
     @property
     def numbers(self) -> set[int]:

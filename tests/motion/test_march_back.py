@@ -13,9 +13,10 @@ from cases import mechanisms
 import flexmb as fm
 from flexmb.math.derivative import with_derivative
 from flexmb.motion import Integrator, integrate, tape
+from flexmb.motion.balance import at_start
 from flexmb.motion.march import march
 from flexmb.motion.march_back import march_back
-from flexmb.motion.protocol import MotionState, Tangent
+from flexmb.motion.protocol import MotionState, Tangent, WholeMotion
 from flexmb.motion.tape import Span
 
 TIGHT = 1e-8
@@ -58,6 +59,16 @@ class Oscillator(NamedTuple):
     def settle(self, t, state, mass=None):
         return state
 
+    @property
+    def form(self):
+        return self
+
+    def whole_motion(self, t, state):
+        return WholeMotion(state.u, state.w, state.u, jnp.zeros(0))
+
+    def elastic_stress(self, e):
+        return self.stiffness * e
+
 
 class Unsettled(Oscillator):
     """The same, whose first accelerations are asked for."""
@@ -78,7 +89,7 @@ def moved(equations, span, start, most=400):
     one = jnp.asarray(1.0)
 
     def ahead(*own, **more):
-        return march(*own, 0.0 * one, (TIGHT * one, 0.0 * one), lambda fast: 1e-3 * one, most, **more)
+        return march(*own, at_start(), (TIGHT * one, 0.0 * one), lambda fast: 1e-3 * one, most, **more)
 
     def back(parts, kept, changes):
         return march_back(*parts, kept, changes)

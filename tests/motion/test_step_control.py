@@ -9,6 +9,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.motion.balance import at_start
 from flexmb.motion.protocol import MotionState
 from flexmb.motion.step_control import LARGE, DisplacementController
 
@@ -53,11 +54,12 @@ def test_small_motions_are_as_accurate_as_large_ones():
 @functools.partial(jax.jit, static_argnames="states")
 def adapted(moved, zero, end, error, *, states):
     """What the controller makes of a step from 0 to 0.1 s: whether it is kept, the next one, the greatest size."""
-    controller = DisplacementController(rtol=RTOL, atol=1e-12, moved=moved, states=states)
+    before = at_start()._replace(moved=jnp.asarray(moved))
+    controller = DisplacementController(rtol=RTOL, atol=1e-12, before=before, states=states)
     first, state = controller.init(None, jnp.asarray(0.0), jnp.asarray(1.0), zero, jnp.asarray(0.1), None, None, 5)
     found = controller.adapt_step_size(jnp.asarray(0.0), first, zero, end, None, error, 5, state)
     keep, after, then, _, state, _ = found
-    return keep, after, then, state[1]
+    return keep, after, then, state[1].moved
 
 
 def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
