@@ -64,7 +64,7 @@ class Balance(NamedTuple):
         """
         behind = self.with_energy(energy)
         share = jnp.abs(gained) / jnp.maximum(ALLOWED * rtol * behind.greatest + noise, 1e-300)
-        total = self.gained + gained
+        total = self.gained + jnp.sign(gained) * jnp.maximum(jnp.abs(gained) - noise, 0.0)
         worst = jnp.maximum(self.worst, jnp.abs(total))
         return jnp.where(jnp.isfinite(share), share, jnp.inf), Balance(behind.greatest, total, worst)
 
