@@ -22,8 +22,8 @@ from .coordinates_form import CoordinatesForm
 from .protocol import MotionState
 from .stages import hermite
 
-# A step may gain or lose at most so many times the relative tolerance of the greatest energy. Impacts on springs of
-# 1e6 to 1e11 N/m then keep their energy to 0.1 % at the default tolerance (tests/motion/test_balance.py).
+# A step may gain or lose at most so many times the relative tolerance of the greatest energy. At ten times, twenty
+# impacts between walls added up to more than is warned of; at three they do not (tests/motion/test_balance.py).
 ALLOWED = 3.0
 # Places in a step where forces are looked at, and their weights, by Gauss and Legendre.
 PLACES, WEIGHTS = (np.polynomial.legendre.leggauss(4)[0] + 1) / 2, np.polynomial.legendre.leggauss(4)[1] / 2
