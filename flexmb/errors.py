@@ -21,15 +21,15 @@ def clean(text: Any) -> str:
         text: A word, a name, or any value by its ``str``.
 
     Returns:
-        The text without quotation marks around it; what a terminal would act on stands as its escape, and of a long
-        one the beginning, with its length.
+        The text without quotation marks around it. What a terminal would act on stands as its escape. A long text is
+        cut in its middle and followed by its length: a path ends with the name of its file.
     """
     try:
         text = str(text)
     except Exception:  # Whatever a user's own class does, or an integer of thousands of digits.
         text = f"<{type(text).__name__}>"
-    start = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text[:LONGEST])
-    return start if len(text) <= LONGEST else f"{start}... ({len(text)} characters)"
+    cut = text if len(text) <= LONGEST else f"{text[: LONGEST // 2]}...{text[-LONGEST // 2 :]} ({len(text)} characters)"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
 
 
 def first_line(fault: BaseException) -> str:

@@ -90,7 +90,8 @@ class RESULTS(enum.IntEnum):
     motion_unfinished = (
         11,
         "The motion did not reach its end within the allowed number of steps. Allow more (max_steps), ask for less"
-        " accuracy (rtol), or use a solver for stiff motion; the results up to there are kept.",
+        " accuracy (rtol), or use a solver for stiff motion. A stiff element that the start strains vibrates at every"
+        " step: give it damping, or start it unstrained; the results up to there are kept.",
     )
     step_too_large = (
         12,

@@ -22,7 +22,7 @@ class Unwilling:
         # A lone surrogate and a mark that turns the direction of writing.
         ("\udcff\u202e", r"\udcff\u202e"),
         ("x" * LONGEST, "x" * LONGEST),
-        ("x" * 10**6, "x" * LONGEST + "... (1000000 characters)"),
+        ("x" * 10**6, "x" * (LONGEST // 2) + "..." + "x" * (LONGEST // 2) + " (1000000 characters)"),
         # Python refuses to print an integer of so many digits.
         (10**6000, "<int>"),
         (Unwilling(), "<Unwilling>"),

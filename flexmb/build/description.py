@@ -331,7 +331,7 @@ class Description:
     def _entry_to_free(self, of: str, component: str | int, kind: str | None) -> Key:
         """As :meth:`_entry`, of what is to have another role: a closure that is FIXED must be given by its name."""
         key = self._entry(of, component, kind)
-        if key[0] == "element" and self._role(key) is Role.FIXED:
+        if key[0] == "element" and key[1] in self.members and self._role(key) is Role.FIXED:
             check_closure(key[1], self.members[key[1]].element, key[2], component)
         return key
 

@@ -45,7 +45,7 @@ class Balance(NamedTuple):
     @property
     def share(self) -> Float[Array, ""]:
         """Energy gained or lost without a cause, over the greatest energy; NaN where there was no energy."""
-        return jnp.where(self.greatest > 0, self.worst / self.greatest, jnp.nan)
+        return self.worst / jnp.where(self.greatest > 0, self.greatest, jnp.nan)
 
     def with_energy(self, energy: Float[Array, ""]) -> Balance:
         """The same where the energy has been so great [J]."""
