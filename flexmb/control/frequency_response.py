@@ -42,8 +42,6 @@ NO_PART = 1e-12
 NEAR = 1e-9
 # Nor are those that a step of Newton's method turns by more than this into each other: round-off does.
 TURN = 1e-5
-# So many frequencies are solved for at a time.
-CHUNK = 64
 
 
 class FrequencyResponse(Result, Record):
@@ -585,13 +583,13 @@ def _solved_each(
     right: Complex[Array, "n_f n n_u"],
     left: Complex[Array, "n_f n_y n"],
 ):
-    """Solutions at each frequency, few at a time."""
+    """Solutions at each frequency, one after the other: a batch of large LAPACK calls may never end on a CPU."""
 
     def one(at: tuple[Array, ...]):
         w, right, left = at
         return left @ jnp.linalg.solve(jax.lax.complex(k - w**2 * m, w * c + loss), right)
 
-    return jax.lax.map(one, (w, right, left), batch_size=CHUNK)
+    return jax.lax.map(one, (w, right, left))
 
 
 @_transfer.defjvp

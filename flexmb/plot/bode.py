@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 
 from ..control.frequency_response import FrequencyResponse
 from ..control.state_space import to_statespace
@@ -56,12 +57,13 @@ def bode(
 
     Raises:
         TypeError: ``found`` is none of these.
-        ValueError: No such output or input, no output responds, frequencies that are not positive, or frequencies
-            given beside those of a FrequencyResponse.
+        ValueError: No such output or input, no output responds, frequencies that are not positive, frequencies given
+            beside those of a FrequencyResponse, or a state space of sampled time.
         ModelError: The model names no inputs or no outputs.
 
     Source:
-        C (i omega - A)^-1 B + D, by python-control.
+        C (i omega - A)^-1 B + D, by the complex Schur form of the balanced A: G. H. Golub and C. F. Van Loan, Matrix
+        Computations, 7.
     """
     if isinstance(found, FrequencyResponse):
         if hertz is not None:
@@ -81,13 +83,15 @@ def bode(
         system, farthest = _system(found)
         names = [system.output_labels, system.input_labels]
         rows, columns = _chosen("output", names[0], outputs), _chosen("input", names[1], inputs)
+        system = system[rows, columns]
+        triangular = _triangular(system)
         if hertz is None:
-            frequencies, beyond = _around_poles(system, farthest)
+            frequencies, beyond = _around_poles(np.diag(triangular[0]), farthest)
         else:
             frequencies, beyond = np.unique(np.asarray(hertz, float)), 0
         if not len(frequencies) or not np.all(np.isfinite(frequencies) & (frequencies > 0)):
             raise ValueError("Argument `hertz` must be frequencies above zero.")
-        frequencies, responses, moved = _responses(system[rows, columns], frequencies)
+        frequencies, responses, moved = _responses(*triangular, system.D, frequencies)
     if not np.any(moved):
         raise ValueError("No output responds to the inputs: there is nothing to draw.")
     # What was not asked for by name takes no place where it is not moved, or moves nothing.
@@ -118,14 +122,31 @@ def _system(found: Any) -> tuple[Any, float]:
             f"A Bode plot is drawn of a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not of a"
             f" {type(found).__name__}."
         )
+    if found.isdtime(strict=True):
+        raise ValueError(f"A Bode plot is drawn of continuous time, and not of samples every {found.dt} s.")
     return found, np.inf
 
 
-def _responses(system: Any, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _triangular(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, B and C of a state-space model in the basis that makes A triangular, with its poles on the diagonal."""
+    balanced, (scale, _) = scipy.linalg.matrix_balance(system.A, permute=False, separate=True)
+    triangular, basis = scipy.linalg.schur(balanced, output="complex")
+    return triangular, basis.conj().T @ (system.B / scale[:, None]), (system.C * scale) @ basis
+
+
+def _responses(
+    triangular: np.ndarray, right: np.ndarray, left: np.ndarray, through: np.ndarray, frequencies: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies, with some between, responses at them, (n, outputs, inputs), and which of these are not round-off."""
 
     def at(hertz: np.ndarray) -> np.ndarray:
-        return np.moveaxis(np.asarray(system((1j + DECAY) * 2 * np.pi * hertz, squeeze=False)), -1, 0)
+        """Responses by back substitution, at all frequencies at once."""
+        s = (1j + DECAY) * 2 * np.pi * hertz
+        moved = np.zeros((len(right), len(s), right.shape[1]), complex)
+        for i in reversed(range(len(right))):
+            of_others = np.tensordot(triangular[i, i + 1 :], moved[i + 1 :], 1)
+            moved[i] = (right[i] + of_others) / (s - triangular[i, i])[:, None]
+        return np.tensordot(left, moved, 1).swapaxes(0, 1) + through
 
     found = at(frequencies)
     largest = np.max(np.abs(found), axis=0)
@@ -201,12 +222,11 @@ def _panels(upper: Any, lower: Any, frequencies: np.ndarray, response: np.ndarra
         ax.set_xlim(frequencies[0], frequencies[-1])
 
 
-def _around_poles(system: Any, farthest: float) -> tuple[np.ndarray, int]:
+def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
     """Frequencies around the poles, closer beside each of them, [Hz], and how many poles are too far away.
 
     python-control asks for the zeros too, which it does not know of several outputs.
     """
-    poles = np.linalg.eigvals(system.A)
     poles = np.abs(poles[poles.imag >= 0]) / (2 * np.pi)
     poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)]
     poles = poles if poles.size else np.ones(1)

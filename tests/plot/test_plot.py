@@ -557,6 +557,28 @@ def test_bode_plot_of_several_inputs_says_what_does_not_respond():
     np.testing.assert_allclose(phases[1][[0, -1]], [-90, -270], atol=1e-3)
 
 
+def test_bode_plot_of_many_poles_agrees_with_python_control(monkeypatch):
+    """Sixty oscillators from 1 to 1e5 rad/s in a row of sums: poles of every size, mixed by a random basis."""
+    rng = np.random.default_rng(1)
+    omega, n = np.logspace(0, 5, 60), 120
+    a = np.zeros((n, n))
+    a[:60, 60:], a[60:, :60], a[60:, 60:] = np.eye(60), -np.diag(omega**2), -np.diag(0.02 * omega)
+    basis = np.kron(np.eye(2), np.linalg.qr(rng.standard_normal((60, 60)))[0])
+    b, c = np.zeros((n, 1)), np.zeros((1, n))
+    b[60:, 0], c[0, :60] = 1.0, 1.0
+    system = control.ss(basis @ a @ basis.T, basis @ b, c @ basis.T, 0.0)
+    hertz = np.logspace(-1, 4, 31)
+    # The oscillators by themselves: sum of 1/(w_k^2 - w^2 + 0.02 i w_k w).
+    w = 2 * np.pi * hertz[:, None]
+    exact = np.abs(np.sum(1 / (omega**2 - w**2 + 0.02j * omega * w), axis=1))
+    np.testing.assert_allclose(np.abs(system(1j * w[:, 0])), exact, rtol=1e-4)  # round-off of the mixed matrix
+    # Many dense solutions, one for each frequency, take a minute for a stage of 84 degrees of freedom.
+    monkeypatch.setattr(control.StateSpace, "__call__", None)
+    figure = plot.bode(system, hertz=hertz)
+    drawn, size = (np.asarray(values) for values in figure.axes[0].lines[0].get_data())
+    np.testing.assert_allclose(size[np.searchsorted(drawn, hertz)], exact, rtol=2e-4)  # DECAY over 0.01 of damping
+
+
 # Refusals.
 
 
@@ -580,6 +602,7 @@ def test_bode_plot_of_several_inputs_says_what_does_not_respond():
         (lambda m: plot.bode(m, "nothing"), ValueError, "no output 'nothing'"),
         (lambda m: plot.bode(m, hertz=[0.0, 1.0]), ValueError, "frequencies above zero"),
         (lambda m: plot.bode(3), TypeError, "StateSpace"),
+        (lambda m: plot.bode(control.ss(-1.0, 1.0, 1.0, 0.0, 0.1)), ValueError, "samples every 0.1 s"),
     ],
 )
 def test_bad_calls(guide, call, kind, words):
