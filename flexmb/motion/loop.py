@@ -15,12 +15,15 @@ from ..arguments import as_reals, check_number, check_real, is_concrete, returne
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
-from ..errors import ModelError, first_line
+from ..errors import ModelError, first_line, warn
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model, Signal
 from .controlled_form import ControlledForm, Feedback, PortPlaces, driven_by_inputs
 from .controllers import Sampled, check_sizes, connected, controller_of
 from .coordinates_form import CoordinatesForm
+
+# From so many coordinates on, a controlled motion takes tens of seconds: 10 ms a step, a thousand steps or more.
+MANY = 60
 
 
 class Loop(Record):
@@ -91,6 +94,9 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
         ValueError: A reference without a controller.
         ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an input
             that is a motion.
+
+    Warns:
+        FlexmbWarning: The mechanism has more coordinates than a controlled motion is quick with.
     """
     control, reference = loop.control, loop.reference
     if control is None:
@@ -99,6 +105,14 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
         return None
     inputs, outputs = ([s.name for s in signals] for signals in (model.labels.inputs, model.labels.outputs))
     check_signals(model, "A controller")
+    moving = model.topology.n_x - model.topology.x.fixed.shape[0]
+    if moving >= MANY:
+        warn(
+            f"A controller acts on a mechanism of {moving} coordinates: each step solves for all of them, and a sudden"
+            " action takes many steps, since it excites the stiffest elements. `fm.lean(model, bandwidth=...).model`"
+            " is a model with fewer degrees of freedom. For small motions"
+            " `control.feedback(fm.to_statespace(model, modes=...) * controller)` is quicker still."
+        )
     controller = controller_of(control)
     if hasattr(control, "D") or hasattr(control, "num"):
         check_sizes(control, inputs, outputs)

@@ -144,6 +144,7 @@ def simulate(
             with speed, and degrees of freedom, which keep their values then, were found, not named; it starts stressed
             by strain or imperfection, unasked.
         CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
+        FlexmbWarning: A controller acts on a mechanism of 60 coordinates or more, which takes long.
         FlexmbWarning: The energy changes by more than loads, dampers, controllers and prescribed motions explain, by
             over 100 ``rtol`` of the greatest kinetic plus elastic energy (``Motion.energy_error``).
 

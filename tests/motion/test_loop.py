@@ -1,5 +1,7 @@
 """Controllers around an oscillator: signs, what they measure, and what is seen of them, against the closed form."""
 
+import warnings
+
 import control
 import jax
 import jax.numpy as jnp
@@ -180,3 +182,25 @@ def test_what_returns_no_numbers_is_named(of, given):
     }
     with pytest.raises(fm.ModelError, match=f"{of} must return a number or an array of numbers, not"):
         fm.simulate(controlled(), TIMES, **options[of])
+
+
+def test_a_controller_around_many_coordinates_is_warned_of():
+    def stage(beams):
+        b = fm.Builder()
+        section = fm.Rectangle(0.02, 1e-3, fm.Material(E=2e11, G=8e10, rho=8e3))
+        for i in range(beams + 1):
+            b.node(f"n{i}", (0.1 * i / beams, 0))
+        for i in range(beams):
+            b.add(fm.planar.beam, f"n{i}", f"n{i + 1}", section=section)
+        b.fix("n0")
+        b.input(f"n{beams}", "y")
+        b.output(f"n{beams}", "y")
+        return b.build()
+
+    def held(model):
+        return fm.simulate(model, [0.0, 1e-7], control=lambda t, y: -y)
+
+    with warnings.catch_warnings(action="error"):
+        held(stage(19))
+    with pytest.warns(fm.FlexmbWarning, match=r"60 coordinates.*fm\.lean.*fm\.to_statespace"):
+        held(stage(20))
