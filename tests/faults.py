@@ -220,9 +220,9 @@ FAULTS = [
         "cli.py", 'PICTURES = (".png", ".svg", ".pdf")', 'PICTURES = (".png", ".svg")', "test_cli.py -k appear_whole"
     ),
     Fault(
-        "checks/mobility.py",
-        ": RLSE {advice[0]} {advice[1]}",
-        ": RLSE {advice[1]} {advice[0]}",
+        "checks/releases.py",
+        "RLSE {self.of} {self.number}",
+        "RLSE {self.number} {self.of}",
         "test_cli.py -k on_request",
     ),
     Fault("cli.py", "code = EXIT_WRONG_CALL", "code = 0", "test_cli.py -k wrong_call"),
@@ -2030,7 +2030,10 @@ FAULTS = [
         "found.at[first:].add(of_dependent[:, dof].T @ follow)",
         "mechanics/test_transfer.py",
     ),
-    Fault("checks/mobility.py", "round(-weight[p], 9)", "round(weight[p], 9)", "checks/test_mobility.py"),
+    Fault("checks/releases.py", "round(-least[k], 9)", "round(least[k], 9)", "checks/test_mobility.py"),
+    Fault("checks/releases.py", "least[k], gaps[k] = 0.0,", "_, gaps[k] = 0.0,", "checks/test_releases.py -k bricard"),
+    Fault("checks/releases.py", "np.any(volumes[1:]", "np.any(-volumes[1:]", "checks/test_releases.py -k bricard"),
+    Fault("checks/releases.py", "    fixed -= {", "    _ = {", "checks/test_releases.py -k signal"),
     Fault("checks/mobility.py", "len(self.rows))) * self.rows[:, None]", "len(self.rows)))", "checks/test_mobility.py"),
     Fault(
         "checks/mobility.py",
@@ -2038,7 +2041,7 @@ FAULTS = [
         "Mobility(len(free) - rank, len(held) - rank",
         "checks/test_mobility.py",
     ),
-    Fault("checks/mobility.py", "and weight[p] > 1e-6]", "]", "checks/test_mobility.py"),
+    Fault("checks/releases.py", "if sizes[start, k] > LEAST and", "if", "checks/test_mobility.py"),
     Fault("statics/stable.py", "negative = values < -", "negative = values > -", "statics/test_stable.py -k signs"),
     Fault("statics/stable.py", "slogdet(k)[0] >= 0", "slogdet(k)[0] <= 0", "statics/test_stable.py -k signs"),
     Fault(
@@ -2493,8 +2496,8 @@ FAULTS = [
     Fault("build/dofs.py", "if named > ndof:", "if False:", "build/test_builder.py -k too_few"),
     Fault(
         "build/dofs.py",
-        "builder.release(*proposal)",
-        "builder.release(proposal[0], 2)",
+        "builder.release(proposal.of, proposal.component,",
+        "builder.release(proposal.of, 2,",
         "spacar/test_tutorial.py -k on_request",
     ),
     Fault(

@@ -201,7 +201,7 @@ def test_overconstrained_guide_is_reported_refused_and_released_on_request(tmp_p
     result, data = answer("pf3dover", 7)
     assert (result.exit_code, data["status"]) == (1, "overconstrained")
     assert result.stderr.count("\n") == 1
-    advice = re.search("release deformation . of element '.': (RLSE . .)$", data["message"])
+    advice = re.search("release deformation . of element '.': (RLSE . .)$", data["message"], re.MULTILINE)
     assert advice is not None
     result, data = answer("pf3dover", 7, "--release", "auto")
     assert result.exit_code == 0

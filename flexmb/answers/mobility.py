@@ -15,9 +15,9 @@ def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
         {
             "kind": "overconstraint",
             "deformations": listed(found.stresses(i), "element"),
-            "release": None if r is None else {"element": number(r[0]), "component": r[1]},
+            "release": {own[0].kind: number(own[0].of), "component": own[0].number} if own else None,
         }
-        for i, r in enumerate(found.release)
+        for i, own in enumerate(found.candidates)
     ]
     under = [
         {"kind": "underconstraint", "coordinates": listed(found.motions(i), "node")}

@@ -740,8 +740,8 @@ class Builder(Description):
             dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
                 the coefficients of spectral beams that they leave undetermined. Or the names themselves, as
                 ``model.q_labels`` gives them: "top.x", "top.rotation.phi", "hinge.e2".
-            release: "auto" releases deformations until no over-constraint is left, which asks for checks, and for
-                places of nodes that are not traced.
+            release: "auto" releases elastic deformations, else those of joints and supports, until no over-constraint
+                is left, which asks for checks, and for places of nodes that are not traced.
             check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
 
         Returns:
@@ -756,7 +756,8 @@ class Builder(Description):
 
         Warns:
             FlexmbWarning: A prestress, strain or damping of deformations that are held; rigidities or dampers that an
-                element does not use, in place of those that a free deformation lacks.
+                element does not use, in place of those that a free deformation lacks; an automatic release that loses
+                rank along the motion.
             BeamTheoryWarning: Plain beams leave out shear or restrained warping of more than 1 % of a stiffness.
         """
         if not isinstance(dofs, str):

@@ -82,19 +82,39 @@ class Description:
         self.dimension: int | None = None
         self._clamped: set[str] = set()
 
-    def release(self, element: str, *deformations: int | str) -> None:
-        """Let deformations of an element change (DEPENDENT).
+    def release(self, element: str, *deformations: int | str, kind: str | None = None) -> None:
+        """Let deformations of an element change (DEPENDENT), or coordinates of a node that are FIXED.
 
         Args:
-            element: Name of the element.
-            deformations: Numbers from 1, or names; of a strain field's name all of its coefficients.
+            element: Name of the element or of the node.
+            deformations: Numbers from 1, or names; of a strain field's name all of its coefficients. Of a node its
+                coordinates ("x", "phi"); in space "rx", "ry" or "rz", the angle about that global axis, and the node
+                keeps the other two.
+            kind: "node" or "element", where both bear the name; the element unless given.
 
         Raises:
-            ModelError: No such deformation; one of the closure of a spectral beam that is not given by its name.
+            ModelError: No such deformation or coordinate; one that is PRESCRIBED or a degree of freedom; one of the
+                closure of a spectral beam that is not given by its name.
         """
-        given, name, member = some_of("release", element, deformations), str(element), self._member(element)
+        given, name = some_of("release", element, deformations), str(element)
+        self._check_kind(kind)
+        if kind == "node" or (kind is None and name in self.nodes and name not in self.members):
+            for key in [self._entry(name, component, "node") for component in given]:
+                self._release_support(key)
+            return
+        member = self._member(name)
         numbers = [n for one in given for n in numbers_freed(name, member.element, len(member.roles), one)]
         self._set_roles([("element", name, n) for n in numbers], Role.DEPENDENT)
+
+    def _release_support(self, key: Key) -> None:
+        """Let a coordinate change, or the angle of a rotation in space, of which the others stay FIXED."""
+        if key[0] == "element":
+            part = self._rotation_name(turned_by(key[1])[0])
+            whole = [("node", part, i) for i in range(1, ROTATION3.size + 1)]
+            if all(self._role(one) is Role.FIXED for one in whole):
+                self._set_roles(whole, Role.DEPENDENT)
+                self._set_roles([turn for i in range(3) if (turn := turn_about(self, part, i)) != key], Role.FIXED)
+        self._set_roles([key], Role.DEPENDENT)
 
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
@@ -352,7 +372,7 @@ class Description:
         for key in keys:
             kind, of, number = key
             turn = kind == "element" and number == 1 and of.startswith(TURN_OF)
-            only = kind == "node" or (turn and role is not Role.DEPENDENT)
+            only = role is not Role.DEPENDENT and (kind == "node" or turn)
             present, free = self._role(key), (Role.DEPENDENT,) if only else (Role.FIXED, Role.DEPENDENT)
             if present is not role and present not in free:
                 what = f"{'Coordinate' if kind == 'node' else 'Deformation'} {number} of '{of}'"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Constraints, constraints, mobility_of, motions_of
-from ..errors import MechanismError, ModelError
+from ..errors import MechanismError, ModelError, warn
 from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import TURNS, turn_of
 from ..model.model import MOTIONS, Model
@@ -290,9 +290,13 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
 def _release_all(builder: Description, model: Model) -> tuple[Model, Description]:
     builder = builder.copy()
     while (found := mobility_of(model, constraints(model))).overconstraints:
-        proposal = found.release[0]
-        if proposal is None:
-            raise MechanismError("overconstrained", f"No release removes an over-constraint.\n{found.report()}")
-        builder.release(*proposal)
+        for own in found.candidates:
+            if not own:
+                text = "Rigid elements alone are over-constrained. release='auto' does not release their deformations."
+                raise MechanismError("overconstrained", f"{text}\n{found.report()}")
+            proposal = own[0]
+            builder.release(proposal.of, proposal.component, kind=proposal.kind)
+            if proposal.fails:
+                warn(f"release='auto' releases {proposal.words}, and this loses rank near {proposal.fails}.")
         model = assemble(builder)
     return model, builder

@@ -8,7 +8,6 @@ import jax
 import numpy as np
 
 from ..display import AT_MOST, Result, States, Summary, among, counted
-from ..elements.element import ELASTIC
 from ..errors import ModelError
 from ..math.linear import uneven
 from ..math.subspace import dense, null_spaces, row_sizes, spread
@@ -16,6 +15,7 @@ from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Entry, Model, Signal, as_known
+from .releases import Release, one_by_one, proposals
 
 # Shares below this of the largest in a mode are not listed.
 SHOWN = 1e-3
@@ -54,8 +54,8 @@ class Mobility(Result):
         underconstraints: Number of independent motions that no constraint and no DOF holds.
         self_stress: One state of self-stress a column, in the order of e, (n_e, overconstraints) [N, N m].
         motion: One motion a column, in the order of x, (n_x, underconstraints) [m, rad, -].
-        release: For each over-constraint the deformation to release, as element and number, or None where only rigid
-            elements take part.
+        candidates: For each over-constraint what may be released, once those before it are: elastic deformations, or
+            where none takes part those of joints and single supports; the smallest self-stress that is left first.
         model: The mechanism.
     """
 
@@ -63,8 +63,13 @@ class Mobility(Result):
     underconstraints: int
     self_stress: np.ndarray
     motion: np.ndarray
-    release: tuple[tuple[str, int] | None, ...]
+    candidates: tuple[tuple[Release, ...], ...]
     model: Model
+
+    @property
+    def release(self) -> tuple[tuple[str, int | str] | None, ...]:
+        """For each over-constraint element and number, or node and coordinate; None between rigid elements."""
+        return tuple(own[0][:2] if own else None for own in self.candidates)
 
     @property
     def status(self) -> str:
@@ -97,7 +102,10 @@ class Mobility(Result):
         for i, (own, release) in enumerate(zip(parts, self.release, strict=True)):
             for share in self.stresses(i):
                 own[share.of] = max(own.get(share.of, 0.0), abs(share.share))
-            advice = f"release e{release[1]} of '{release[0]}' to remove it" if release else "between rigid elements"
+            advice = "between rigid elements"
+            if release:
+                symbol = release[1] if isinstance(release[1], str) else f"e{release[1]}"
+                advice = f"release {symbol} of '{release[0]}' to remove it"
             titles.append(f"self-stress {i + 1} of {self.overconstraints}: {advice}")
         return States(self.model, self.model.parameters.reference, "self-stress", shares=parts, titles=titles)
 
@@ -120,13 +128,12 @@ class Mobility(Result):
                 own = [e.of for e, s in zip(self.model.labels.e, self.self_stress[:, i], strict=True) if abs(s) > SHOWN]
                 parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(own))
             lines.append(f"self-stress {i + 1}: {parts}")
-            advice = self.release[i]
-            if advice is not None:
-                # Elements of files are named by numbers, and there a line says it.
-                own = f": RLSE {advice[0]} {advice[1]}" if advice[0].isdecimal() else ""
-                lines.append(f"  to remove it, release deformation {advice[1]} of element '{advice[0]}'{own}")
+            if own := self.candidates[i]:
+                lines.append(f"  to remove it, release {own[0].words}: {own[0]}")
             else:
                 lines.append("  rigid elements form a closed loop here: replace one by a flexible or a pinned one")
+            if own[1:]:
+                lines.append(f"  or one of these, the smallest self-stress first: {among(map(str, own[1:]))}")
         for i in range(self.underconstraints):
             parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.motions(i))
             lines.append(f"free motion {i + 1}: {parts}")
@@ -305,10 +312,8 @@ def mobility_of(model: Model, found: Constraints) -> Mobility:
     matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)
-    fixed = set(np.asarray(model.topology.e.fixed).tolist())
-    allowed = fixed & set(np.flatnonzero(_flexible(model)).tolist()) if rank < len(held) else ()
-    release = _proposals(model, matrix, held, allowed) if rank < len(held) else ()
-    return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), release, model)
+    candidates = proposals(model, found, _stress(model, left, held))
+    return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), candidates, model)
 
 
 def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tuple[str, int] | None, ...]:
@@ -322,8 +327,15 @@ def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tup
         Element and number, or None where no candidate takes part.
     """
     matrix, held, _ = _held_rows(model, constraints(model))
-    allowed = {i for i, entry in enumerate(model.labels.e) if (entry.of, entry.component) in candidates}
-    return _proposals(model, matrix, held, allowed)
+    left = null_spaces(matrix)[1]
+    rows = [i for i in held.tolist() if (model.labels.e[i].of, model.labels.e[i].component) in candidates]
+    found = [(own[0].of, own[0].number) for own in one_by_one(model, rows, _stress(model, left, held))]
+    return (*found, *[None] * (left.shape[1] - len(found)))
+
+
+def _stress(model: Model, left: Any, held: np.ndarray) -> np.ndarray:
+    """Orthonormal self-stresses, with the rows that are not held, (n_e, over)."""
+    return dense(spread(left, held, model.topology.n_e))
 
 
 def _held_rows(model: Model, found: Constraints) -> tuple[Any, np.ndarray, np.ndarray]:
@@ -331,44 +343,3 @@ def _held_rows(model: Model, found: Constraints) -> tuple[Any, np.ndarray, np.nd
     topology = model.topology
     held, free = np.asarray(topology.e.given), np.asarray(topology.x.dependent)
     return found.jacobian[np.ix_(held, free)], held, free
-
-
-def _proposals(
-    model: Model, matrix: Any, held: np.ndarray, allowed: Collection[int]
-) -> tuple[tuple[str, int] | None, ...]:
-    """One allowed deformation a state of self-stress whose release removes it: the one with the largest part in it."""
-    candidates = {k for k, i in enumerate(held.tolist()) if i in allowed}
-    proposals: list[tuple[str, int] | None] = []
-    remaining = list(range(len(held)))
-    while True:
-        rank, left, _ = null_spaces(matrix[remaining])
-        if rank == len(remaining):
-            return tuple(proposals)
-        # How much of each row lies in the space of self-stresses: releasing it removes one of them.
-        weight = row_sizes(left)
-        best = [(round(-weight[p], 9), k) for p, k in enumerate(remaining) if k in candidates and weight[p] > 1e-6]
-        if not best:
-            return tuple(proposals + [None] * (len(remaining) - rank))
-        row = min(best)[1]
-        entry = model.labels.e[held[row]]
-        proposals.append((entry.of, entry.component))
-        remaining.remove(row)
-
-
-def _flexible(model: Model) -> np.ndarray:
-    """Whether each deformation is elastic and of an element of which some deformation is free already.
-
-    The closure of a spectral beam is not elastic: releasing it would cut the beam.
-    """
-    flexible = np.zeros(model.topology.n_e, bool)
-    free = set(np.asarray(model.topology.e.free).tolist())
-    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        element = block.element
-        if set(ELASTIC).isdisjoint(block.companions):
-            continue
-        if not element.is_elastic({**dict(block.options), **properties}):
-            continue
-        elastic = [n - 1 for field in element.fields for n in field] or slice(None)
-        for row in np.asarray(block.e):
-            flexible[row[elastic]] = not free.isdisjoint(row[elastic].tolist())
-    return flexible

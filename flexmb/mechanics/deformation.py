@@ -105,15 +105,20 @@ def deformation_jacobian(
 
 
 @jit
-def _jacobians(block: Block, properties: dict[str, Any], ref: Float[Array, "elements c"]):
+def _jacobians(
+    block: Block,
+    properties: dict[str, Any],
+    x: Float[Array, "elements c"],
+    ref: Float[Array, "elements c"],
+    near: Float[Array, "elements n"],
+):
     function: Any = companion_of(block, properties, "deformation")[0]
-    near = {"near": jnp.zeros(block.e.shape[1])} if block.element.tracks_angle else {}
 
-    def with_value(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
-        e = function(x, ref, own, **near)
+    def with_value(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any], near: Float[Array, "n"]):
+        e = function(x, ref, own, **({"near": near} if block.element.tracks_angle else {}))
         return e, e
 
-    return jax.vmap(jax.jacfwd(with_value, has_aux=True))(ref, ref, properties)
+    return jax.vmap(jax.jacfwd(with_value, has_aux=True))(x, ref, properties, near)
 
 
 def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
@@ -138,7 +143,22 @@ def _padded(rows: np.ndarray) -> np.ndarray:
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
+    Returns:
+        e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
+    """
+    return on_host(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
+
+
+def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, Any]:
+    """Deformations of concrete coordinates, and their derivatives.
+
     Compiled for each type of element and every power of two of their number, whatever else there is in the mechanism.
+
+    Args:
+        topology: Structure.
+        parameters: Concrete numbers.
+        at: Nodal coordinates, (n_x,) [m, rad, -].
+        near: As of :func:`deformations`, (n_e,) [m, rad].
 
     Returns:
         e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
@@ -156,7 +176,8 @@ def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, 
         x, e, chosen = jax.tree.map(lambda *rows: _padded(np.concatenate(rows)), *members)
         then = (("deformation", meaning),)
         block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
-        matrices, found[e] = map(np.asarray, _jacobians(block, chosen, np.asarray(parameters.reference)[x]))
+        whole = _jacobians(block, chosen, at[x], np.asarray(parameters.reference)[x], near[e])
+        matrices, found[e] = map(np.asarray, whole)
         count = sum(len(own) for own, _, _ in members)
         pieces.append((e[:count, :, None], x[:count, None, :], matrices[:count]))
     if topology.n_x > MANY:

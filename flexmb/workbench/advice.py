@@ -72,10 +72,11 @@ def _add(call: str, **arguments: Any) -> dict[str, Any]:
 
 
 def _releases(found: Count, things: list[dict[str, Any]]) -> list[Advice]:
-    """Deformations to release, one a state of self-stress, and all of them."""
+    """Deformations to release, one a state of self-stress, and all of them; supports are edited where they are."""
     if found.mobility is None or not found.over:
         return []
-    releases = [one for one in dict.fromkeys(found.mobility.release) if one is not None]
+    proposed = [one for one in dict.fromkeys(found.mobility.release) if one is not None]
+    releases = [(of, component) for of, component in proposed if isinstance(component, int)]
     given = []
     for element, number in releases[:AT_MOST]:
         text = f"Release deformation {number} of '{element}'"

@@ -166,8 +166,8 @@ def _invalid(builder: Builder, fault: MechanismError, parts: tuple[Part, ...]) -
 
 
 def _release_of(found: Mobility) -> str:
-    """Which deformations to release."""
-    releases = [f"deformation {one[1]} of '{one[0]}'" for one in found.release if one is not None]
+    """Which deformations and supports to release."""
+    releases = [own[0].words for own in found.candidates if own]
     if not releases:
         return "Only rigid elements take part: replace one by a flexible or a pinned one."
     left = len(found.release) - len(releases)

@@ -1,0 +1,286 @@
+"""What to release where a mechanism is over-constrained: elastic deformations, else joints and single supports."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..elements.element import ELASTIC
+from ..math.linear import uneven
+from ..math.subspace import dense, null_spaces
+from ..mechanics.deformation import on_host
+from ..model.by_name import FRAME_OF, TURN_OF, TURNS, turned_by
+from ..model.model import Entry, Model
+
+# A constraint with less than this part in all self-stresses of norm 1 takes no part in them.
+LEAST = 1e-6
+# The motion is followed to either side in so many steps, each of this many extents or radians at most: half a turn.
+STEPS, STEP = 20, 0.2
+# Mechanisms of more coordinates are looked at where they are undeformed: each step takes singular value decompositions.
+MOST_FOLLOWED = 150
+# Scaled deformations that are FIXED must come below this in so many iterations of Newton's method.
+CLOSED, ITERATIONS = 1e-10, 8
+# Scaled singular values below this are those of a self-stress; near a branching point the others come close.
+SMALL = 1e-6
+
+
+class Release(NamedTuple):
+    """A constraint whose release removes an over-constraint; the self-stress that is left goes with 1/part².
+
+    Attributes:
+        of: Element or node.
+        component: Number of its deformation, from 1; of a support "x", "phi" or "rx".
+        part: Smallest part in the self-stress of norm 1 along the motion.
+        fails: Where along the motion the release loses rank, such as "hinge.e1 = 1.57"; "" where it does not.
+        shared: Whether it is a node whose name an element bears too.
+    """
+
+    of: str
+    component: int | str
+    part: float
+    fails: str = ""
+    shared: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Whether it is of a "node" or of an "element"."""
+        return "node" if isinstance(self.component, str) else "element"
+
+    @property
+    def number(self) -> int:
+        """Number of the deformation or of the coordinate, from 1."""
+        return self.component if isinstance(self.component, int) else "xyz".find(self.component) + 1 or 1
+
+    def __str__(self) -> str:
+        """The call that releases it, or the line of a file, where elements and nodes are named by numbers."""
+        if not self.of.isdecimal():
+            kind = ", kind='node'" if self.shared else ""
+            call = f"release({self.of!r}, {self.component!r}{kind})"
+        elif self.kind == "node":
+            call = f"FIX {self.of} without coordinate {self.number}"
+        else:
+            call = f"RLSE {self.of} {self.number}"
+        return call + (f" (loses rank near {self.fails})" if self.fails else "")
+
+    @property
+    def words(self) -> str:
+        """What to release, in words."""
+        return f"{'coordinate' if self.kind == 'node' else 'deformation'} {self.component} of {self.kind} '{self.of}'"
+
+
+class _Motion(NamedTuple):
+    """States along the motion from one end to the other, (k,), the undeformed one at `start`.
+
+    Attributes:
+        parts: Of each constraint in each self-stress, whose basis changes little from state to state, (k, m, n).
+        values: Coordinates and deformations, (k, n_x + n_e).
+        start: Index of the undeformed state.
+    """
+
+    parts: np.ndarray
+    values: np.ndarray
+    start: int
+
+
+def _of_elements(model: Model, only_elastic: bool) -> list[int]:
+    """FIXED deformations of elements of which others are not; no closure, whose release cuts a spectral beam."""
+    found = []
+    fixed = set(np.asarray(model.topology.e.fixed).tolist())
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
+        element = block.element
+        is_elastic = not set(ELASTIC).isdisjoint(block.companions)
+        if only_elastic and not (is_elastic and element.is_elastic({**dict(block.options), **properties})):
+            continue
+        measured = {n - 1 for n in element.measured}
+        kept = measured | {n - 1 for n in element.closure}
+        for row in np.asarray(block.e).tolist():
+            if any(i not in fixed for n, i in enumerate(row) if n not in (() if only_elastic else measured)):
+                found += [i for n, i in enumerate(row) if i in fixed and n not in kept]
+    return sorted(found)
+
+
+def _supports(model: Model) -> tuple[list[tuple[str, str]], np.ndarray]:
+    """Names of FIXED coordinates that can be released one by one, and how each moves scaled coordinates, (n_x, s)."""
+    labels, fixed = model.labels, set(np.asarray(model.topology.x.fixed).tolist())
+    # What a signal moves, or whose reaction it measures, must stay held.
+    fixed -= {part.index for s in (*labels.inputs, *labels.outputs) for part in s.terms if not part.of_element}
+    names, moves = [], []
+    reference = np.asarray(model.parameters.reference)
+
+    def add(entry: Entry, symbol: str, first: int, values: Any) -> None:
+        names.append((entry.of.removesuffix(".rotation"), symbol))
+        moves.append(np.zeros(len(reference)))
+        moves[-1][first : first + len(values)] = values
+
+    for i in sorted(fixed):
+        entry = labels.x[i]
+        if entry.kind == "position" or entry.symbol == "phi":
+            add(entry, entry.symbol, i, [1.0])
+        elif entry.symbol == "l0" and fixed.issuperset(range(i, i + 4)) and not entry.of.startswith(FRAME_OF):
+            # Files hold a rotation in space as a whole.
+            for turn, axis in zip(() if entry.of.isdecimal() else TURNS, np.eye(3), strict=False):
+                # Half the product of the turn and the Euler parameters.
+                scalar, vector = reference[i], reference[i + 1 : i + 4]
+                add(entry, turn, i, 0.5 * np.array([-axis @ vector, *(scalar * axis + np.cross(axis, vector))]))
+    return names, np.array(moves).reshape(-1, len(reference)).T
+
+
+def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple[Release, ...], ...]:
+    """Candidates for each over-constraint, those first whose release leaves the smallest self-stress.
+
+    Elastic deformations come first; joints and supports are looked at only where no elastic one takes part.
+
+    Args:
+        model: Mechanism.
+        constraints: Its constraints, as of :func:`flexmb.checks.mobility.constraints`.
+        stress: Orthonormal self-stresses in scaled rows, (n_e, over).
+    """
+    if not stress.shape[1]:
+        return ()
+    labels, own = model.labels, _of_elements(model, True)
+    found = [tuple(releases) for releases in one_by_one(model, own, stress)]
+    if len(found) == stress.shape[1]:
+        return tuple(found)
+    taken = [model.labels.deformations(*releases[0][:2]) for releases in found]
+    supports, moves = _supports(model)
+    rows: list[int] = []
+    names: list[tuple[str, int | str]] = []
+    for i in sorted(set(_of_elements(model, False)).difference(own)):
+        entry, turn = labels.e[i], turned_by(labels.e[i].of)
+        # The hinge that holds a node about a global axis is a support; one about another axis has no such name.
+        if not entry.of.startswith(TURN_OF) or (turn[1] and entry.component == 1):
+            rows.append(i)
+            names.append(turn if entry.of.startswith(TURN_OF) else (entry.of, entry.component))
+    names += supports
+    elements = {name for name, *_ in labels.elements}
+    motion = _along_motion(model, constraints, taken, rows, moves)
+    for order in _in_turn(motion.parts, motion.start):
+        releases = [Release(*names[k], part, _place(model, motion, gap)) for k, part, gap in order]
+        found.append(tuple(one._replace(shared=one.kind == "node" and one.of in elements) for one in releases))
+    return (*found, *[()] * (stress.shape[1] - len(found)))
+
+
+def one_by_one(model: Model, rows: Sequence[int], stress: np.ndarray) -> Iterator[list[Release]]:
+    """Deformations that remove an over-constraint each, by their parts in the undeformed mechanism.
+
+    Args:
+        model: Mechanism.
+        rows: Deformations that may be released, indices in e.
+        stress: Orthonormal self-stresses in scaled rows, (n_e, over).
+    """
+    for order in _in_turn(stress[None, list(rows)], 0):
+        entries = [(model.labels.e[rows[k]], part) for k, part, _ in order]
+        yield [Release(entry.of, entry.component, part) for entry, part in entries]
+
+
+def _in_turn(parts: np.ndarray, start: int) -> Iterator[list[tuple[int, float, float | None]]]:
+    """Constraints that remove one over-constraint after the other, the best first, which is taken as released.
+
+    Args:
+        parts: Of each constraint in each self-stress, in states along the motion, (k, m, n).
+        start: State in which each must take part.
+
+    Yields:
+        Index of the constraint, its smallest part, and the state nearest to the start where it loses rank.
+    """
+    count, taken, rest = parts.shape[2], [], parts
+    while len(taken) < count:
+        sizes = np.linalg.norm(rest, axis=2)
+        least, gaps = sizes.min(axis=0), [None] * parts.shape[1]
+        if len(taken) == count - 1 and len(parts) > 1:
+            # The last part has a sign, which the volume that all of them span changes where the last one vanishes.
+            sets = np.array([[*taken, k] for k in range(parts.shape[1])], int).reshape(-1, count)
+            volumes = np.linalg.det(parts[:, sets])
+            for k in np.flatnonzero(np.any(volumes[1:] * volumes[:-1] < 0, axis=0)):
+                crossed = np.flatnonzero(volumes[1:, k] * volumes[:-1, k] < 0)
+                at = int(crossed[np.argmin(np.abs(crossed + 0.5 - start))])
+                least[k], gaps[k] = 0.0, at + volumes[at, k] / (volumes[at, k] - volumes[at + 1, k])
+        best = [k for k in range(parts.shape[1]) if sizes[start, k] > LEAST and k not in taken]
+        best.sort(key=lambda k: (round(-least[k], 9), round(-sizes[start, k], 9), k))
+        if not best:
+            return
+        yield [(k, float(least[k]), gaps[k]) for k in best]
+        taken.append(best[0])
+        # What is left of the self-stresses once this constraint is released.
+        row = rest[:, best[0]] / np.maximum(sizes[:, best[0], None], np.finfo(float).tiny)
+        rest = rest - (rest @ row[:, :, None]) * row[:, None]
+
+
+def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[int], moves: np.ndarray) -> _Motion:
+    """Parts of deformations and of supports in the self-stresses, as far as the mechanism moves to either side.
+
+    Args:
+        model: Mechanism.
+        constraints: Its constraints.
+        taken: Deformations that are released already, indices in e.
+        rows: Deformations, indices in e.
+        moves: What each support moves, (n_x, s).
+    """
+    top = model.topology
+    held, free = np.setdiff1d(top.e.held, taken), np.asarray(top.x.free)
+    row_of = {i: k for k, i in enumerate(held.tolist())}
+    rows = [row_of[i] for i in rows]
+
+    def parts_of(jacobian: Any, left: Any) -> np.ndarray:
+        # A support bears what the self-stress does to its coordinate.
+        return np.concatenate([left[rows], -dense(jacobian[held] @ moves).T @ left])
+
+    reference = np.asarray(model.parameters.reference)
+    rank, left, right = null_spaces(constraints.jacobian[np.ix_(held, free)])
+    left, right = dense(left), dense(right)
+    begin = reference, np.zeros(top.n_e), left
+    states, found = [(parts_of(constraints.jacobian, left), np.append(*begin[:2]))], []
+    sides = (1, -1) if right.shape[1] and left.shape[1] and top.n_x <= MOST_FOLLOWED else ()
+
+    def closed(x: np.ndarray, near: np.ndarray):
+        """The state of the mechanism near to coordinates; None where its FIXED deformations do not vanish."""
+        for _ in range(ITERATIONS):
+            e, jacobian = on_host(top, model.parameters, x, near)
+            jacobian = dense(jacobian) * constraints.columns * constraints.rows[:, None]
+            if not np.all(np.isfinite(jacobian)):
+                return None
+            u, values, vh = np.linalg.svd(jacobian[np.ix_(held, free)])
+            excess = (constraints.rows * e)[held]
+            if np.max(np.abs(excess), initial=0.0) < CLOSED:
+                return x, e, jacobian, u, values, vh
+            change = vh[:rank].T @ ((u[:, :rank].T @ excess) / values[:rank])
+            x = x.copy()
+            x[free] -= constraints.columns[free] * change
+        return None
+
+    for side in sides:
+        x, near, before = begin
+        way, found = side * right @ uneven(right.shape[1], 1), []
+        for _ in range(STEPS):
+            x = x.copy()
+            x[free] += STEP * constraints.columns[free] * way / np.max(np.abs(way))
+            state = closed(x, near)
+            if state is None or np.max(state[4][rank:], initial=0.0) > SMALL:
+                break
+            x, near, jacobian, u, values, vh = state
+            way = vh[rank:].T @ (vh[rank:] @ way)
+            if values[rank - 1] < SMALL:
+                continue
+            turned, _, back = np.linalg.svd(u[:, rank:].T @ before)
+            before = u[:, rank:] @ (turned @ back)
+            found.append((parts_of(jacobian, before), np.append(x, near)))
+        states = states + found if side > 0 else found[::-1] + states
+    return _Motion(np.array([own for own, _ in states]), np.array([own for _, own in states]), len(found))
+
+
+def _place(model: Model, motion: _Motion, gap: float | None) -> str:
+    """Where along the motion a release loses rank: a deformation or coordinate that moves much, and its value there."""
+    if gap is None:
+        return ""
+    top, entries = model.topology, (*model.labels.x, *model.labels.e)
+    angles = [i for i in np.asarray(top.e.free).tolist() if not entries[top.n_x + i].of.startswith(TURN_OF)]
+    ranges = np.ptp(motion.values, axis=0)
+    shown = [top.n_x + i for i in angles if ranges[top.n_x + i] > STEP]
+    if not shown:
+        sizes = np.array([entry.kind == "position" or entry.symbol == "phi" for entry in model.labels.x])
+        shown = [int(np.argmax(sizes * ranges[: top.n_x]))]
+    # Among equals the first: a rounding difference must not decide.
+    most = next(i for i in shown if ranges[i] > (1 - 1e-6) * max(ranges[shown]))
+    value = np.interp(gap, np.arange(len(motion.values)), motion.values[:, most])
+    # Between two states it is known to a thousandth of the way.
+    return f"{entries[most]} = {np.round(value / ranges[most], 3) * ranges[most]:.3g}"
