@@ -30,6 +30,7 @@ FREE = 1e-13
 APART = 1e-9
 # A motion has no mass where it is below this share of the largest.
 MASSLESS = 1e-12
+TINY = np.finfo(float).tiny
 
 
 def named(model: Model, motions: np.ndarray) -> str:
@@ -135,7 +136,7 @@ def without_mass(model: Model) -> str:
 
 
 def without_anything(lin: Linearization, *, damped: bool = True) -> str:
-    """Names of the motions that have neither mass nor stiffness, for a message; empty where there is none.
+    """Names of the motions that have neither mass nor stiffness, and a remedy; empty where there is none.
 
     Args:
         damped: Whether those that have damping are named too.
@@ -143,15 +144,27 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     _, free, _ = free_motions(m)
-    light = [v for v in free.T if _is_left_alone(v, m.M0)]
+    # Each motion in a unit in which its mass would be one, did nothing cancel.
+    sizes = np.sqrt(_uncancelled(free, m.M0))
+    free = free / np.where(sizes > 0, sizes, 1.0)
+    held = free.T @ m.M0 @ free
     if not damped:
-        light = [v for v in light if _is_left_alone(v, m.C0 + m.D0)]
-    return f"Here that is {named(lin.model, np.asarray(m.DFx) @ np.array(light).T)}." if light else ""
+        damping = m.C0 + m.D0
+        held = held + free.T @ damping @ free / max(np.max(_uncancelled(free, damping), initial=0.0), TINY)
+    shares, combinations = np.linalg.eigh((held + held.T) / 2)
+    light = free @ combinations[:, shares <= MASSLESS]
+    if not light.size:
+        return ""
+    moving = named(lin.model, np.asarray(m.DFx) @ light)
+    return (
+        f"Here that is {moving}. It has no mass either: give it a mass or an inertia (sections have rotary inertia unless"
+        " rotary=False), or hold it."
+    )
 
 
-def _is_left_alone(v: np.ndarray, matrix: np.ndarray) -> bool:
-    """Whether a motion has no part in a quadratic form but round-off."""
-    return bool(abs(v @ matrix @ v) <= MASSLESS * (np.abs(v) @ np.abs(matrix) @ np.abs(v)))
+def _uncancelled(motions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """A quadratic form of each motion, had all its terms one sign, (k,)."""
+    return np.sum(np.abs(motions) * (np.abs(matrix) @ np.abs(motions)), axis=0)
 
 
 def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
@@ -170,8 +183,7 @@ def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
         return
     about = without_anything(lin, damped=damped)
     if about:
-        remedy = "It has no mass either: give it a mass or an inertia, or hold it."
-        raise AnalysisError("singular_stiffness", f"{RESULTS.singular_stiffness.message} {about} {remedy}")
+        raise AnalysisError("singular_stiffness", f"{RESULTS.singular_stiffness.message} {about}")
 
 
 def of_stiffest(model: Model) -> str:

@@ -117,9 +117,26 @@ def test_one_of_two_motions_that_carries_no_mass_is_named_in_a_simulation():
 
 
 def test_a_motion_with_neither_mass_nor_stiffness_is_named():
-    with pytest.raises(fm.AnalysisError, match=r"arm\.phi") as fault:
-        fm.frequencies(with_free_arm(mass=None))
-    assert fault.value.code == "singular_stiffness"
+    for ask in (fm.frequencies, fm.modes, fm.poles):
+        with pytest.raises(fm.AnalysisError, match=r"arm\.phi.* no mass either: give it a mass or an inertia") as fault:
+            ask(with_free_arm(mass=None))
+        assert fault.value.code == "singular_stiffness"
+
+
+def test_sections_without_rotary_inertia_are_named_where_a_motion_carries_no_mass():
+    """A pinned bar turns about its own axis: without rotary inertia nothing of it resists or carries that."""
+    b = fm.Builder()
+    for name, place in {"A": (0, 0, 0), "B": (0.1, 0, 0)}.items():
+        b.node(name, place)
+    section = fm.Rectangle(0.02, 0.02, fm.Material(E=2e11, G=8e10, rho=8e3), rotary=False)
+    b.add(fm.spatial.beam, "A", "B", section=section)
+    b.fix("A", "position")
+    for ask in (fm.frequencies, fm.modes, fm.poles):
+        with pytest.raises(
+            fm.AnalysisError,
+            match=r"that is A\.rotation\.l1 .*, B\.rotation\.l1 .*\. It has no mass either.*rotary=False",
+        ):
+            ask(b.build())
 
 
 # -- no stiffness -------------------------------------------------------------------------------------------------
