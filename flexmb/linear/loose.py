@@ -157,8 +157,8 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
         return ""
     moving = named(lin.model, np.asarray(m.DFx) @ light)
     return (
-        f"Here that is {moving}. It has no mass either: give it a mass or an inertia (sections have rotary inertia unless"
-        " rotary=False), or hold it."
+        f"Here that is {moving}. It has no mass either: give it a mass or an inertia (sections have rotary inertia"
+        " unless rotary=False), or hold it."
     )
 
 
