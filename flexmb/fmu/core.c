@@ -11,10 +11,11 @@
  *     static int plant(const double *p, double t, const double *x, const double *u, double *xdot, double *y,
  *                      double *memory, double *work);
  *
- *   p (N_P) parameters, x (N_X) states, u (N_U) inputs; it fills xdot (N_X) and y (N_Y). memory (N_MEMORY) is where
- *   iterations start; it is read and written, begins as data.h says, and belongs to the unit's state. work (N_WORK)
- *   holds nothing from call to call. All arrays lie on the heap and none overlap. 0 is returned where all converged. No
- *   other variable of the file may change: many units run in one process. Constant tables are `static const`.
+ *   p (N_P) parameters, x (N_X) states, u (N_U) inputs; it fills xdot (N_X) and y (N_Y - N_ABSOLUTE). memory
+ *   (N_MEMORY) is where iterations start; it is read and written, begins as data.h says, and belongs to the unit's
+ *   state. work (N_WORK) holds nothing from call to call. All arrays lie on the heap and none overlap. 0 is returned
+ *   where all converged. No other variable of the file may change: many units run in one process. Constant tables are
+ *   `static const`.
  */
 #include <float.h>
 #include <math.h>
@@ -143,12 +144,22 @@ static Unit *begin(const char *name, const char *token, const char *folder, void
     return unit;
 }
 
+/* Absolute positions, the last outputs: displacements plus the coordinates that these count from, or their change. */
+static void add_absolute(double *y, double whole) {
+    size_t i;
+    for (i = N_Y - N_ABSOLUTE; i < N_Y; i++) {
+        const size_t k = i - (N_Y - N_ABSOLUTE);
+        y[i] = y[ABSOLUTE_OF[k]] + whole * ABSOLUTE_FROM[k];
+    }
+}
+
 static int refresh(Unit *unit) {
     if (unit->fresh) return 0;
     if (evaluate(unit)) {
         complain(unit, "The plant cannot be evaluated at this state.");
         return 1;
     }
+    add_absolute(unit->rates + N_X, 1);
     unit->fresh = 1;
     return 0;
 }
@@ -258,6 +269,7 @@ static int directional(Unit *unit, const unsigned int *unknowns, size_t n_unknow
         done += size;
     }
     failed = failed || done != n_seed || n_change != n_unknowns || derivative(unit, by, found);
+    if (!failed) add_absolute(found + N_X, 0);
     for (i = 0; i < n_unknowns && !failed; i++) {
         if (unknowns[i] >= N_VALUES || unknowns[i] < AT_X || (unknowns[i] >= AT_P && unknowns[i] < AT_RATES)) failed = 1;
         else change[i] = unknowns[i] < AT_RATES ? by[unknowns[i]] : found[unknowns[i] - AT_RATES];

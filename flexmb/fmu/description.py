@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import __version__
+from ..errors import clean
 from .plant import Plant, Variable
 
 # Exponents of the base units in those that signals have.
@@ -86,6 +87,31 @@ def _rate(unit: str) -> str:
     return {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}.get(unit, "")
 
 
+def check_names(plant: Plant, found: list[Placed]) -> None:
+    """Refuse an input or an output that has the name of another variable of the unit.
+
+    Args:
+        plant: What the unit computes.
+        found: Its variables. FMI 2.0 lists the entries of arrays, "A[1,2]", and importers of FMI 3.0 show them so.
+
+    Raises:
+        ValueError: See above; or two states share a name.
+    """
+    outputs = [one for one in found if one.kind == "output"]
+    own = [one for one in found if one.kind == "input"] + outputs[: plant.n_own]
+    others = [one for one in found if one not in own]
+    kinds: dict[str, str] = {}
+    for one in [*others, *(entry for entry in scalars(found) if entry.kind == "parameter"), *own]:
+        name, kind = one.variable.name, one.kind
+        if name in kinds and kind != "parameter":
+            builder = "" if kind == "state" else f"`name` of Builder.{kind}, or "
+            raise ValueError(
+                f"The {kind} '{clean(name)}' shares its name with the unit's {kinds[name]}, and in an FMU each name is"
+                f" given once. Rename the {kind}, by {builder}`{kind}s` of control.StateSpace."
+            )
+        kinds[name] = kind
+
+
 def scalars(found: list[Placed]) -> Iterator[Placed]:
     """The same with each entry of an array on its own, "A[1,2]", as FMI 2.0 has them."""
     for one in found:
@@ -152,6 +178,8 @@ def description(plant: Plant, found: list[Placed], identifier: str, title: str, 
         causality, variability, initial = ROLES[one.kind]
         roles = {"causality": causality, "variability": variability, **({"initial": initial} if initial else {})}
         named = {"name": one.variable.name, "valueReference": str(one.reference), **roles}
+        if one.variable.description:
+            named["description"] = one.variable.description
         number = _attributes(one, int(places[one.of]))
         if fmi == 2:
             ElementTree.SubElement(ElementTree.SubElement(variables, "ScalarVariable", named), "Real", number)
@@ -168,7 +196,7 @@ def _told(plant: Plant) -> str:
         return "Nonlinear mechanism"
     if plant.times is not None:
         return "Mechanism along a motion, linear and time-varying: inputs and outputs are whole, states deviations"
-    return "Linear mechanism"
+    return "Linear mechanism: all but absolute positions are deviations from the linearised state"
 
 
 def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
@@ -199,7 +227,7 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
     if "D" in plant.matrices or plant.source:
         known += of("input")
     known += of("state")
-    n_own = len(plant.outputs) - (len(plant.inputs) + len(plant.outputs)) // 2 * ("u0" in plant.matrices)
+    nominal = range(plant.n_own, plant.n_own + plant.n_nominal)
     structure = ElementTree.SubElement(root, "ModelStructure")
 
     def unknown(parent: ElementTree.Element, tag: str, one: Placed, depends_on: list[Placed] | None = None):
@@ -216,7 +244,7 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
     parent = group("Outputs")
     for i, one in enumerate(outputs):
         # Nominal inputs and outputs are functions of time alone.
-        unknown(parent, "Unknown" if fmi == 2 else "Output", one, known if i < n_own else of("time"))
+        unknown(parent, "Unknown" if fmi == 2 else "Output", one, of("time") if i in nominal else known)
     parent = group("Derivatives")
     for one in rates:
         unknown(parent, "Unknown" if fmi == 2 else "ContinuousStateDerivative", one)

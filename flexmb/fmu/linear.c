@@ -1,7 +1,7 @@
 /* Linear and time-varying plants: part of core.c. */
 
 /* Of the table, matrix after matrix, each for all knots: A, B, C, D, u0, y0; D, u0 and y0 only where they are. */
-#define N_OUT (N_Y - N_NOMINAL)
+#define N_OUT (N_Y - N_NOMINAL - N_ABSOLUTE)
 #define OF_B (N_X * N_X)
 #define OF_C (OF_B + N_X * N_U)
 #define OF_D (OF_C + N_OUT * N_X)

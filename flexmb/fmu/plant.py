@@ -10,7 +10,8 @@ from ..arguments import check_number, numbers, shown
 from ..control.state_space import state_matrices
 from ..display import unit_of, unit_of_force
 from ..errors import ModelError, clean
-from ..linear.linearize import Linearization
+from ..linear.choice import sparsely
+from ..linear.linearize import Linearization, Where, linearized
 from ..model.model import Model, Signal
 from ..trajectory.linear_along import TimeVarying
 from .nonlinear import plant as translated
@@ -20,6 +21,9 @@ NOMINAL_OF_MECHANISM = 1e-3
 # What no XML file holds, or a name may not in an FMU.
 FORBIDDEN = "[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]"
 FORCES = {"force", "moment", "reaction"}
+# What a unit of a signal or a state is of.
+MOTION_OF = {"m": "Displacement", "rad": "Rotation"}
+UNDEFORMED = "the undeformed mechanism"
 RATES = {"velocity": "/s", "acceleration": "/s2"}
 
 
@@ -31,12 +35,16 @@ class Variable(NamedTuple):
         unit: SI, in Modelica's notation, such as "N.m"; empty where none is known.
         start: Its value at the start.
         nominal: Of a state, its typical size.
+        description: What importers show beside the name.
+        origin: Of an output that is a displacement, the coordinate that it counts from [m]; None of all others.
     """
 
     name: str
     unit: str = ""
     start: Any = 0.0
     nominal: float = 1.0
+    description: str = ""
+    origin: float | None = None
 
 
 class Plant(NamedTuple):
@@ -44,7 +52,7 @@ class Plant(NamedTuple):
 
     Attributes:
         inputs: In order.
-        outputs: In order.
+        outputs: In order; :func:`named_apart` adds nominal inputs and outputs, then absolute positions.
         states: In order, with their values at the start.
         matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each; a D of zeros, and
             u0 and y0 of a linear one, are left out.
@@ -67,15 +75,29 @@ class Plant(NamedTuple):
     memory: Sequence[float] = ()
     work: int = 0
 
+    @property
+    def n_nominal(self) -> int:
+        """Number of nominal inputs and outputs, which are outputs too."""
+        return sum(self.matrices[name].shape[-1] for name in ("u0", "y0") if name in self.matrices)
+
+    @property
+    def displacements(self) -> list[int]:
+        """Numbers of the outputs whose absolute positions are the last outputs."""
+        return [i for i, v in enumerate(self.outputs) if v.origin is not None]
+
+    @property
+    def n_own(self) -> int:
+        """Number of outputs without nominal inputs and outputs and absolute positions."""
+        return len(self.outputs) - self.n_nominal - len(self.displacements)
+
 
 def named_apart(plant: Plant) -> Plant:
-    """The same with names of which no two are equal: where an input and an output share one, both say what they are.
+    """Return the plant with the names of a unit: where an input and an output share one, both say what they are.
 
-    States are named "state q", their rates "der(state q)", nominal inputs and outputs "nominal u".
+    States are named "state q", nominal inputs and outputs "nominal u", absolute positions "absolute y".
 
     Raises:
-        ValueError: Two inputs, outputs or states share a name, a name is one of a unit's own, or it is empty or has
-            characters that an FMU does not take.
+        ValueError: A name is empty or has characters that an FMU does not take.
     """
     shared = {v.name for v in plant.inputs} & {v.name for v in plant.outputs}
 
@@ -92,13 +114,12 @@ def named_apart(plant: Plant) -> Plant:
     inputs, outputs = told("input", plant.inputs), told("output", plant.outputs)
     states = tuple(v._replace(name=f"state {v.name}") for v in plant.states)
     if "u0" in plant.matrices:
-        outputs += tuple(Variable(f"nominal {v.name}", v.unit) for v in (*inputs, *outputs))
-    names = [v.name for v in (*inputs, *outputs, *states, *plant.parameters)]
-    own = ["time", *plant.matrices, *(["substep"] if plant.times is not None else [])]
-    for name in names:
-        if names.count(name) > 1 or name in own:
-            what = "is one of the unit's own" if name in own else "is given twice"
-            raise ValueError(f"The name '{clean(name)}' {what}, and in an FMU each name is given once: choose another.")
+        outputs += tuple(v._replace(name=f"nominal {v.name}", origin=None) for v in (*inputs, *outputs))
+    outputs += tuple(
+        Variable(f"absolute {v.name}", v.unit, description=f"'{v.name}' plus {v.origin:.9g} {v.unit}")
+        for v in outputs
+        if v.origin is not None
+    )
     return plant._replace(inputs=inputs, outputs=outputs, states=states)
 
 
@@ -119,8 +140,11 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
     Raises:
         ModelError: It names no inputs or no outputs; and what :func:`flexmb.control.state_matrices` raises.
     """
-    found, names = state_matrices(model, modes=modes, bandwidth=bandwidth)
-    own = model.model if isinstance(model, Linearization) else model
+    about: Any = model
+    if isinstance(model, Model):
+        few = modes is not None or bandwidth is not None
+        about = sparsely(model, "save_fmu", Where(), None, few=few) or linearized(model, "save_fmu")
+    found, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
     labels = model.labels
     if not labels.inputs or not labels.outputs:
         raise ModelError("An FMU needs an input and an output: name them with input() and output().")
@@ -129,7 +153,8 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
             f"This linearisation is along a motion, at {len(found.A)} times: give lin.at_time(0), or the time-varying"
             " system of the motion."
         )
-    inputs, outputs, states = _variables(own, names)
+    whence = "the static equilibrium" if isinstance(model, Model) else "the state of the linearisation"
+    inputs, outputs, states = _variables(about.model, names, np.asarray(about.x), whence)
     return linear(*found, inputs, outputs, states)
 
 
@@ -152,7 +177,7 @@ def nonlinear(
         ModelError: As :func:`flexmb.fmu.nonlinear.plant`.
     """
     found = translated(model, loads=loads, motion=motion)
-    inputs, outputs, states = _variables(model, found.states)
+    inputs, outputs, states = _variables(model, found.states, np.asarray(model.parameters.reference), UNDEFORMED)
     memory = np.asarray(found.memory).tolist()
     plant = Plant(inputs, outputs, states, source=found.source, memory=memory, work=found.work)
     at = model.parameters.start
@@ -160,16 +185,25 @@ def nonlinear(
 
 
 def _variables(
-    model: Model, states: Sequence[str]
+    model: Model, states: Sequence[str], origin: np.ndarray | None = None, whence: str = ""
 ) -> tuple[tuple[Variable, ...], tuple[Variable, ...], tuple[Variable, ...]]:
-    """Inputs, outputs and states of a mechanism, with their units."""
+    """Inputs, outputs and states of a mechanism, with their units.
+
+    Args:
+        origin: Coordinates where displacements are zero, (n_x,) [m, rad, -].
+        whence: That state in words.
+    """
     units = {str(entry): unit_of(entry).replace("-", "") for entry in model.labels.x}
     units |= {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
-    signals = [
-        tuple(Variable(s.name, _unit(model, s)) for s in own) for own in (model.labels.inputs, model.labels.outputs)
-    ]
-    found = tuple(Variable(name, units.get(name, ""), nominal=NOMINAL_OF_MECHANISM) for name in states)
-    return signals[0], signals[1], found
+
+    def variable(name: str, unit: str, nominal: float = 1.0, at: int | None = None):
+        motion = MOTION_OF.get(unit) if whence else None
+        start = float(origin[at]) if origin is not None and at is not None and unit == "m" else None
+        return Variable(name, unit, 0.0, nominal, f"{motion} from {whence}" if motion else "", start)
+
+    inputs = tuple(variable(s.name, _unit(model, s)) for s in model.labels.inputs)
+    outputs = tuple(variable(s.name, _unit(model, s), at=s.index) for s in model.labels.outputs)
+    return inputs, outputs, tuple(variable(name, units.get(name, ""), NOMINAL_OF_MECHANISM) for name in states)
 
 
 def of_state_space(system: Any) -> Plant:
@@ -214,7 +248,13 @@ def time_varying(system: TimeVarying, substep: float | None) -> Plant:
     matrices = {name: np.asarray(getattr(system, name), float) for name in ("A", "B", "C", "D", "u0", "y0")}
     starts = np.asarray(matrices["u0"])[0]
     inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.input_labels, starts, strict=True))
-    outputs, states = (tuple(Variable(name) for name in own) for own in (system.output_labels, system.state_labels))
+    states = tuple(Variable(name) for name in system.state_labels)
+    origins = [np.nan] * len(system.output_labels) if system.origins is None else np.asarray(system.origins).tolist()
+    told = f"{MOTION_OF['m']} from {UNDEFORMED}"
+    outputs = tuple(
+        Variable(name) if np.isnan(at) else Variable(name, "m", description=told, origin=at)
+        for name, at in zip(system.output_labels, origins, strict=True)
+    )
     return _checked(Plant(inputs, outputs, states, matrices, t, substep))
 
 

@@ -18,7 +18,7 @@ from ..statics.strained import warn_of_stressed_start
 from ..trajectory.linear_along import TimeVarying
 from . import plant as plants
 from .compiler import compiled, place_of_binary
-from .description import build_description, description, placed, scalars
+from .description import build_description, check_names, description, placed, scalars
 from .plant import Plant, Variable
 from .sources import TABLE_FILE, sources, table
 
@@ -109,13 +109,15 @@ def save_fmu(
         motion: Likewise, prescribed motion.
 
     Returns:
-        Fmu with names and units. A, B, C and a D that is not zero, along a motion at all knots and with u0 and y0, are
-        parameters: arrays in FMI 3.0 and scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers; larger ones lie in
-        its folder of resources, and cannot be set.
+        Fmu with names and units. A position y [m] counts from the undeformed mechanism, or in a linear unit from the
+        state of the linearisation; its description says which. Each has an output "absolute y" beside it. A, B, C and a
+        D that is not zero, along a motion at all knots and with u0 and y0, are parameters: arrays in FMI 3.0 and
+        scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers; larger ones lie in its folder of resources, and
+        cannot be set.
 
     Raises:
         ValueError: The path ends otherwise, there is no such version, an argument does not belong to this system, the
-            state space is sampled, or a name is one that FMI forbids.
+            state space is sampled, or a name is one that FMI forbids or that another variable of the unit has.
         ModelError: As :func:`flexmb.to_statespace`; of a nonlinear one, an element or a function of time calls back to
             Python or does what has no translation, or an output is one that a simulation does not give.
         TypeError: The system is none of these.
@@ -178,6 +180,7 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
     settable = bool(plant.matrices) and sum(m.size for m in plant.matrices.values()) <= MOST_SETTABLE[fmi]
     identifier = _identifier(title)
     found = placed(plant, settable)
+    check_names(plant, found)
     listed = list(scalars(found)) if fmi == 2 else found
     # The token follows from all that the unit is: with another, the same files.
     parts = [sources(plant, found, "", fmi, settable), {"xml": description(plant, listed, identifier, title, "", fmi)}]

@@ -49,7 +49,8 @@ def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: boo
         "N_X": len(plant.states),
         "N_P": sum(np.size(one.variable.start) for one in kinds["parameter"]),
         "N_Y": len(plant.outputs),
-        "N_NOMINAL": (len(plant.inputs) + len(plant.outputs)) // 2 if "u0" in plant.matrices else 0,
+        "N_NOMINAL": plant.n_nominal,
+        "N_ABSOLUTE": len(plant.displacements),
         "HAS_D": int("D" in plant.matrices),
         "SETTABLE": int(settable),
         "N_MEMORY": len(plant.memory),
@@ -63,6 +64,9 @@ def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: boo
     at, sizes = [one.reference for one in arrays], [np.size(one.variable.start) for one in arrays]
     lines += [_array("unsigned int", "ARRAY_AT", map(str, at or [4294967295]))]
     lines += [_array("size_t", "ARRAY_SIZE", map(str, sizes or [0]))]
+    # Without displacements one entry that is not read: C has no empty arrays.
+    lines += [_array("size_t", "ABSOLUTE_OF", map(str, plant.displacements or [0]))]
+    lines += [_numbers("ABSOLUTE_FROM", [plant.outputs[i].origin for i in plant.displacements] or [0.0])]
     lines += [_numbers("NOMINAL", [v.nominal for v in plant.states])]
     lines += [_numbers("START", np.concatenate([*starts, np.ravel(plant.memory)]))]
     if n_t > 1:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, is_concrete
+from ..arguments import as_floats, computed, is_concrete
 from ..compilation.compile import jit, jit_beside_options
 from ..display import listed, short
 from ..errors import AnalysisError, ModelError, warn
@@ -254,6 +254,21 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
     u = motion.u if motion.u.shape[1] == count else jnp.zeros((len(motion.t), count))
     rows = motion.t, motion.x, motion.xd, motion.near, u
     return _outputs(motion.model.without_names(), motion.driven, rows)
+
+
+def origins_of(model: Model) -> Float[Array, "n_y"]:
+    """Coordinates that displacements among the outputs count from, in the undeformed mechanism; NaN of other outputs.
+
+    Args:
+        model: Mechanism.
+
+    Returns:
+        (n_y,) [m].
+    """
+    outputs, entries = model.labels.outputs, model.labels.x
+    moved = [s.quantity == "position" and not s.parts and entries[s.index].kind == "position" for s in outputs]
+    places = np.array([s.index for s in outputs], int)
+    return computed(lambda xp, x: xp.where(np.array(moved, bool), x[places], np.nan), model.parameters.reference)
 
 
 @jit_beside_options

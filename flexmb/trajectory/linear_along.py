@@ -18,7 +18,7 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Result, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from .about_motion import about, check_freedoms, freedoms_of, outputs_of
+from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
 from .cubic import Spline, spline
 from .radau import march
 from .reduction import reduced_system
@@ -58,6 +58,8 @@ class TimeVarying(Result, Record):
         state_labels: Names of the states.
         input_labels: Names of the inputs.
         output_labels: Names of the outputs.
+        origins: Of each output that is a displacement, the coordinate that it counts from, in the undeformed mechanism,
+            NaN of all others, (n_y,) [m]; None where that is not known.
     """
 
     t: Float[Array, "n_t"]
@@ -76,6 +78,7 @@ class TimeVarying(Result, Record):
     state_labels: tuple[str, ...] = static()
     input_labels: tuple[str, ...] = static()
     output_labels: tuple[str, ...] = static()
+    origins: Float[Array, "n_y"] | None = None
     one_axis = "t"
 
     def __call__(self, t: ArrayLike) -> StateMatrices:
@@ -437,6 +440,7 @@ def time_varying(along: Any) -> TimeVarying:
         None,
         tuple(states),
         *names,
+        origins=origins_of(model),
     )
 
 

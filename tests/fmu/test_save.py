@@ -90,6 +90,7 @@ def test_units_are_valid_and_say_what_their_signals_are(fmi, tmp_path):
         # What an input and an output share is told apart.
         **{"time": "s", "force stage.x": "N", "input stage.x": "N", "output stage.x": "m", "position stage.x": "m"},
         **{"velocity stage.x": "m/s", "acceleration stage.x": "m/s2", "stress s.1": None, "state stage.x": "m"},
+        **{"absolute position stage.x": "m"},
         **{"state d stage.x": "m/s", "der(state stage.x)": "m/s", "der(state d stage.x)": "m/s2"},
     }
     assert {name: units[name] for name in expected} == expected
@@ -97,6 +98,12 @@ def test_units_are_valid_and_say_what_their_signals_are(fmi, tmp_path):
     assert starts["state stage.x"] == "0.001"
     own = [starts["A[2,1]"]] if fmi == 2 else str(starts["A"]).split()[2:3]
     np.testing.assert_allclose(float(*own), -90.0 / 0.4, rtol=1e-12)
+    # Displacements have absolute positions beside them.
+    descriptions = {v.name: v.description for v in told.modelVariables}
+    for name in ("output stage.x", "position stage.x", "state stage.x"):
+        assert descriptions[name] == "Displacement from the static equilibrium"
+    assert descriptions["absolute position stage.x"] == "'position stage.x' plus 0.1 m"
+    assert not any(name.startswith("absolute velocity") for name in descriptions)
     # Without a D outputs wait for the states, so that importers see no loop.
     fm.save_fmu(oscillators([1.0]), path, fmi=fmi)
     outputs = fmpy.read_model_description(str(path)).outputs
@@ -490,6 +497,53 @@ def test_a_stop_that_is_met_and_left_within_one_step_of_co_simulation_throws_bac
     assert found["height"][-1] == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
 
 
+def carried_stage():
+    """A mass of 0.4 kg on a spring of 90 N/m, 0.3 m above its foot, that its weight presses down; seen at its top."""
+    b = fm.Builder()
+    b.node("foot", (0.2, 0))
+    b.node("top", (0.2, 0.3))
+    b.add(planar.truss, "foot", "top", name="s", section=fm.Rigidity(EA=90.0 * 0.3))
+    b.fix("foot")
+    b.fix("top", "x")
+    b.dof("top", "y")
+    b.mass("top", 0.4)
+    b.force("top", (0.0, -0.4 * 9.81))
+    b.input("top", "y", name="push")
+    b.output("top", "y", "velocity", name="rate")
+    b.output("top", "y", name="height")
+    return b
+
+
+@needs_compiler
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("kind", ["linear", "along", "nonlinear"])
+def test_absolute_positions_are_what_displacements_count_from_and_these(kind, fmi, tmp_path):
+    """The weight presses the spring by 0.4 9.81/90 m; a linear unit begins there, the others undeformed."""
+    b, path, fallen = carried_stage(), tmp_path / "carried.fmu", 0.4 * 9.81 / 90
+    if kind == "along":
+        start = fm.simulate(b.build(), np.linspace(0, 0.1, 5), initial=fm.equilibrium(b.build()))
+        fm.save_fmu(fm.trajectory.time_varying(start), path, fmi=fmi)
+    else:
+        fm.save_fmu(b.build(), path, fmi=fmi, nonlinear=kind == "nonlinear")
+    assert validate_fmu(str(path)) == []
+    told = {v.name: v for v in fmpy.read_model_description(str(path)).modelVariables}
+    whence = "static equilibrium" if kind == "linear" else "undeformed mechanism"
+    assert told["height"].description == f"Displacement from the {whence}"
+    assert (told["absolute height"].unit, told["height"].unit) == ("m", "m")
+    assert "absolute rate" not in told
+    with opened(path, tmp_path / "me", "me") as unit:
+        unit.set("push", 0.3)
+        unit.set("state top.y", 0.01)
+        begun = {"linear": 0.3 - fallen, "along": 0.3, "nonlinear": 0.3}[kind]
+        moved = 0.01 - (fallen if kind == "along" else 0.0)
+        # The simulated motion that matrices stand along rests but for its tolerance.
+        atol = 1e-6 if kind == "along" else 1e-12
+        np.testing.assert_allclose(unit.get("height"), [moved], atol=atol)
+        np.testing.assert_allclose(unit.get("absolute height") - unit.get("height"), [begun], atol=1e-12)
+        own, absolute = unit.derivative(["height", "absolute height"], ["state top.y"], [1.0])
+        np.testing.assert_allclose([own, absolute], [1.0, 1.0], rtol=1e-9)
+
+
 def renamed(inputs=("u",), outputs=("y",), states=("q",)):
     one = np.ones((1, 1))
     return plants.linear(-one, one, one, 0 * one, *(tuple(map(Variable, of)) for of in (inputs, outputs, states)))
@@ -500,8 +554,14 @@ def renamed(inputs=("u",), outputs=("y",), states=("q",)):
     [
         (renamed(inputs=("a\tb",)), {}, r"input 'a\\tb' has no name that an FMU takes"),
         (renamed(outputs=("",)), {}, "output '' has no name"),
-        (renamed(outputs=("time",)), {}, "'time' is one of the unit's own"),
-        (renamed(inputs=("A",), outputs=("A", "B")), {}, "'B' is one of the unit's own"),
+        (renamed(outputs=("time",)), {}, "output 'time' shares its name with the unit's time"),
+        (renamed(inputs=("A",), outputs=("A", "B")), {}, "output 'B' shares its name with the unit's parameter"),
+        (renamed(inputs=("A[1,1]",)), {}, r"'A\[1,1\]' shares .* Rename the input, by `name` of Builder\.input, or"),
+        (renamed(outputs=("C[1,1]",)), {"fmi": 2}, r"output 'C\[1,1\]' shares its name with the unit's parameter"),
+        (renamed(inputs=("der(state q)",)), {"fmi": 2}, r"input 'der\(state q\)' shares its name with the unit's rate"),
+        (renamed(outputs=("state q",)), {}, "output 'state q' shares its name with the unit's state"),
+        (renamed(outputs=("y", "y")), {}, "output 'y' shares its name with the unit's output"),
+        (renamed(states=("q", "q")), {}, "'state q' shares .* Rename the state, by `states` of control"),
         (control.StateSpace([[0.5]], [[1]], [[1]], [[0]], 1e-3), {}, r"sampled \(dt = 0.001 s\)"),
         (control.StateSpace([], [], [], [[1]]), {}, "an input, an output and a state at least"),
         (
