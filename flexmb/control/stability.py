@@ -13,7 +13,7 @@ from ..display import Result, Summary, counted, listed, short
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..motion.controllers import check_sizes, matrices_of, placed
+from ..motion.controllers import check_finite, check_sizes, matrices_of, placed
 from .state_space import to_statespace
 
 if TYPE_CHECKING:
@@ -167,8 +167,7 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             f"The mechanism's state space is sampled, with dt = {plant.dt}: give the continuous one, which is sampled"
             " here where the controller is."
         )
-    _check_finite((plant.A, plant.B, plant.C, plant.D), "mechanism's state space")
-    _check_finite((a, b, c, d), "controller")
+    check_finite("mechanism's state space", (plant.A, plant.B, plant.C, plant.D))
     own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
@@ -216,12 +215,6 @@ def _poles(loop: Any, period: float | None) -> tuple[np.ndarray, np.ndarray]:
     uncertainty = np.minimum(unsure, np.full(len(values), ROUND_OFF * np.max(np.abs(values), initial=0.0)))
     order = np.lexsort((np.abs(np.imag(values)), -np.real(values)))
     return values[order], uncertainty[order]
-
-
-def _check_finite(matrices: tuple[Any, ...], what: str) -> None:
-    wrong = [name for name, own in zip("ABCD", matrices, strict=True) if not np.all(np.isfinite(own))]
-    if wrong:
-        raise ModelError(f"Numbers of the {what} are not finite, in its {', '.join(wrong)}.")
 
 
 def _sampled(plant: Any, period: float) -> Any:

@@ -74,6 +74,20 @@ def linear_controller(
     return Feedback(output, rate, start, **names)
 
 
+def check_finite(what: str, matrices: Sequence[Any]) -> None:
+    """Refuse matrices A, B, C, D with numbers that are not finite, as far as they are known.
+
+    Args:
+        what: What they are of, for the message.
+
+    Raises:
+        ModelError: See above, with their names.
+    """
+    known = {name: own for name, own in zip("ABCD", matrices, strict=True) if is_concrete(own)}
+    if wrong := [name for name, own in known.items() if not np.all(np.isfinite(own))]:
+        raise ModelError(f"Numbers of the {what} are not finite, in its {', '.join(wrong)}.")
+
+
 def matrices_of(system: Any) -> tuple[tuple[Any, Any, Any, Any], float | None, Any, Any]:
     """A to D of a linear system, its interval, and the names of its inputs and outputs, None where it has none.
 
@@ -81,7 +95,7 @@ def matrices_of(system: Any) -> tuple[tuple[Any, Any, Any, Any], float | None, A
         system: ``control.StateSpace`` or ``control.TransferFunction``, or what has A, B, C, D, which may be traced.
 
     Raises:
-        ModelError: It is sampled without an interval, it is not proper, or it is none.
+        ModelError: It is sampled without an interval, it is not proper, its numbers are not finite, or it is none.
     """
     if hasattr(system, "num") and hasattr(system, "den"):
         system = _realised(system)
@@ -94,6 +108,7 @@ def matrices_of(system: Any) -> tuple[tuple[Any, Any, Any, Any], float | None, A
         raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
     parts = [getattr(system, name) for name in "ABCD"]
     check_real("The controller", parts, ModelError)
+    check_finite("controller", parts)
     a, b, c, d = (jnp.asarray(part, float) if not is_concrete(part) else np.asarray(part, float) for part in parts)
     reads, drives = (_named(getattr(system, labels, None)) for labels in ("input_labels", "output_labels"))
     return (a, b, c, d), float(period) if period else None, reads, drives

@@ -42,6 +42,10 @@ class Loop(Record):
     reference: Callable | None = None
 
 
+# What controllers are made of.
+FUNCTIONS = ("step", "output", "rate")
+
+
 def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., Any] | None):
     """What a controller is given: the outputs, or how far they are from the wanted ones."""
     if reference is None:
@@ -132,13 +136,22 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 def _now(controller: Feedback | Sampled, count: int):
     """A controller with its functions as they are at this call, for so many outputs of the mechanism."""
     check_real("The `start` of the controller", controller.start, ModelError)
+    # Names and windup are used up; left in, they would only split the compilation cache.
+    plain = dataclasses.replace(controller, windup=None, reads=None, drives=None)
+    return with_functions(plain, count, **{name: getattr(controller, name, None) for name in FUNCTIONS})
+
+
+def with_functions(controller: Feedback | Sampled, count: int, **functions: Any):
+    """Return a controller with other functions, taken as they are at this call.
+
+    Args:
+        controller: For so many outputs of the mechanism.
+        functions: By name, of those that it has.
+    """
     states = jnp.zeros(0) if controller.start is None else controller.start
     like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
-    names = ("step",) if isinstance(controller, Sampled) else ("output", "rate")
-    functions = {name: getattr(controller, name) for name in names}
-    taken = {name: captured(f, *like) for name, f in functions.items() if f is not None}
-    # Names and windup are used up; left in, they would only split the compilation cache.
-    return dataclasses.replace(controller, **taken, windup=None, reads=None, drives=None)
+    own = {name: f for name, f in functions.items() if getattr(controller, name, None) is not None}
+    return dataclasses.replace(controller, **{name: captured(f, *like) for name, f in own.items()})
 
 
 def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:

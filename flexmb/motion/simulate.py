@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, checked_times, computed, is_concrete, shown
+from ..arguments import as_floats, checked_times, computed, is_concrete, shown, undifferentiated
 from ..compilation.compile import jit_beside_options
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
@@ -39,7 +39,7 @@ from .events import as_it_is, check_at_start, conditions_of
 from .full_turns import warn_of_full_turns
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
 from .integrator import Integrator
-from .loop import Loop, as_feedback
+from .loop import Loop, as_feedback, with_functions
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
@@ -55,6 +55,10 @@ if TYPE_CHECKING:
 NET = 400
 # A motion that gains or loses more energy than so many times its relative tolerance, without a cause, is warned of.
 UNBALANCED = 100.0
+# What is driven by displacements, so that its rates matter.
+MOVED = ("x", "e")
+# By what a motion fails whose controller gives what is not finite.
+CONTROLLER_MAY_FAIL = (RESULTS.step_too_small, RESULTS.step_too_large)
 # Where a motion failed, functions of time are looked at in so many times.
 LOOKED_AT = 101
 # After such a share of its time a condition that is zero where a motion starts has left zero, or it stays there.
@@ -137,7 +141,8 @@ def simulate(
         ModelError: Unknown name, what cannot be driven, a function that gives another number of numbers than it drives,
             an input that can move nothing, a mechanism that is held everywhere.
         AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away; out_of_reach where
-            the mechanism cannot be assembled at what is driven in the beginning.
+            the mechanism cannot be assembled at what is driven in the beginning; not_finite, with the name and the
+            time, where a function of time or a controller gives a number that is not finite.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; what is driven begins elsewhere or
@@ -207,7 +212,13 @@ def simulate(
     )
     if model.labels.found and driving(model.parameters, driven) and is_concrete((found, start)):
         warn_of_found(found, start)
-    _tell(found, drives, run.jumped, throw and not stopped)
+    if throw and is_concrete(found.result) and int(found.result) not in (RESULTS.successful, RESULTS.stopped):
+        known, begun, asked = undifferentiated((found, start, problem))
+        if is_concrete((known, asked, begun, integrator)):
+            _refuse_not_finite(known, drives, loop)
+            if int(found.result) in CONTROLLER_MAY_FAIL:
+                _refuse_controller(asked, integrator, given_times, begun, known)
+    _tell(found, run.jumped, throw and not stopped)
     _warn_of_energy(found, integrator)
     warn_of_coarse(model, found.e)
     if feedback is not None:
@@ -300,18 +311,15 @@ def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: St
         return integrate(problem, integrator, span, times, at)
 
 
-def _tell(found: Motion, drives: Drives, jumped: Any, throw: bool) -> None:
+def _tell(found: Motion, jumped: Any, throw: bool) -> None:
     """Raise where a motion failed, and warn of forces that jump while numbers are differentiated.
 
     Raises:
         AnalysisError: See :func:`simulate`.
     """
     about = ""
-    if throw and is_concrete(found.result) and int(found.result) != RESULTS.successful:
-        if is_concrete((found.model, found.driven, found.t)):
-            _refuse_not_finite(found.model, drives, found.driven, np.asarray(found.t))
-        if int(found.result) == RESULTS.singular_mass:
-            about = without_mass(found.model)
+    if throw and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass:
+        about = without_mass(found.model)
     check(found.result, throw, about)
     if throw and not is_concrete(found.x):
         # Numbers are differentiated or traced.
@@ -348,12 +356,20 @@ def _naming_the_adjoint() -> Iterator[None]:
         ) from fault
 
 
-def _refuse_not_finite(model: Model, drives: Drives, driven: tuple[Driven, ...], times: np.ndarray) -> None:
+def _reached(found: Motion) -> np.ndarray:
+    """Last time that a motion reached, of those asked for, and the next one, (2,) [s]."""
+    times = np.asarray(found.t)
+    last = max(int(np.sum(np.all(np.isfinite(np.asarray(found.x)), axis=1))) - 1, 0)
+    return times[[last, min(last + 1, len(times) - 1)]]
+
+
+def _refuse_not_finite(found: Motion, drives: Drives, loop: Loop) -> None:
     """Refuse numbers of the model, and functions of time, that are not finite: a motion that failed met them.
 
     Raises:
         AnalysisError: not_finite.
     """
+    model = found.model
     for path, leaf in jax.tree_util.tree_leaves_with_path(model.parameters):
         if not np.all(np.isfinite(np.asarray(leaf))):
             where = jax.tree_util.keystr(path)
@@ -361,13 +377,90 @@ def _refuse_not_finite(model: Model, drives: Drives, driven: tuple[Driven, ...],
     signals = [s.name for s in model.labels.inputs for _ in s.terms if s.name in (drives.inputs or {})]
     names = [f"Load '{name}'" for name in drives.loads or {}] + [f"Motion '{name}'" for name in drives.motion or {}]
     names += [f"Input '{name}'" for name in signals] + ["Argument `increment`"]
-    looked_at = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], LOOKED_AT)]))
-    for what, one in zip(names, driven, strict=False):
+    laws = [(what, one.value, one.quantity in MOVED) for what, one in zip(names, found.driven, strict=False)]
+    if loop.reference is not None:
+        laws.append(("Argument `reference`", loop.reference, False))
+    times, (last, following) = np.asarray(found.t), _reached(found)
+    failed = np.linspace(last, following, LOOKED_AT)
+    looked_at = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], LOOKED_AT), failed]))
+    for what, law, moves in laws:
         for t in looked_at:
-            if not np.all(np.isfinite(np.asarray(one.value(jnp.asarray(t))))):
+            if not np.all(np.isfinite(np.asarray(law(jnp.asarray(t))))):
                 raise AnalysisError(
                     "not_finite", f"{what} is not finite at t = {t:.6g} s: let it give finite numbers at all times."
                 )
+        # What moves by a law has its rates, too.
+        for t in failed if moves else ():
+            if not all(np.all(np.isfinite(np.asarray(rate))) for rate in _rates(law, t)):
+                raise AnalysisError(
+                    "not_finite",
+                    f"{what} has a velocity or an acceleration that is not finite at t = {t:.6g} s: let it be smooth,"
+                    " as by fm.trajectory.quintic.",
+                )
+
+
+def _rates(law: Callable, t: float) -> tuple[Any, Any]:
+    """First and second derivative of a function of time."""
+
+    def rate(t: Float[Array, ""]):
+        return jax.jvp(law, (t,), (jnp.ones_like(t),))[1]
+
+    return jax.jvp(rate, (jnp.asarray(t),), (jnp.ones(()),))
+
+
+def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, start: Start, found: Motion) -> None:
+    """Refuse a controller that gives what is not finite where a motion failed, which is computed once more to see it.
+
+    Raises:
+        AnalysisError: not_finite, with the input and the time.
+    """
+    feedback: Any = problem.feedback
+    seen: list[tuple[Any, ...]] = []
+    if feedback is None:
+        return
+
+    def note(t: np.ndarray, y: np.ndarray, given: tuple[Any, Any], failed: np.ndarray) -> None:
+        if failed:
+            seen.append((float(t), np.asarray(y), *map(np.asarray, given)))
+
+    def watched(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"], u: Any, rate: Any):
+        own, (u, rate) = _flat((t, z, y)), map(_flat, (u, rate))
+        failed = jnp.all(jnp.isfinite(own)) & ~jnp.all(jnp.isfinite(jnp.append(u, rate)))
+        jax.debug.callback(note, t, y, (u, rate), failed)
+
+    def step(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
+        u, following = feedback.step(t, z, y)
+        watched(t, z, y, u, following)
+        return u, following
+
+    def output(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
+        u = feedback.output(t, z, y)
+        watched(t, z, y, u, () if feedback.rate is None else feedback.rate(t, z, y))
+        return u
+
+    watching = with_functions(feedback, len(found.model.labels.outputs), step=step, output=output)
+    _integrated(dataclasses.replace(problem, feedback=watching), integrator, wanted, start, False)
+    jax.effects_barrier()
+    if not isinstance(feedback, Sampled):
+        # What a step met that was refused and taken again is no failure.
+        seen = [one for one in seen if one[0] >= _reached(found)[0]]
+    if not seen:
+        return
+    t, y, u, _ = min(seen, key=lambda one: one[0])
+    inputs = [s.name for s in found.model.labels.inputs]
+    wrong = [name for name, value in zip(inputs, u, strict=False) if not np.isfinite(value)]
+    what = f"for the input '{wrong[0]}'" if wrong else "for its own state"
+    outputs = ", ".join(f"{s.name} = {v:.6g}" for s, v in zip(found.model.labels.outputs, y, strict=False))
+    raise AnalysisError(
+        "not_finite",
+        f"The controller gives a number that is not finite {what} at t = {t:.6g} s, where the outputs are {outputs}:"
+        " let it give finite numbers for all outputs and times.",
+    )
+
+
+def _flat(given: Any) -> Float[Array, "k"]:
+    """All numbers of a pytree in a row."""
+    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(jnp.asarray(leaf, float)) for leaf in jax.tree.leaves(given))])
 
 
 def _in_its_form(

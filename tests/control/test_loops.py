@@ -241,6 +241,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG), "mechanism's state space are not finite, in its A"),
         (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1: give the"),
         (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "without delay, and has no solution"),
+        (lambda: fm.simulate(MODEL, TIMES, control=lag(1.0, np.nan)), "controller are not finite, in its A"),
         (
             lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
             "'pace' is no output of the mechanism: rate, place",

@@ -2,6 +2,9 @@
 
 import warnings
 
+
+import re
+
 import control
 import jax
 import jax.numpy as jnp
@@ -129,6 +132,44 @@ def test_the_failure_of_any_interval_is_that_of_the_motion(at):
         controlled(), TIMES, control=held, loads={"mass.x": shaken}, rtol=1e-9, max_steps=60, throw=False
     )
     assert fm.RESULTS(int(found.result)) == fm.RESULTS.motion_unfinished
+
+
+def lost(y):
+    """A number until the mass passes the middle, and none behind it."""
+    return jnp.where(y[:1] > 0, 0.0, jnp.nan)
+
+
+@pytest.mark.parametrize(
+    ("controller", "what"),
+    [
+        (lambda t, y: jnp.append(jnp.zeros(1), lost(y)), "for the input 'stress s.1'"),
+        (Feedback(lambda t, z, y: jnp.zeros(2), lambda t, z, y: lost(y), jnp.zeros(1)), "for its own state"),
+        (fm.motion.Sampled(lambda t, z, y: (jnp.append(lost(y), 0.0), z), 0.02), "for the input 'force mass.x'"),
+    ],
+    ids=["function", "state", "sampled"],
+)
+def test_a_controller_that_gives_no_number_is_named_with_the_time(controller, what):
+    """A free oscillation from 0.1 m passes its middle after a quarter of a period; samples are taken every 20 ms."""
+    b = sprung_mass(stiffness=STIFFNESS, mass=MASS)
+    b.start("mass", "x", 0.1)
+    b.input("mass", "x")
+    b.input("s", 1)
+    b.output("mass", "x")
+    with pytest.raises(fm.AnalysisError, match=rf"The controller .*{what} at t = [\d.]+ s") as fault:
+        fm.simulate(b.build(), TIMES, control=controller)
+    assert fault.value.code == "not_finite"
+    quarter = np.pi / 2 * np.sqrt(MASS / STIFFNESS)
+    expected = 0.02 * np.ceil(quarter / 0.02) if isinstance(controller, fm.motion.Sampled) else quarter
+    # The tolerance of the motion, 1e-5 of 0.1 m and ten steps, over its speed of 1.5 m/s; six digits are printed.
+    found = float(re.findall(r"at t = ([\d.]+) s", str(fault.value))[0])
+    assert found == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_reference_that_gives_no_number_is_named():
+    with pytest.raises(fm.AnalysisError, match=r"Argument `reference` is not finite at t = 0\.2"):
+        fm.simulate(
+            controlled(), TIMES, control=feedback, reference=lambda t: jnp.where(t > 0.2, jnp.nan, 0.0) * jnp.ones(4)
+        )
 
 
 def shaken():

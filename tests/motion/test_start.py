@@ -93,6 +93,12 @@ def test_what_hangs_on_degrees_of_freedom_that_were_found_is_told():
     fm.simulate(shaken(), TIMES, loads={"spring.temperature": lambda t: 30.0 + t})
 
 
+def test_a_motion_without_a_velocity_is_named():
+    """The root of time is finite and its rate is not, at the start."""
+    with pytest.raises(fm.AnalysisError, match=r"Motion 'foot\.x' has a velocity .* not finite at t = 0 s: .* smooth"):
+        fm.simulate(shaken("mass", "x"), TIMES, motion={"foot.x": lambda t: 1e-3 * jnp.sqrt(t)})
+
+
 @pytest.mark.filterwarnings("ignore:What is driven takes")
 def test_how_it_begins_is_the_same_in_every_frame():
     found = []
