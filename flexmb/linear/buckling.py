@@ -274,7 +274,7 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
 
 @kernel
 def _buckling(topology: Topology, parameters: Parameters, target: LoadFactors):
-    at, near, result, _ = solve_state(topology, parameters, target)
+    at, near, result, *_ = solve_state(topology, parameters, target)
     return _buckling_about(topology, parameters, at, near, result)
 
 

@@ -291,7 +291,7 @@ def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) ->
     Returns:
         Matrices.
     """
-    at, _, result, iterations = solve_state(topology, parameters, target)
+    at, _, result, iterations, _ = solve_state(topology, parameters, target)
     return matrices_at(topology, parameters, target, at, iterations, result)
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit, traced_once
 from ..elements.element import NONLINEAR
 from ..model.parameters import Loads, Parameters
-from ..model.topology import Topology
+from ..model.topology import Block, Topology
 from .blocks import each_block, heat_sizes, scatter_matrix, scatter_vector
 from .inertia import Felt, fall
 
@@ -91,8 +91,13 @@ def is_nonlinear(topology: Topology) -> bool:
 
 def is_nonlinear_at_rest(topology: Topology) -> bool:
     """The same, of the undeformed mechanism at rest, where an energy of third order is not felt."""
-    return depends_on_rates(topology) or any(
-        "energy" in block.companions and not block.element.third_order for block in topology.blocks
+    return any(map(has_law, topology.blocks))
+
+
+def has_law(block: Block) -> bool:
+    """Whether elements of a block state a dissipation, a law, or an energy that is not of third order."""
+    return not {"dissipation", "law"}.isdisjoint(block.companions) or (
+        "energy" in block.companions and not block.element.third_order
     )
 
 

@@ -145,7 +145,7 @@ def begin_path(
     ramp = ramp_of(topology, parameters)
     zero = jnp.array(0.0)
     if not begins_undeformed(topology, parameters):
-        at, near, result, _ = solve_state(topology, parameters, ramp.at(zero))
+        at, near, result, *_ = solve_state(topology, parameters, ramp.at(zero))
         x, near = jax.lax.stop_gradient((at.x, near))
     else:
         x, near, result = parameters.reference, zero_near(topology), jnp.zeros((), jnp.int32)

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_number, is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
 from ..compilation.record import Record, static
-from ..display import Result, Summary, largest, unit_of_force
+from ..display import Result, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
 from ..math.element_matrices import Whole
 from ..math.sparse import LARGE, unresisted
@@ -17,7 +17,7 @@ from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
-from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
+from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -84,12 +84,12 @@ class Equilibrium(ByName, Result, Record):
 
 @kernel
 def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
-    at, _, result, iterations = solve_state(topology, parameters, target, tell_critical=True)
+    at, _, result, iterations, reached = solve_state(topology, parameters, target, tell_critical=True)
     outside = reactions_of(topology, at), external_of(topology, parameters, at)
     found = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
     # Only looked at: their derivatives would take longer than all others.
     k0 = at.K0
-    return found, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx))
+    return found, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
@@ -178,7 +178,10 @@ def equilibrium(
     solve: Any = sparse_equilibrium if sparse else _equilibrium
     found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
-    check_stiffness(model, solved.result, throw)
+    about = ""
+    if not sparse and is_concrete(reached := undifferentiated(looked_at[-1])):
+        about = f"Load steps reached {factors_told(model, reached)}."
+    check_stiffness(model, solved.result, throw, about)
     if known := is_concrete((model, solved, looked_at)):
         vars(solved)["asked_of"] = model
     solved = or_nan(solved, solved.result, throw)
@@ -187,28 +190,43 @@ def equilibrium(
         if sparse and looked_at:
             warn_of_unstable(model)
         elif not sparse:
-            stiffness, structural, to_x = looked_at
+            stiffness, structural, to_x, _ = looked_at
             motions = unstable_motions(stiffness, structural, not lacks_potential(model.topology))
             if motions.shape[1]:
                 warn_of_unstable(model, np.asarray(to_x) @ motions)
     elif throw and not sparse:
-        stiffness, structural, _ = looked_at
+        stiffness, structural, *_ = looked_at
         collect_unstable([stiffness], structural, not lacks_potential(model.topology))
     return solved
 
 
-def check_stiffness(model: Model, result: Any, throw: bool) -> None:
+def factors_told(model: Model, factors: LoadFactors) -> str:
+    """Load factors in words, for a message."""
+    loads, more = (short(float(np.asarray(factor))) for factor in factors)
+    return f"load factor {loads}" if model.parameters.increment is None else f"increment {more} and load factor {loads}"
+
+
+def check_stiffness(model: Model, result: Any, throw: bool, reached: str = "") -> None:
     """As :func:`flexmb.results.check`; where nothing elastic resists some motion, by round-off or not, that is named.
 
     Args:
         model: Mechanism.
         result: Code of RESULTS.
         throw: Whether a failure is an error.
+        reached: How far the search came, in a sentence.
     """
     known, code = undifferentiated((model, result))
-    if throw and is_concrete((known, code)) and int(code) in STIFFNESS_MISSING and (about := without_stiffness(known)):
-        check(RESULTS.singular_stiffness, throw, about)
-    check(result, throw)
+    about = [reached] if reached else []
+    if throw and is_concrete((known, code)) and int(code) in STIFFNESS_MISSING:
+        if missing := without_stiffness(known):
+            check(RESULTS.singular_stiffness, throw, missing)
+        bends = sorted({block.element.name for block in known.topology.blocks if has_law(block)})
+        if bends and int(code) == RESULTS.not_converged:
+            about.append(
+                f"A law of {', '.join(bends)} that bends sharply, such as a stop, may hold the search up at its bend:"
+                " round it, as by jnp.logaddexp."
+            )
+    check(result, throw, " ".join(about))
 
 
 def without_stiffness(model: Model) -> str:

@@ -202,7 +202,8 @@ def _search(topology: Topology, parameters: Parameters, target: LoadFactors, beg
     end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
     critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
-    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
+    share = jnp.where(end.result == RESULTS.successful, 1.0, end.steps.reached)
+    factors = LoadFactors(*((1 - share) * a + share * b for a, b in zip(begin.factors, target, strict=True)))
     reached = Begin(end.x, end.near, end.strained, end.soft, factors)
     return _Solved(end.at, end.near, reached, end.iterations, result)
 
@@ -306,7 +307,7 @@ _solve.defjvp(_solve_jvp, symbolic_zeros=True)
 
 def solve_state(
     topology: Topology, parameters: Parameters, target: LoadFactors, tell_critical: bool = False
-) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""]]:
+) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], LoadFactors]:
     """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
 
     Args:
@@ -315,17 +316,18 @@ def solve_state(
             its stiffness has an answer.
 
     Returns:
-        State, ``near``, code of RESULTS, and number of Newton iterations.
+        State, ``near``, code of RESULTS, number of Newton iterations, and the load factors that load steps reached.
     """
     # What the laws of elements pull in the undeformed mechanism is known only as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
-        at, near, result, iterations, _ = solve_onward(topology, parameters, target, undeformed(topology, parameters))
+        begin = undeformed(topology, parameters)
+        at, near, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
-        return at, near, result, iterations
+        return at, near, result, iterations, reached.factors
     near, zero = zero_near(topology), jnp.zeros((), jnp.int32)
     at = state(topology, parameters, target, parameters.reference, near, loaded=False)
-    return at, near, _of_regular(at, zero), zero
+    return at, near, _of_regular(at, zero), zero, target
 
 
 def solve_onward(

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_numbers, is_concrete
+from ..arguments import check_numbers, is_concrete, undifferentiated
 from ..compilation.record import Record
 from ..display import Result, States, Summary, course, span
 from ..errors import ModelError, warn
@@ -18,9 +18,9 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, collect, or_nan
+from ..results import ANSWERED, RESULTS, collect, or_nan
 from .coarse import warn_of_coarse
-from .equilibrium import Equilibrium, check_stiffness, warn_of_increment
+from .equilibrium import Equilibrium, check_stiffness, factors_told, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
 
@@ -112,17 +112,19 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         # A state that was not found is no beginning: the next one is looked for from the last that was.
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
+        factors = reached.factors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
         unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), symmetric=not lacks_potential(topology))
-        return begin, ((at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result), unstable)
+        state = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+        return begin, (state, unstable, factors)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
-    _, (found, unstable) = jax.lax.scan(onward, start, targets)
+    _, (found, unstable, reached) = jax.lax.scan(onward, start, targets)
     codes = found[-1]
     failures = jnp.where(codes == RESULTS.critical_state, RESULTS.successful, codes)
     worst = jnp.where(jnp.any(failures != RESULTS.successful), jnp.max(failures), jnp.max(codes))
-    return found, worst.astype(jnp.int32), unstable
+    return found, worst.astype(jnp.int32), unstable, reached
 
 
 def equilibria(
@@ -182,8 +184,9 @@ def equilibria(
             f" (got {' and '.join(map(str, sorted(lengths))) or 'none'}). For one state there is fm.equilibrium."
         )
     factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
-    found, worst, unstable = _equilibria(model.topology, model.parameters, LoadFactors(*factors))
-    check_stiffness(model, worst, throw)
+    targets = LoadFactors(*factors)
+    found, worst, unstable, reached = _equilibria(model.topology, model.parameters, targets)
+    check_stiffness(model, worst, throw, _first_missed(model, found[-1], targets, reached))
     each: Any = (*or_nan(found, found[-1], throw), model.labels)
     if is_concrete((model, found, unstable)):
         warn_of_coarse(model, each[1])
@@ -191,6 +194,19 @@ def equilibria(
     elif throw:
         collect(jnp.where(jnp.any(unstable), RESULTS.unstable_state, RESULTS.successful))
     return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
+
+
+def _first_missed(model: Model, codes: Any, targets: LoadFactors, reached: LoadFactors) -> str:
+    """Factors of the first equilibrium that was not found, and how far load steps led to it; empty where all were."""
+    codes, targets, reached = undifferentiated((codes, targets, reached))
+    if not is_concrete((codes, targets, reached)) or np.all(answered := np.isin(codes, ANSWERED)):
+        return ""
+    first = int(np.argmin(answered))
+    at, up_to = (factors_told(model, jax.tree.map(lambda f: f[first], own)) for own in (targets, reached))
+    return (
+        f"Of {len(answered)} equilibria number {first} is the first that was not found, for {at}. Load steps reached"
+        f" {up_to}. fm.path goes past a limit load."
+    )
 
 
 def _warn_of_unstable_ones(which: np.ndarray) -> None:

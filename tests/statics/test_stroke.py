@@ -1,6 +1,9 @@
 """Equilibria one after the other: the closed form of a truss (A7) that is pushed through its limit points."""
 
+import re
+
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -82,8 +85,28 @@ def test_loads_beyond_the_limit_are_told_apart():
     # The last one from the first.
     heights = np.asarray(found.at("apex")[:, 1])[[0, 2]]
     np.testing.assert_allclose(load_at(heights), limit * shares[[0, 2]], rtol=1e-9)
-    with pytest.raises(fm.AnalysisError, match="limit load"):
+    with pytest.raises(fm.AnalysisError, match=r"number 1 is the first .* for load factor 1\.5") as told:
         fm.equilibria(model, load_factor=shares)
+    # Load steps end below the limit load, by their smallest share of the way at most, and the model has no laws.
+    reached = float(re.findall(r"reached load factor ([\d.]+)\. fm\.path goes past a limit load", str(told.value))[0])
+    assert 0.99 < reached <= 1.0
+    assert "law" not in str(told.value)
+    with pytest.raises(fm.AnalysisError, match=r"Load steps reached load factor (0\.99\d+|1)\."):
+        fm.equilibrium(model, load_factor=1.5)
+
+
+def test_a_law_that_may_hold_the_search_up_is_named():
+    """A pull of a thousandth against a spring that gives way for good."""
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("end", (1, 0))
+    b.add(planar.spring_damper, "wall", "end", name="s", law=lambda e, ed: 1e-4 * jnp.tanh(e / 1e-3))
+    b.fix("wall")
+    b.fix("end", "y")
+    b.dof("end", "x")
+    b.force("end", (1e-3, 0.0))
+    with pytest.raises(fm.AnalysisError, match=r"reached load factor 0\..* A law of spring_damper that bends"):
+        fm.equilibrium(b.build())
 
 
 @pytest.mark.parametrize(
