@@ -47,8 +47,7 @@ class RESULTS(enum.IntEnum):
     not_converged = (
         3,
         "The static equilibrium was not found, with load steps down to the smallest allowed. The load may be beyond"
-        " what the mechanism can carry (a limit load): lower it, or use more elements. A law of an element that bends"
-        " sharply, such as a stop, may hold the search up at its bend: round it, as by jnp.logaddexp.",
+        " what the mechanism can carry (a limit load): lower it, or use more elements.",
     )
     unstable = (
         4,
@@ -105,7 +104,7 @@ class RESULTS(enum.IntEnum):
     closed_path = (
         14,
         "The path came back to a state that it had passed before: it is closed and does not reach its end. Follow"
-        " another branch (switch), start from other loads, or look at the path so far.",
+        " another branch (switch, imperfection), start from other loads, or look at the path so far.",
     )
     ran_away = (
         15,

@@ -2205,7 +2205,7 @@ FAULTS = [
         "return jnp.all(jnp.isfinite(jnp.linalg.cholesky",
         "statics/test_stable.py -k follow",
     ),
-    Fault("statics/stroke.py", "return begin, ((at.x", "return start, ((at.x", "statics/test_stroke.py -k pushed"),
+    Fault("statics/stroke.py", "return begin, (state", "return start, (state", "statics/test_stroke.py -k pushed"),
     Fault(
         "statics/stroke.py",
         "lambda new, old: jnp.where(good, new, old)",
@@ -3635,8 +3635,8 @@ FAULTS = [
     Fault("paths/walk.py", "len(self.steps) == 1 and begin.singular", "False", "paths/test_path.py -k elastic"),
     Fault(
         "statics/equilibrium.py",
-        "(about := without_stiffness(known)):",
-        "(about := without_stiffness(known)) and False:",
+        "if missing := without_stiffness(known):",
+        "if (missing := without_stiffness(known)) and False:",
         "paths/test_path.py -k elastic",
     ),
     Fault("compilation/compile.py", "_folding(False):", "_folding(True):", "compilation/test_known_numbers.py"),
@@ -3997,7 +3997,9 @@ FAULTS = [
         "control/test_loops.py -k rigid_motion_that",
     ),
     Fault("control/stability.py", "    if plant.dt:", "    if False:", "control/test_loops.py -k bad_controllers"),
-    Fault("control/stability.py", "    if wrong:", "    if False:", "control/test_loops.py -k bad_controllers"),
+    Fault(
+        "motion/controllers.py", "if wrong := [name", "if False and [name", "control/test_loops.py -k bad_controllers"
+    ),
     Fault("control/stability.py", "= UNSURE * np", "= 1e9 * np", "control/test_loops.py -k slow_motion_beside"),
     Fault("control/stability.py", "low[passes]", "low", "control/test_loops.py -k weak_coupling"),
     Fault(

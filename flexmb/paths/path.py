@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import check_flag, check_number, check_whole, is_concrete, shown
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
-from ..display import Result, short
+from ..display import Result, listed, short
 from ..errors import AnalysisError, heard, warn
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
@@ -23,6 +23,7 @@ from ..linear.spectrum import general_spectrum, spectrum, to_frequency
 from ..linear.stability import without_growth
 from ..linear.stress import stress
 from ..mechanics.blocks import kernel
+from ..mechanics.extent import extent_of
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..mechanics.residual import state
 from ..model.by_name import ByName
@@ -42,6 +43,11 @@ from .sparse_walk import SparseEquations
 from .stepper import NO_LOAD, Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
+
+# Ends to which a branch may have led.
+LOST = (RESULTS.closed_path, RESULTS.max_steps)
+# An imperfection that changes little, as a share of the extent.
+SMALL = 1e-4
 
 
 class Path(OverLoad, ByName, AboutState, Along, Result, Record):
@@ -298,6 +304,8 @@ def path(
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
     to_switch = _switches(switch)
+    # What bifurcations may be left for; the walk takes out of `to_switch` what it uses.
+    asked = {} if imperfection else dict(to_switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
     if large:
@@ -305,10 +313,10 @@ def path(
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
             found = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=sparse is None)
         if found is not None:
-            return _checked(*found, stop, to_switch, throw)
+            return _checked(*found, stop, to_switch, asked, throw)
     model = as_determined(model, "path")
     model = model if imperfection is None else bent_by_modes(model, imperfection)
-    return _checked(*_dense_path(model, step, max_steps, stop, to_switch, progress), stop, to_switch, throw)
+    return _checked(*_dense_path(model, step, max_steps, stop, to_switch, progress), stop, to_switch, asked, throw)
 
 
 def _dense_path(
@@ -413,14 +421,22 @@ def _largest_stress(model: Model, at: Any) -> float:
 P = TypeVar("P", Path, SparsePath)
 
 
-def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int], throw: bool) -> P:
+def _checked(
+    found: P,
+    walker: Walker,
+    stop: Mapping[str, float] | None,
+    to_switch: dict[int, int],
+    asked: dict[int, int],
+    throw: bool,
+) -> P:
     """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
     code = RESULTS(int(found.result))
     if code == RESULTS.max_steps and np.max(np.abs(np.asarray(found.load_factor))) < NO_LOAD:
         # What meets no stiffness but that of round-off moves and moves.
         code = RESULTS.singular_stiffness
+    about = _instead_of_switch(found, asked) if asked.keys() - to_switch.keys() and code in LOST else ""
     try:
-        check_stiffness(found.model, int(code), throw and code != RESULTS.stopped)
+        check_stiffness(found.model, int(code), throw and code != RESULTS.stopped, about)
     except AnalysisError as error:
         error.path = found
         raise
@@ -428,6 +444,16 @@ def _checked(found: P, walker: Walker, stop: Mapping[str, float] | None, to_swit
     if code == RESULTS.successful:
         _warn_of_unused(found, walker, stop, to_switch)
     return found
+
+
+def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
+    """What leads past a bifurcation where the branch that was followed from it leads nowhere, for a message."""
+    size = short(SMALL * float(extent_of(found.model.topology, found.model.parameters)))
+    return (
+        f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] in place of"
+        " `switch`: the path then turns onto the branch, and off it again, without a bifurcation. Or leave the branch"
+        f" at the next bifurcation: switch={asked | {max(asked) + 1: 1}}."
+    )
 
 
 def _switches(switch: Any) -> dict[int, int]:

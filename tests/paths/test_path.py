@@ -2,6 +2,7 @@
 
 import functools
 import json
+import re
 
 import jax
 import jax.numpy as jnp
@@ -390,6 +391,25 @@ def test_a_closed_branch_ends_where_it_began():
     assert again.tolist() == [[again[0][0], len(x) - 1]]
     apex = np.asarray(path.at("apex"))
     assert np.min(apex[:, 0]) == pytest.approx(-np.max(apex[:, 0]), rel=0.1)
+
+
+def test_a_closed_branch_points_to_an_imperfection():
+    """A steep truss leaves sideways and comes back; bent by what the error says, it snaps through."""
+    model = truss(1.0, 4.0, 1.0, load=1.0, sideways=True)
+    words = r"came back .* bifurcation 1 by `switch`\. Give imperfection=\{1: ([\d.]+)\} \[m\] .*=\{1: 1, 2: 1\}"
+    with pytest.raises(fm.AnalysisError, match=words) as caught:
+        fm.path(model, switch=1)
+    assert "imperfection" in fm.RESULTS.closed_path.message
+    size = float(re.findall(words, str(caught.value))[0])
+    for path in (fm.path(model, imperfection={1: size}), fm.path(model, switch={1: 1, 2: 1})):
+        assert path.load_factor[-1] == pytest.approx(1.0, rel=1e-12)
+        assert path.stable[-1]
+        assert path.at("apex")[-1, 1] < -4
+    # Who follows no branch, or is bent already, is told of neither.
+    for given in ({}, {"imperfection": {1: size}}):
+        with pytest.raises(fm.AnalysisError, match="did not reach its end") as caught:
+            fm.path(model, max_steps=5, **given)
+        assert "imperfection" not in str(caught.value)
 
 
 def test_no_jump_to_a_branch_that_ends_in_a_fold():
