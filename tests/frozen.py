@@ -60,7 +60,7 @@ def answer(job: str, tight: bool, file: str) -> None:
         with contextlib.redirect_stdout(io.StringIO()):
             getattr(shipped, f"ask_{kind}")(name, recorder)
     except (Exception, SystemExit) as error:
-        fault = f"{type(error).__name__}: {error}"[:300]
+        fault = f"{type(error).__name__}: {error}".partition("\n")[0]
     index = {path: tell for path, (_, tell) in recorder.out.items()}
     told = {"answers": index, "rtol": recorder.rtol, "tuned": recorder.tuned, "fault": fault}
     np.savez(file, index=json.dumps(told), **{f"{i}": array for i, (array, _) in enumerate(recorder.out.values())})
@@ -85,7 +85,7 @@ def asked(job: str, tight: bool, limit: float) -> tuple[dict, dict[str, np.ndarr
                 answers = {path: found[str(i)] for i, path in enumerate(told["answers"])}
         elif not fault:
             said.seek(0)
-            told["fault"] = said.read()[-300:]
+            told["fault"] = " ".join(said.read()[-300:].split())
     return told | {"seconds": time.monotonic() - began}, answers
 
 

@@ -19,6 +19,7 @@ MOST, CALLS = 2000, 60
 # Structure, counts and what measures round-off are no answers.
 LEFT = {
     *("model", "labels", "lin", "topology", "parameters", "driven", "near", "start", "asked_of"),
+    *("matrices", "factors", "by_sparse"),
     *("iterations", "steps", "history", "runs", "evaluations", "condition", "energy_error", "violation", "settings"),
 }
 UNRECORDED = {
@@ -98,6 +99,11 @@ def collect(value: Any, path: str, out: dict[str, tuple[np.ndarray, dict]], tell
         out[path] = found if found.size <= MOST else found.ravel()[:: -(-found.size // MOST)], tell
         return
     entries = entries_of(value)
+    # Numbers of nodes or elements, as the command line names them: all of them are one answer.
+    if entries and all(name.isdecimal() for name in entries) and isinstance(value, dict):
+        parts = [array_of(one) for one in entries.values()]
+        if all(part is not None for part in parts):
+            return collect(np.concatenate([np.ravel(part) for part in parts]), path, out, tell, depth)
     values = next((found for name in VALUES if (found := array_of(entries.get(name))) is not None), None)
     for name, one in entries.items():
         if name in MODES and values is not None:
