@@ -5,10 +5,10 @@
     python tests/frozen.py compare FILE [--all] [--only NAME] # ask again, and compare; status 1 where something differs
 
 Asked are the modes of the command line for `flexmb/mechanisms/*.dat`; the mechanisms of `tests/cases/` and
-`benchmarks/scenes.py` that need no argument; the cases of `benchmarks/questions.py`; the manuals; with --all the
-notebooks and the tests that `tests/REFERENCES.md` names. They are found by looking (`shipped.py`). Each runs in a fresh
-process. Answers are what public functions of the package return to it (`recorded.py`), and the numbers in its
-namespace. FILE keeps what it had of mechanisms that are not asked anew.
+`benchmarks/scenes.py` that need no argument; the manuals; with --all or where named the cases of
+`benchmarks/questions.py`, the notebooks and the tests that `tests/REFERENCES.md` names. They are found by looking
+(`shipped.py`). Each runs in a fresh process. Answers are what public functions of the package return to it
+(`recorded.py`), and the numbers in its namespace. FILE keeps what it had of mechanisms that are not asked anew.
 
 Numbers agree where they differ by less than 1e-9 of the largest entry of their answer. Modes may change their sign, and
 those of a repeated eigenvalue their basis. `write` asks twice. The second time the processor's newer instructions are
@@ -16,7 +16,8 @@ left out, motions have `rtol=1e-11`, and searches of `fm.tune` begin slightly el
 more than 1e-9 depends on round-off, on a motion or on a search, and has a tolerance of its own:
 - of a motion and what follows from it: 10 rtol from the second answer, or twice what the first one is off;
 - of what follows from a search: ten times the difference, or 1e-6; objectives agree within the search's tolerance;
-- of all else: ten times the difference. The tables count these answers as loose.
+- of all else: ten times the difference. The tables count these answers as loose. A difference of their own size says
+  that they are round-off, or modal coordinates, whose sign is free: they are not compared.
 """
 
 import argparse
@@ -40,8 +41,8 @@ ROOT = Path(__file__).resolve().parents[1]
 CLOSE = 1e-9
 # Values that differ relatively by less are one value, whose modes have no basis of their own.
 REPEATED = 1e-6
-# Asked with --all only: they take most of the time.
-LONG = ("notebook", "tests")
+# Asked with --all or where named: they take most of the time.
+LONG = ("question", "notebook", "tests")
 # Other instructions, other round-off.
 OLD_PROCESSOR = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2", "OPENBLAS_CORETYPE": "Nehalem"}
 

@@ -94,7 +94,7 @@ def ask_model(model: Any, recorder: Recorder) -> None:
         fm.equilibria(model, load_factor=[0.0, 0.5, 1.0])
     hertz = max(recorder.out.get("modes#0/frequencies", (np.zeros(1),))[0][0], 0.0) or 10.0
     stiffness = recorder.out.get("linearize#0/K0", (np.ones((1, 1)),))[0].flat[0]
-    loads = {model.q_labels[0]: lambda t: 1e-3 * stiffness * jnp.sin(6 * hertz * t)}
+    loads = {name: lambda t: 1e-3 * stiffness * jnp.sin(6 * hertz * t) for name in model.q_labels[:1]}
     for how in ({"loads": loads}, {}):
         with contextlib.suppress(Exception):
             fm.simulate(model, np.linspace(0, 2 / hertz, 11), rtol=1e-7, **how)
