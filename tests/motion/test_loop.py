@@ -1,9 +1,7 @@
 """Controllers around an oscillator: signs, what they measure, and what is seen of them, against the closed form."""
 
-import warnings
-
-
 import re
+import warnings
 
 import control
 import jax
