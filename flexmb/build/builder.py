@@ -21,6 +21,7 @@ from ..arguments import (
     require_double_precision,
     shown,
 )
+from ..compilation.compile import unguarded
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
@@ -133,6 +134,7 @@ class Builder(Description):
         self._new_node(name, WARPING, list(WARPING.start))
         return name
 
+    @unguarded
     def add(
         self,
         element: Any,
@@ -321,6 +323,7 @@ class Builder(Description):
         rotation, own = self._inertia(node, inertia)
         self._add_hidden("inertia", rotation, inertia=own)
 
+    @unguarded
     def body(
         self,
         node: str,
@@ -733,6 +736,7 @@ class Builder(Description):
 
     # -- the model ----------------------------------------------------------------------------------------------
 
+    @unguarded
     def build(self, *, dofs: str | Sequence[str] = "auto", release: str = "none", check: bool = True) -> Model:
         """Make the model.
 

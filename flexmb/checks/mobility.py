@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from ..compilation.compile import unguarded
 from ..display import AT_MOST, Result, States, Summary, among, counted
 from ..errors import ModelError
 from ..math.linear import uneven
@@ -283,6 +284,7 @@ def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
     return row / np.linalg.norm(row)
 
 
+@unguarded
 def mobility(model: Model) -> Mobility:
     """Find over- and under-constraints of the undeformed mechanism, with every named DOF held.
 

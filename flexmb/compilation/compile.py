@@ -5,7 +5,7 @@ import functools
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import jax
 import jax.core
@@ -18,6 +18,7 @@ from .host import Run, forget
 from .kept import kept_number
 from .threads import one_thread
 
+P, T = ParamSpec("P"), TypeVar("T")
 _folding: Any = contextlib.nullcontext
 # Where JAX has it elsewhere, a trace takes longer.
 with contextlib.suppress(ImportError):
@@ -131,6 +132,20 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+def unguarded(function: Callable[P, T]) -> Callable[P, T]:
+    """A function of this package, whatever a user's program asks of ranks and of copies to a device.
+
+    ``jax.numpy_rank_promotion("raise")`` and ``jax.transfer_guard("disallow")`` look for faults in a user's own code.
+    """
+
+    @functools.wraps(function)
+    def call(*arguments: P.args, **keywords: P.kwargs) -> T:
+        with jax.numpy_rank_promotion("allow"), jax.transfer_guard("allow"):
+            return function(*arguments, **keywords)
+
+    return call
+
+
 def is_staged() -> bool:
     """Whether what is computed now becomes part of a program, as within ``jax.jit``; ``jax.grad`` alone computes."""
     return isinstance(jax.lax.add(np.zeros(()), np.zeros(())), jax.core.Tracer)
@@ -151,6 +166,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         # Beside it, whether a program of it has been found to call the host.
         return Executables(own, name, OPTIONS[mode], (whole, structure, fixed) if kept else None), [False]
 
+    @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         global _programs_left
         leaves, traced = _as_taken(leaves)

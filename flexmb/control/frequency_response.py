@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from ..arguments import as_known, check_choice, check_numbers, is_concrete, library_of, shown, undifferentiated
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import ModelError, clean, warn
@@ -170,6 +170,7 @@ def check_hertz(hertz: Any) -> Float[Array, "n_f"]:
     return np.atleast_1d(np.asarray(hertz, float)) if is_concrete(hertz) else jnp.atleast_1d(hertz)  # type: ignore
 
 
+@unguarded
 def frequency_response(
     model: Model | Linearization | SparseLinearization,
     hertz: Float[Array, "n_f"] | Sequence[float] | float,

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from ..arguments import check_numbers, is_concrete, shown
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
@@ -113,6 +113,7 @@ class NoiseBudget(Result, Record):
         return Summary(title, rows, "noise", {} if len(self.outputs) == 1 else None)
 
 
+@unguarded
 def noise_budget(
     model: Model | Linearization,
     hertz: Float[Array, "n_f"] | Sequence[float] | None = None,

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete, undifferentiated
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.choice import sparsely
 from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
@@ -481,6 +481,7 @@ def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tupl
     return not np.any(np.abs(whole.C0 @ direct) > IDLE * (np.abs(whole.C0) @ np.abs(direct)))
 
 
+@unguarded
 def to_statespace(
     model: Model | Linearization | SparseLinearization,
     *,

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import check_number, check_whole, shown
 from ..build.restrict import Restriction, can_be_tied, restrict
+from ..compilation.compile import unguarded
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
 from ..errors import AnalysisError, ModelError, clean
@@ -132,6 +133,7 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
 
 
 @one_thread()
+@unguarded
 def lean(
     model: Model | Callable[..., Model],
     *,

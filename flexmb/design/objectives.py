@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_numbers, check_whole
+from ..compilation.compile import unguarded
 from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearized
 from ..math.derivative import DIFFERENTIATED
@@ -21,6 +22,7 @@ SQUARINGS, BALANCED = 64, 40
 AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
 
 
+@unguarded
 def mass(model: Model) -> Float[Array, ""]:
     """Mass of the whole mechanism, distributed mass included.
 
@@ -40,6 +42,7 @@ def mass(model: Model) -> Float[Array, ""]:
 _mass = kernel(total_mass)
 
 
+@unguarded
 def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool = False) -> Float[Array, ""]:
     """Force on a node over its displacement along an axis, all else free to follow.
 

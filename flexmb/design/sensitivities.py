@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_by_name, check_whole, shown
 from ..compilation.by_meaning import jit
+from ..compilation.compile import unguarded
 from ..display import Result, Summary, counted, largest, listed, short
 from ..errors import AnalysisError, clean, warn
 from ..results import ANSWERED, NO_DERIVATIVE, RESULTS, check
@@ -80,6 +81,7 @@ class Sensitivities(Result):
         return "\n".join(lines)
 
 
+@unguarded
 def sensitivities(
     build: Build,
     answers: Answers,

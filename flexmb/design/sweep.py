@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import __version__
 from ..arguments import check_by_name, check_whole
+from ..compilation.compile import unguarded
 from ..compilation.identity import identity
 from ..errors import clean, warn
 from ..model.model import Model
@@ -29,6 +30,7 @@ RESERVED = ("codes", "about", "result", "design")
 REPEATED, SAME = 8, 1e-6
 
 
+@unguarded
 def sweep(
     build: Build,
     answers: Answers,

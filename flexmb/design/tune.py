@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_by_name, check_number, check_whole
 from ..compilation.by_meaning import jit
+from ..compilation.compile import unguarded
 from ..errors import AnalysisError, clean, first_line, warn
 from ..progress import reporting
 from ..results import RESULTS
@@ -42,6 +43,7 @@ from .tuned import Combination, Tuned
 RESERVED = ("objective", "violation")
 
 
+@unguarded
 def tune(
     build: Build,
     answers: Answers,

@@ -12,6 +12,7 @@ from ..arguments import check_number, check_numbers, check_whole, shown
 from ..arguments import numbers as as_numbers
 from ..build.restrict import with_turn
 from ..checks.mobility import mobility
+from ..compilation.compile import unguarded
 from ..errors import heard
 from ..model.model import Model, as_determined, as_known
 from ..progress import reporting
@@ -34,6 +35,7 @@ CLOSE_EXTREME = 1e-4
 CLOSE_END = 0.01
 
 
+@unguarded
 def verdict(
     model: Model | Build,
     stroke: float | tuple[float, float] | Mapping[str, Any],

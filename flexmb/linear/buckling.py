@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..arguments import check_flag, check_whole, is_concrete
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
 from ..errors import ModelError, warn
@@ -356,6 +356,7 @@ def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization |
     return found, at.factors(-1 if where.step is None else where.step)
 
 
+@unguarded
 def buckling_loads(
     model: Model,
     *,
@@ -462,6 +463,7 @@ def _sparse_buckling(
     return multipliers, shapes, lin, moved
 
 
+@unguarded
 def buckling(
     model: Model,
     *,

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, computed, is_concrete, undifferentiated
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
 from ..math.linear import diagonal_of, factorise
@@ -47,6 +47,7 @@ def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
     return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
 
 
+@unguarded
 def compliance(
     model: Model | Linearization | SparseLinearization,
     node: str,
@@ -107,7 +108,7 @@ def compliance(
         # Dense matrices know of nodes that no free motion takes along.
         lin = linearized(model, "compliance", where=where)
     found, jacobian, result = _compliance(lin.matrices, places, local=local)
-    if is_concrete(known := undifferentiated((lin, jacobian, result))) and known[2] == RESULTS.singular_stiffness:
+    if is_concrete(known := undifferentiated((lin, jacobian, result))) and int(known[2]) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, jacobian, node, known)
     check(result, True)
     _warn_of_instability(found, node)

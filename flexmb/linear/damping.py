@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import as_reals, check_flag, check_numbers, is_concrete, library_of, shown
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..display import among
 from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
@@ -31,6 +31,7 @@ Ratio = float | Sequence[Any] | Float[Array, "*n"] | Callable[[Any], Any]
 Losses = float | Mapping[str | Material, float]
 
 
+@unguarded
 def damped(
     model: Model | Linearization,
     *,

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_flag, check_whole, computed, is_concrete, require_double_precision
+from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, listed, short
 from ..mechanics.blocks import kernel
@@ -525,6 +526,7 @@ def linearize(
 ) -> SparseLinearization: ...
 
 
+@unguarded
 def linearize(
     model: Model,
     *,

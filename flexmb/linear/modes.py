@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
 from ..arguments import check_whole, is_concrete, undifferentiated
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, modal_summary
@@ -127,6 +127,7 @@ def _asked(
     return large, count
 
 
+@unguarded
 def frequencies(
     model: Model | Linearization | SparseLinearization,
     *,
@@ -215,6 +216,7 @@ def _modes(found: Matrices):
     return values, to_frequency(values), found.DFx @ vectors, vectors, stable, result
 
 
+@unguarded
 def modes(
     model: Model | Linearization | SparseLinearization,
     *,
@@ -294,6 +296,7 @@ def _modes_of_large(lin: SparseLinearization, count: Any) -> Modes:
 
 
 @one_thread()
+@unguarded
 def poles(
     model: Model | Linearization | SparseLinearization,
     *,

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_whole, is_concrete
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, counted, listed, span
 from ..elements.section import Section
@@ -614,6 +614,7 @@ def section_resultants(
     return SectionResultants(values, jax.device_put(places), result, names)
 
 
+@unguarded
 def stress(
     model: Model,
     *,

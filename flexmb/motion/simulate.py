@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..arguments import as_floats, checked_times, computed, is_concrete, shown, undifferentiated
-from ..compilation.compile import jit_beside_options
+from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
@@ -88,6 +88,7 @@ class Keywords(TypedDict, total=False):
     max_steps: int
 
 
+@unguarded
 def simulate(
     model: Model,
     times: ArrayLike,

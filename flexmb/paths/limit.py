@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole
+from ..compilation.compile import unguarded
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import sizes_of
 from ..mechanics.residual import reduced_response, state
@@ -176,6 +177,7 @@ _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
 _compiled_limit_load = kernel(_limit_load)
 
 
+@unguarded
 def limit_load(
     model: Model, *, step: float = 0.1, max_steps: int = 200, sparse: bool | None = None, throw: bool = True
 ) -> Float[Array, ""]:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_flag, check_number, check_whole, is_concrete, shown
+from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Result, listed, short
@@ -227,6 +228,7 @@ def path(
     progress: Callable[[int, float], None] | bool = False,
     throw: bool = True,
 ) -> Path | SparsePath: ...
+@unguarded
 def path(
     model: Model,
     *,

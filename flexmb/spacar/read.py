@@ -15,6 +15,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.clamps import with_clamps
+from ..compilation.compile import unguarded
 from ..display import Result, Summary, listed
 from ..elements import spatial
 from ..errors import ModelError, SpacarError, clean, heard
@@ -74,6 +75,7 @@ class SpacarModel(Result):
         return Summary(f"SpacarModel: {self.name}", rows)
 
 
+@unguarded
 def read_spacar(
     path_or_text: str | os.PathLike,
     *,

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import as_floats, check_numbers
-from ..compilation.compile import jit
+from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_rate
 from ..math.derivative import DIFFERENTIATED
@@ -195,6 +195,7 @@ def _moved(topology: Topology, jacobian: Float[Array, "n_e n_x"], tangent: Trans
 _configure = jit(configure)
 
 
+@unguarded
 def configuration(
     model: Model, q: Float[Array, "n_q"] | None = None, qd: Float[Array, "n_q"] | None = None, *, throw: bool = True
 ) -> Configuration:

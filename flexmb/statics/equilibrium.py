@@ -8,6 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from ..arguments import check_number, is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
+from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
@@ -133,6 +134,7 @@ def warn_of_increment(model: Model, function: str) -> None:
         )
 
 
+@unguarded
 def equilibrium(
     model: Model,
     *,

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_numbers, is_concrete, undifferentiated
+from ..compilation.compile import unguarded
 from ..compilation.record import Record
 from ..display import Result, States, Summary, course, span
 from ..errors import ModelError, warn
@@ -43,6 +44,8 @@ class Equilibria(ByName, Result, Record):
 
     def __getitem__(self, number: int) -> Equilibrium:
         """One of them, such as ``fm.stress(model, at=found[-1])`` takes it."""
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"There are {len(self)} equilibria, from 0, and no number {number}.")
         return jax.tree.map(lambda array: array[number], self.each)
 
     def __len__(self) -> int:
@@ -127,6 +130,7 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
     return found, worst.astype(jnp.int32), unstable, reached
 
 
+@unguarded
 def equilibria(
     model: Model,
     *,

@@ -138,3 +138,7 @@ def test_a_stroke_goes_back_to_nothing():
     b.dof("bar", 1)
     found = fm.equilibria(b.build(), increment=np.array([0.0, 0.2, 0.0]))
     np.testing.assert_allclose(found.x[:, [0, 2]], [[0, 1], [0.2, 1.2], [0, 1]], rtol=0, atol=1e-12)
+    assert [float(state.x[0]) for state in found] == found.x[:, 0].tolist()
+    for number in (3, -4):
+        with pytest.raises(IndexError, match=f"3 equilibria, from 0, and no number {number}"):
+            found[number]
