@@ -1,5 +1,6 @@
 """Sweeps in files: what was saved as .npz or .mat, and checkpoints, read again."""
 
+import errno
 import io
 import json
 import os
@@ -42,9 +43,12 @@ def read(path: str | os.PathLike) -> Contents:
 
     Raises:
         ValueError: The file is no saved sweep, or is damaged.
-        OSError: It cannot be read.
+        OSError: It cannot be read, or is no regular file.
     """
     path = Path(path)
+    # A pipe would wait for its writer.
+    if path.exists() and not path.is_dir() and not path.is_file():
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
     with path.open("rb") as file:
         if file.read(len(MAGIC)) == MAGIC:
             file.seek(0)

@@ -86,6 +86,8 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path):
     for special in not_regular(tmp_path, ""):
         with pytest.raises(OSError, match="it is no regular file"):
             fm.sweep(build, {"a": scaled}, DESIGNS, **run(special))
+        with pytest.raises(OSError, match="it is no regular file"):
+            fm.design.Sweep.load(special)
 
 
 def test_answers_in_any_order_go_on(tmp_path):
