@@ -2649,9 +2649,7 @@ FAULTS = [
         "",
         "design/test_sweep.py -k front",
     ),
-    Fault(
-        "compilation/identity.py", "yield np.ascontiguousarray(array).tobytes()", "pass", "compilation/test_identity.py"
-    ),
+    Fault("design/identity.py", "yield np.ascontiguousarray(array).tobytes()", "pass", "design/test_identity.py"),
     Fault("design/study_parts.py", "return self.value - 1", "return 0", "design/test_study_parts.py -k answer"),
     Fault("design/study_parts.py", "[self.more - 1]", "[0]", "design/test_study_parts.py -k raised"),
     Fault(

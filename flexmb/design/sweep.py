@@ -12,7 +12,6 @@ import numpy as np
 from .. import __version__
 from ..arguments import check_by_name, check_whole
 from ..compilation.compile import unguarded
-from ..compilation.identity import identity
 from ..errors import clean, warn
 from ..model.model import Model
 from ..progress import reporting
@@ -21,6 +20,7 @@ from .checkpoint import Checkpoint, refusal
 from .chunks import Task, Values, Worker, gathered, part_of
 from .designs import Designs
 from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
+from .identity import identity
 from .swept import Sweep
 
 # What is written beside dimensions and answers, in files and in tables.

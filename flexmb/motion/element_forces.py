@@ -12,9 +12,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..compilation.jets import jets, length
 from ..compilation.program import split
 from ..compilation.record import Record, static
+from ..math.jets import jets, length
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..model.parameters import Parameters

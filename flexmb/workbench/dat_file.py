@@ -11,7 +11,6 @@ from typing import Any
 
 from ..build.builder import Builder
 from ..build.description import Description
-from ..compilation.formulas import formulas
 from ..display import listed
 from ..errors import ModelError, SpacarError, clean
 from ..files import write_whole
@@ -23,6 +22,7 @@ from ..spacar.write import lines_of, told_in_no_element
 from ..spacar.written import WrittenLine, text_of
 from .building import build, free_names, numbers_of
 from .document import Document, apply
+from .formulas import formulas
 from .from_builder import document_of
 from .merged import apart, called, merged
 from .references import call_of

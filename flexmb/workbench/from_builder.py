@@ -11,13 +11,13 @@ from ..arguments import shown
 from ..build.builder import Builder
 from ..build.carry import built, carried, recorded
 from ..build.description import Description
-from ..compilation.formulas import formulas, text_of
 from ..errors import ModelError, clean, first_line
 from ..model.model import Model
 from ..spacar.read import SpacarModel
 from . import fields
 from .calls_of import Calls, NumberPlace
 from .content import FORMAT, Document
+from .formulas import formulas, text_of
 from .from_model import builder_of
 from .merged import merged
 

@@ -6,12 +6,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ..compilation.formulas import text_of
 from ..design.study_file import LARGEST_FILE, parameters_in
 from ..errors import ModelError, StudyError, clean
 from ..files import read_whole
 from .building import free_names, numbers_of
 from .document import Document
+from .formulas import text_of
 
 # So many studies in a folder are looked at.
 MOST = 50

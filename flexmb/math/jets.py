@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from .program import Jaxpr, Literal, Var, needed
+from ..compilation.program import Jaxpr, Literal, Var, needed
 
 # Operations that are linear in all their operands together, those that are in one while the others are constant, and
 # programs within programs.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexmb as fm
-from flexmb.compilation.jets import jets
+from flexmb.math.jets import jets
 from flexmb.math.rigid import exponential
 
 

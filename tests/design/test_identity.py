@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flexmb as fm
-from flexmb.compilation.identity import identity
+from flexmb.design.identity import identity
 
 NUMBER = 1.0
 NOTES: list[float] = []

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexmb.compilation.formulas import formulas, text_of
+from flexmb.workbench.formulas import formulas, text_of
 
 NUMBERS = {"t": 0.5e-3, "w": 0.018, "n": 3.25}
 
