@@ -1,8 +1,6 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
 import contextlib
-import functools
-import gc
 import io
 import os
 import re
@@ -16,7 +14,6 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
-from .lazy import end_quickly
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
@@ -28,45 +25,9 @@ WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
 # Modes whose answer is a unit for co-simulation.
 OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
-# Whether nothing but this package has run in this process.
-_alone = False
 
 
-class AsGiven:
-    """How a text, a path, a list of texts, or what stands for none is taken from the command line.
-
-    For anything else typer loads what checks types, which takes a fifteenth of a run from the cache.
-    """
-
-    def __init__(self, param: Any):
-        self._param, self._checked = param, param.get_runtime_param
-
-    def coerce(self, value: Any, *about: Any, **named: Any) -> Any:
-        """The value as the annotation of the command has it."""
-        kind = self._param.type_descriptor.annotation
-        if value is None or (type(value) is kind and value == self._param.default):
-            return () if getattr(self._param, "multiple", False) else value
-        readable = kind is Path and (os.access(value, os.R_OK) or not os.path.exists(value))
-        if type(value) is str and (kind is str or readable):
-            return kind(value)
-        if kind == list[str] and all(type(one) is str for one in value):
-            return list(value)
-        return self._checked().coerce(value, *about, **named)
-
-
-class Taking:
-    """A command whose values are taken as they are given."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Parameters, as of the base class."""
-        found: list[Any] = super().get_params(ctx)  # pyright: ignore[reportAttributeAccessIssue]
-        for param in found:
-            if hasattr(param, "get_runtime_param") and "get_runtime_param" not in vars(param):
-                param.get_runtime_param = functools.partial(lambda own: own, AsGiven(param))
-        return found
-
-
-class Once(Taking, TyperCommand):
+class Once(TyperCommand):
     """A command that refuses an option given twice instead of taking the last."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -78,14 +39,12 @@ class Once(Taking, TyperCommand):
         return super().parse_args(ctx, args)
 
 
-class Program(Taking, TyperGroup):
+class Program(TyperGroup):
     """The program: every fault of the call is one line on standard error and exit status 2."""
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
         _prepare_streams()
-        # Modules and traces live on: to look for garbage among them as often as Python does takes a tenth of a run.
-        gc.set_threshold(100_000, 50, 100)
         try:
             code = super().main(*args, **{**options, "prog_name": "flexmb", "standalone_mode": False})
         except typer.Exit as end:
@@ -199,9 +158,7 @@ def _store(path: Any, write: Callable[[Any], None]) -> None:
 def _prepare_jax() -> None:
     """Double precision, and the cache of compiled code."""
     from . import enable_cache, enable_x64
-    from .compilation.kept import take_as_written
 
-    take_as_written(_alone)
     enable_x64()
     with contextlib.suppress(OSError):
         # Without a writable cache folder the program is slower and otherwise the same.
@@ -807,12 +764,6 @@ def edit(
 
 def main() -> None:
     """Run the command line."""
-    global _alone
-    # Whoever has replaced what is computed with, here or in a library, has loaded one of them.
-    _alone = not {"jax", "numpy"} & sys.modules.keys()
     # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    try:
-        app()
-    finally:
-        end_quickly()
+    app()

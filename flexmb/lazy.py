@@ -1,14 +1,11 @@
 """Names that a package offers, loaded on first use (PEP 562): the stub beside its ``__init__.py`` is the one list."""
 
 import ast
-import atexit
-import contextlib
 import functools
-import gc
 import importlib
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -45,9 +42,8 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
         if where is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
         # A package that does not hold the name has a module of that name.
-        with no_garbage_looked_for():
-            found = None if where == package else getattr(importlib.import_module(where), name, None)
-            found = found or importlib.import_module(f"{where}.{name}")
+        found = None if where == package else getattr(importlib.import_module(where), name, None)
+        found = found or importlib.import_module(f"{where}.{name}")
         setattr(sys.modules[package], name, found)
         return found
 
@@ -66,31 +62,3 @@ def only(module: dict[str, Any], is_meant: Callable[[Any], bool]) -> tuple[list[
     """
     found = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
     return found, lambda: found
-
-
-@contextlib.contextmanager
-def no_garbage_looked_for() -> Iterator[None]:
-    """Within, Python does not look for garbage: modules and traces are objects that live on, by the hundred thousand.
-
-    To look for it among them takes a tenth of an import and a quarter of tracing.
-    """
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
-
-
-def end_quickly() -> None:
-    """Leave to the system what ends with the process: neither garbage nor programs are given back one by one.
-
-    To look for garbage among all modules and traces once more takes as long as half of JAX's import, and to give each
-    of its programs back a tenth of it. Devices other than processors are left as JAX leaves them.
-    """
-    gc.freeze()
-    with contextlib.suppress(KeyError, AttributeError):
-        bridge, api = (sys.modules[f"jax._src.{name}"] for name in ("xla_bridge", "api"))
-        if bridge.backends_are_initialized() and sys.modules["jax"].default_backend() == "cpu":
-            atexit.unregister(api.clean_up)

@@ -6,6 +6,8 @@ import sys
 import time
 from pathlib import Path
 
+from .errors import warn
+
 LARGEST_CACHE = 2_000_000_000
 # So often files are counted [s]: of thousands it takes a twentieth of a command.
 BETWEEN = 3600.0
@@ -44,8 +46,7 @@ def _prepared(path: Path) -> None:
     with contextlib.suppress(OSError):
         looked_at.touch()
     files = []
-    # Former versions had traces.
-    for folder in (path, path / "programs", path / "constants", path / "traces"):
+    for folder in (path, path / "programs"):
         if folder.is_dir():
             with os.scandir(folder) as found:
                 for file in found:
@@ -65,6 +66,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     """Keep compiled code on disk, so that a fresh process starts quickly.
 
     Programs of this package are found there without being traced, except where functions or objects of yours take part.
+    Whoever replaces functions or numbers of this package or of a library chooses another folder: it is not looked for.
 
     What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
     environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Once an hour this call
@@ -83,6 +85,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
         OSError: It cannot be made.
     """
     import jax
+    from jax.experimental.compilation_cache.compilation_cache import reset_cache
 
     from .compilation.compile import compile_thoroughly
 
@@ -90,11 +93,16 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     _prepared(path)
     compile_thoroughly(thorough, keep=True)
     # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
-    # checked for finiteness here. Equinox reads this once, when it is imported, which may have been before.
-    on_error = os.environ.setdefault("EQX_ON_ERROR", "nan")
-    if "equinox._errors" in sys.modules:
-        vars(sys.modules["equinox._errors"])["EQX_ON_ERROR"] = on_error
+    # checked for finiteness here. Equinox reads this once, when it is imported.
+    if "equinox" in sys.modules and "EQX_ON_ERROR" not in os.environ:
+        warn(
+            "Equinox was imported before enable_cache(), so that motions compiled now are not kept on disk. Call"
+            " enable_cache() first, or set the environment variable EQX_ON_ERROR=nan."
+        )
+    os.environ.setdefault("EQX_ON_ERROR", "nan")
     jax.config.update("jax_compilation_cache_dir", str(path))
+    # JAX looks for a folder once, when it compiles for the first time.
+    reset_cache()
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     return path

@@ -1,9 +1,7 @@
-import contextlib
 import gc
 import hashlib
 import math
 import os
-import threading
 import time
 from importlib.metadata import version
 from pathlib import Path
@@ -30,9 +28,7 @@ import jax
 import pytest
 
 import flexmb as fm
-from flexmb.compilation import executables
-from flexmb.compilation.compile import OPTIONS, compile_thoroughly, make_room
-from flexmb.lazy import end_quickly
+from flexmb.compilation.compile import compile_thoroughly, make_room
 from flexmb.setup import cache_folder
 
 fm.enable_x64()
@@ -47,32 +43,9 @@ def use_cache():
     jax.config.update("jax_compilation_cache_dir", str(CACHE))
 
 
-# To compile thoroughly takes twice as long, and nothing runs long enough here to gain by it. In one piece, a program's
-# machine code takes up to a quarter less of the processor, which here is what counts; in many it may be ready earlier.
-OPTIONS["quick"] = OPTIONS["thorough"] = {**OPTIONS["quick"], "xla_cpu_parallel_codegen_split_count": 1}
 # Where in Python each operation was written is kept with a program, for some percent of its compilation; nobody
 # reads it here.
 jax.config.update("jax_traceback_in_locations_limit", 0)
-# Traces are hundreds of thousands of objects that live on: to look for garbage among them as often as Python does took
-# a tenth of the time of modules that compile much. Among all of them it is looked for where compiled code goes.
-gc.set_threshold(100_000, 50, 1_000_000)
-# JAX writes each program down in a context of its own, and takes 3 ms to make one, eight thousand times here: a thread
-# needs one, and another where a program is written while another is. It keeps all constants, so that a file of tests
-# has its own. Where JAX has it elsewhere, the tests take a twentieth longer.
-_made = threading.local()
-with contextlib.suppress(ImportError, AttributeError):
-    from jax._src.interpreters import mlir
-
-    _make = mlir.make_ir_context
-
-    def _context_of_thread():
-        if mlir.ir.Context.current is not None:  # pyright: ignore[reportPrivateImportUsage]
-            return _make()
-        if not hasattr(_made, "context"):
-            _made.context = _make()
-        return _made.context
-
-    mlir.make_ir_context = _context_of_thread
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
@@ -153,25 +126,11 @@ def pytest_terminal_summary(terminalreporter, config):
         terminalreporter.write_line("Left out: tests/slow.txt. --slow=in runs these too, --slow=only these alone.")
 
 
-def pytest_collection_finish():
-    """What is there before the first test stays to the end."""
-    gc.collect()
-    gc.freeze()
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_sessionfinish():
-    """Pytest collects garbage ten times more at its end: what is left is kept out of that."""
-    gc.collect()
-    end_quickly()
-
-
 @pytest.fixture(scope="module", autouse=True)
 def _compiled_code_is_given_back():
     """Where it takes much room; otherwise what files have in common is compiled once. A worker takes four gigabytes."""
     # A command that an earlier module ran has switched to its own.
     use_cache()
-    vars(_made).clear()
     yield
     if make_room(0.3):
         gc.collect()
@@ -180,21 +139,12 @@ def _compiled_code_is_given_back():
 @pytest.fixture
 def compilations():
     """Names of the programs that are compiled, or read from disk."""
-    count, own, found = [], set(), executables.Executables._program
-
-    def program(self, leaves):
-        count.append(self._by_jax.__name__)
-        own.add(f"jit({self._by_jax.__name__})")
-        return found(self, leaves)
+    count = []
 
     def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
-        name = str(kwargs.get("fun_name"))
-        # Those of functions of the package are counted above.
-        if event == "/jax/core/compile/backend_compile_duration" and name.replace(".kept)", ")") not in own:
-            count.append(name)
+        if event == "/jax/core/compile/backend_compile_duration":
+            count.append(str(kwargs.get("fun_name")))
 
     jax.monitoring.register_event_duration_secs_listener(listen)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(executables.Executables, "_program", program)
-        yield count
+    yield count
     jax.monitoring.unregister_event_duration_listener(listen)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax
+import jax.core
 import numpy as np
 
 from ..arguments import (
@@ -957,7 +958,7 @@ class Builder(Description):
             return
         ref = element.reference([np.asarray(r, float) for r in references])
         # Known numbers stay so where something else of the mechanism is traced.
-        with jax.ensure_compile_time_eval():
+        with jax.core.eval_context():
             faults = element.check(ref=ref, **(element.arguments(element.check, properties) or {}))
         for fault in faults:
             raise ModelError(f"Element '{name}' {fault}.")

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
@@ -71,7 +72,7 @@ def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int
     if not numbers or not alone or not is_concrete((starts, arguments)):
         return []
     companion: Any = element.stiffness
-    with jax.ensure_compile_time_eval():
+    with jax.core.eval_context():
         matrix = companion(ref=element.reference([np.asarray(start, float) for start in starts]), **(arguments or {}))
     return [n for n in numbers if not np.any(np.asarray(matrix)[n - 1])]
 

@@ -13,12 +13,11 @@ import jax.core
 import numpy as np
 
 from ..arguments import check_numbers, check_real, is_concrete, shown
-from ..compilation.compile import remembered
+from ..compilation.kept import remembered
 from ..compilation.record import Record
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError, first_line
-from ..lazy import no_garbage_looked_for
 from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
 
@@ -320,8 +319,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
             return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)
 
         try:
-            with no_garbage_looked_for():
-                value = jax.eval_shape(call, arguments, nodes, varying, extra)
+            value = jax.eval_shape(call, arguments, nodes, varying, extra)
             check_real("its value", value)
             return value
         except Exception as fault:

@@ -11,7 +11,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
-from ..lazy import no_garbage_looked_for
 from . import compile
 from .program import Captured, Code, captured
 
@@ -52,8 +51,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         like = structure, compile.exact(tuple(sorted(options.items()))), kinds
         if like not in taken:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
-            with no_garbage_looked_for():
-                found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
+            found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
                 # Of numbers that another program traces, which are others the next time, and may be differentiated:
                 # what shares code has the same derivatives too.

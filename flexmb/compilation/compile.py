@@ -1,6 +1,5 @@
 """Compilation of the kernels behind the public functions."""
 
-import contextlib
 import functools
 import logging
 from collections.abc import Callable
@@ -12,20 +11,11 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
-from ..lazy import no_garbage_looked_for
-from .executables import Executables, named
-from .host import Run, forget
-from .kept import kept_number
+from . import kept
+from .host import Run, forget, is_within_run
 from .threads import one_thread
 
 P, T = ParamSpec("P"), TypeVar("T")
-_folding: Any = contextlib.nullcontext
-# Where JAX has it elsewhere, a trace takes longer.
-with contextlib.suppress(ImportError):
-    from jax._src.config import eager_constant_folding
-
-    _folding = eager_constant_folding
-
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
@@ -59,7 +49,6 @@ MAPS_OF_PROGRAM = 2000
 
 
 _thorough = False
-_keeps_programs = False
 # How many more programs may be compiled before memory maps are counted again.
 _programs_left = 0
 
@@ -71,8 +60,8 @@ def compile_thoroughly(thorough: bool, keep: bool = False) -> None:
         thorough: True takes twice the compile time for half the time of a run.
         keep: Whether compiled programs are kept on disk, where JAX keeps its own.
     """
-    global _thorough, _keeps_programs
-    _thorough, _keeps_programs = thorough, keep
+    global _thorough
+    _thorough, kept.is_on = thorough, keep
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -155,42 +144,53 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     """``run(structure, fixed, leaves)`` calls ``function(structure, fixed, *leaves)``, compiled as settings ask for."""
 
     def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
-        with no_garbage_looked_for():
-            return jax.tree.map(_strong, function(structure, fixed, *leaves))
+        return jax.tree.map(_strong, function(structure, fixed, *leaves))
 
     @functools.lru_cache(MOST)
-    def variant(structure: Any, fixed: tuple[Any, ...], mode: str, kept: bool, _: Any):
+    def variant(structure: Any, fixed: tuple[Any, ...], mode: str, keeps: bool, _: Any):
         own = functools.partial(whole, structure, fixed)
-        if mode == "nested":
-            return named(own, name, None), [False]
+        things = (whole, structure, fixed) if keeps else None
+
+        def program(*leaves: Any):
+            global _programs_left
+            _programs_left -= 1
+            return kept.called(own, things, leaves)
+
         # Beside it, whether a program of it has been found to call the host.
-        return Executables(own, name, OPTIONS[mode], (whole, structure, fixed) if kept else None), [False]
+        return named(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
 
     @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
-        global _programs_left
         leaves, traced = _as_taken(leaves)
         if traced:
-            return variant(structure, fixed, "nested", False, exact(fixed))[0](*leaves)
+            # Within another program of this package the host is called in another way than within a user's.
+            return variant(structure, fixed, "nested", False, (exact(fixed), is_within_run()))[0](*leaves)
         # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
-        # Within jax.ensure_compile_time_eval, each operation of a trace that known numbers go into would be a program.
-        with one_thread(), jax.core.eval_context(), _folding(False):
-            known = variant.cache_info().misses
-            own: Any
+        with one_thread(), jax.core.eval_context():
             mode = "thorough" if _thorough else "quick"
-            own, calls_host = variant(structure, fixed, mode, _keeps_programs, exact(fixed))
-            programs = len(own)
+            own, calls_host = variant(structure, fixed, mode, _is_anywhere(leaves), exact(fixed))
             with Run(calls_host) as running:
-                with contextlib.nullcontext() if variant.cache_info().misses == known else no_garbage_looked_for():
-                    results = own(*leaves)
-                results = running.finished(results)
-            if len(own) > programs:
-                _programs_left -= 1
-                if _programs_left < 0:
-                    make_room()
+                results = running.finished(own(*leaves))
+            if _programs_left < 0:
+                make_room()
             return results
 
     return run
+
+
+def _is_anywhere(leaves: list[Any]) -> bool:
+    """Whether arrays may lie on any device: programs that are kept are those of the first one."""
+    return jax.default_backend() == "cpu" or not any(getattr(leaf, "committed", False) for leaf in leaves)
+
+
+def named(function: Callable[..., Any], name: str, options: dict[str, Any] | None) -> Any:
+    """A function of arrays to be compiled by JAX, under a name."""
+
+    def program(*leaves: Any):
+        return function(*leaves)
+
+    program.__name__ = name
+    return jax.jit(program, compiler_options=options)
 
 
 def make_room(share: float = FULL) -> bool:
@@ -224,20 +224,6 @@ def exact(thing: Any) -> Any:
     if type(thing) is tuple:
         return tuple(map(exact, thing))
     return type(thing), repr(thing) if type(thing) in (float, complex) else thing
-
-
-def remembered(function: Callable[..., int]) -> Callable[..., int]:
-    """A whole number that a function of this package finds by tracing, remembered and, with programs, kept on disk.
-
-    Args:
-        function: Of hashable arguments.
-    """
-
-    @functools.lru_cache(1000)
-    def found(*things: Any):
-        return kept_number(function, things) if _keeps_programs else function(*things)
-
-    return functools.wraps(function)(found)
 
 
 def name_of(function: Callable[..., Any]) -> str:

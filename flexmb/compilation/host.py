@@ -25,7 +25,6 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jax.interpreters import ad, batching, mlir
 
 # The name by which programs call the host.
 TARGET = "flexmb_host"
@@ -112,37 +111,35 @@ def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     """
     leaves, structure = jax.tree.flatten(arguments)
     shapes, results = jax.tree.flatten(like)
-    told = tuple((tuple(one.shape), np.dtype(jax.dtypes.canonicalize_dtype(one.dtype))) for one in shapes)
-    numbers = map(jnp.asarray, leaves)
-    found = _called().bind(*numbers, callback=function, structure=structure, results=results, like=told)
-    return jax.tree.unflatten(results, found)
+    shapes = [jax.ShapeDtypeStruct(one.shape, jax.dtypes.canonicalize_dtype(one.dtype)) for one in shapes]
+
+    def flat(*leaves: Any):
+        return _flat(function, structure, results, leaves)
+
+    if not any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+        found = [jax.device_put(np.asarray(one, of.dtype)) for one, of in zip(flat(*leaves), shapes, strict=True)]
+        return jax.tree.unflatten(results, found)
+    trees = [jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in (structure, results)]
+    text = _as_text(function, trees) if is_within_run() else None
+
+    @jax.custom_jvp
+    def called(*leaves: Any):
+        if text is None:
+            return jax.pure_callback(flat, shapes, *leaves, vmap_method="sequential")
+        digest = hashlib.blake2b(text, digest_size=16).hexdigest()
+        written = base64.b85encode(zlib.compress(text)).decode()
+        call = jax.ffi.ffi_call(TARGET, shapes, vmap_method="sequential")
+        return list(call(*leaves, digest=digest, text=written))
+
+    called.defjvp(_refused)
+    return jax.tree.unflatten(results, called(*map(jnp.asarray, leaves)))
 
 
-@functools.cache
-def _called() -> Any:
-    """The operation, which JAX lowers as the program asks for that it becomes part of."""
-    # It takes long to import, and kept programs do without.
-    from jax.extend.core import Primitive
-
-    called = Primitive("host_callback")
-    called.multiple_results = True
-    called.def_abstract_eval(_shapes)
-    called.def_impl(_at_once)
-    batching.primitive_batchers[called] = _one_by_one
-    ad.primitive_jvps[called] = _refused
-    mlir.register_lowering(called, _lowered)
-    return called
-
-
-def _refused(*_: Any, **__: Any):
+def _refused(*_: Any):
     raise TypeError(
         "What was found on the host by sparse factors has no further derivative here: a motion is differentiated in"
         ' reverse once. Give form="coordinates", or sparse=False to other analyses.'
     )
-
-
-def _shapes(*_: Any, like: tuple[tuple[tuple[int, ...], np.dtype], ...], **__: Any):
-    return [jax.core.ShapedArray(*one) for one in like]
 
 
 def _flat(function: Callable[..., Any], structure: Any, results: Any, numbers: Any) -> list[Any]:
@@ -150,47 +147,39 @@ def _flat(function: Callable[..., Any], structure: Any, results: Any, numbers: A
     return results.flatten_up_to(function(*jax.tree.unflatten(structure, list(map(np.array, numbers)))))
 
 
-def _at_once(*leaves: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
-    found = _flat(callback, structure, results, leaves)
-    return [jax.device_put(np.asarray(one, kind)) for one, (_, kind) in zip(found, like, strict=True)]
+def _as_text(function: Callable[..., Any], trees: list[Any]) -> bytes | None:
+    """What is called as it stands in a program; None where it cannot, or XLA cannot call it."""
+    if jax.default_backend() != "cpu" or not is_known_to_xla():
+        return None
+    try:
+        return pickle.dumps((function, *trees), protocol=5)
+    except (pickle.PicklingError, AttributeError, TypeError) as reason:
+        logging.getLogger("flexmb").debug("%s is called by jax.pure_callback: %s", function, reason)
+        return None
 
 
-def _one_by_one(leaves: Any, axes: Any, **told: Any):
-    """Calls of a batch, one after the other."""
-    batched = [axis is not None for axis in axes]
-    moved = [jnp.moveaxis(leaf, axis, 0) for leaf, axis, own in zip(leaves, axes, batched, strict=True) if own]
-
-    def one(own: list[Any]):
-        numbers = iter(own)
-        every = (next(numbers) if is_own else leaf for leaf, is_own in zip(leaves, batched, strict=True))
-        return _called().bind(*every, **told)
-
-    found = jax.lax.map(one, moved)
-    return found, [0] * len(found)
+def is_within_run() -> bool:
+    """Whether what is traced now becomes part of a program that this package runs."""
+    return getattr(_here, "run", None) is not None
 
 
-def _lowered(context: Any, *operands: Any, callback: Callable[..., Any], structure: Any, results: Any, like: Any):
-    """By the handler within a program that this package runs, and by a callback of JAX elsewhere."""
-    run: Run | None = getattr(_here, "run", None)
-    trees = [jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in (structure, results)]
-    if run is not None and jax.default_backend() == "cpu" and is_known_to_xla():
-        try:
-            text = pickle.dumps((callback, *trees), protocol=5)
-        except (pickle.PicklingError, AttributeError, TypeError) as reason:
-            logging.getLogger("flexmb").debug("%s is called by jax.pure_callback: %s", callback, reason)
-        else:
-            run.hold()
-            digest = hashlib.blake2b(text, digest_size=16).hexdigest()
-            written = base64.b85encode(zlib.compress(text)).decode()
-            return jax.ffi.ffi_lowering(TARGET)(context, *operands, digest=digest, text=written)
+def hold_for(program: Any) -> None:
+    """Note that the program of this run calls the host, if it does.
 
-    def called(*leaves: Any):
-        return _flat(callback, structure, results, leaves)
+    Args:
+        program: As it was traced.
+    """
+    if _registered.cache_info().currsize and is_within_run() and _calls_host(program):
+        _here.run.hold()
 
-    def whole(*leaves: Any):
-        return jax.pure_callback(called, [jax.ShapeDtypeStruct(*one) for one in like], *leaves)
 
-    return mlir.lower_fun(whole, multiple_results=True)(context, *operands)
+def _calls_host(program: Any) -> bool:
+    from jax.extend.core import jaxprs_in_params
+
+    return any(
+        equation.params.get("target_name") == TARGET or any(map(_calls_host, jaxprs_in_params(equation.params)))
+        for equation in program.eqns
+    )
 
 
 def is_known_to_xla() -> bool:
@@ -221,9 +210,8 @@ def program_on_disk(program: bytes) -> None:
     if TARGET.encode() in program:
         if not is_known_to_xla():
             raise RuntimeError("XLA cannot call the host by its name")
-        run: Run | None = getattr(_here, "run", None)
-        if run is not None:
-            run.hold()
+        if is_within_run():
+            _here.run.hold()
 
 
 # By digest: a function, and how its arguments and results are made of arrays.

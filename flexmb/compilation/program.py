@@ -1,5 +1,7 @@
 """Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
 
+from __future__ import annotations
+
 import hashlib
 import itertools
 from collections.abc import Callable, Collection, Sequence
@@ -11,15 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import as_reals, check_real
-from .alone import alone
 from .record import Record, static
 
 if TYPE_CHECKING:
-    from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var
-else:
-    _core = alone("jax.extend.core")
-    ClosedJaxpr, Jaxpr, Literal, Var = _core.ClosedJaxpr, _core.Jaxpr, _core.Literal, _core.Var
-
+    from jax.extend.core import Jaxpr
 
 # Derivatives of one's own are looked at as deep as equations of motion take derivatives.
 RULES = 2
@@ -76,6 +73,8 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     Returns:
         The function as a record of numbers.
     """
+    from jax.extend.core import Var
+
     leaves, structure = jax.tree.flatten(like)
     results: Any = None
 
@@ -91,7 +90,7 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     def placed(atom: Any):
         """A constant in place of a number in the text; whole numbers may be shapes or places, and stay."""
         kind: Any = atom.aval
-        if not isinstance(atom, Literal) or not np.issubdtype(kind.dtype, np.inexact) or abs(atom.val) in formal:
+        if not is_literal(atom) or not np.issubdtype(kind.dtype, np.inexact) or abs(atom.val) in formal:
             return atom
         numbers.append(np.asarray(atom.val, kind.dtype))
         places.append(Var(jax.typeof(numbers[-1])))
@@ -100,8 +99,7 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     for equation in jaxpr.eqns:
         equations.append(equation.replace(invars=[placed(atom) for atom in equation.invars]))
     results_of = [placed(atom) for atom in jaxpr.outvars]
-    named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
-    jaxpr = jaxpr.replace(constvars=[*jaxpr.constvars, *places], eqns=equations, outvars=results_of, debug_info=named)
+    jaxpr = jaxpr.replace(constvars=[*jaxpr.constvars, *places], eqns=equations, outvars=results_of)
     return Captured(Code(jaxpr, results, rules), tuple(numbers))
 
 
@@ -196,7 +194,7 @@ def digest(found: Captured) -> str:
         for equation in jaxpr.eqns:
             text.update(equation.primitive.name.encode())
             for atom in equation.invars:
-                if isinstance(atom, Literal):
+                if is_literal(atom):
                     add(atom.val)
             for parameter in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
                 if _is_program(parameter):
@@ -206,8 +204,13 @@ def digest(found: Captured) -> str:
     return text.hexdigest()
 
 
+def is_literal(atom: Any) -> bool:
+    """Whether what an operation takes is a number in the text of a program, not one of its variables."""
+    return hasattr(atom, "val")
+
+
 def _is_program(thing: Any) -> bool:
-    return isinstance(thing, ClosedJaxpr | Jaxpr)
+    return hasattr(thing, "eqns")
 
 
 def split(
@@ -320,12 +323,11 @@ def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any
 
 
 def _program(jaxpr: Jaxpr, inputs: list, equations: list, results: list):
-    named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
-    return jaxpr.replace(invars=inputs, eqns=equations, outvars=results, debug_info=named)
+    return jaxpr.replace(invars=inputs, eqns=equations, outvars=results)
 
 
 def _variables(atoms: Any) -> list:
-    return [v for v in atoms if not isinstance(v, Literal)]
+    return [v for v in atoms if not is_literal(v)]
 
 
 def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
@@ -337,11 +339,11 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     found = []
 
     def replaced(atoms: Sequence[Any]) -> list:
-        return [v if isinstance(v, Literal) else same.get(v, v) for v in atoms]
+        return [v if is_literal(v) else same.get(v, v) for v in atoms]
 
     for equation in jaxpr.eqns:
         inputs = replaced(equation.invars)
-        names = tuple((v.aval, np.asarray(v.val).tobytes()) if isinstance(v, Literal) else v for v in inputs)
+        names = tuple((v.aval, np.asarray(v.val).tobytes()) if is_literal(v) else v for v in inputs)
         key = (names, *_meaning(equation))
         if key in known and not equation.effects:
             same.update(zip(equation.outvars, known[key], strict=True))
@@ -358,7 +360,7 @@ def _of_program(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
     meaning.append(tuple(v.aval for v in places))
 
     def place(atom: Any):
-        return (atom.aval, np.asarray(atom.val).tobytes()) if isinstance(atom, Literal) else places[atom]
+        return (atom.aval, np.asarray(atom.val).tobytes()) if is_literal(atom) else places[atom]
 
     for equation in jaxpr.eqns:
         meaning.append((*_meaning(equation, rules), *map(place, equation.invars)))
@@ -372,22 +374,21 @@ def _meaning(equation: Any, rules: int = RULES) -> tuple:
 
     What prints alike need not be alike: compiled helpers that differ in an array they capture do.
     """
-    parameters = dict(equation.params)
+    parameters, derivative = dict(equation.params), ()
     rule = parameters.pop("jvp_jaxpr_fun", None)
     if rule is not None and rules:
         # A derivative of one's own is made anew by each trace, and is known by its program: in which the function
         # itself may stand, so that no more derivatives are looked at than equations of motion take.
         own = len(equation.invars) - parameters.get("num_consts", 0)
         jaxpr, constants, _ = rule.call_wrapped(*[False] * own)
-        parameters["jvp"], rules = ClosedJaxpr(jaxpr, constants), rules - 1
-    return equation.primitive, *((k, _value(v, rules)) for k, v in sorted(parameters.items()))
+        rules -= 1
+        derivative = _of_program(jaxpr, tuple(constants), rules)
+    return equation.primitive, derivative, *((k, _value(v, rules)) for k, v in sorted(parameters.items()))
 
 
 def _value(parameter: Any, rules: int) -> Any:
-    if isinstance(parameter, ClosedJaxpr):
-        return _of_program(parameter.jaxpr, tuple(parameter.consts), rules)
-    if isinstance(parameter, Jaxpr):
-        return _of_program(parameter, (), rules)
+    if _is_program(parameter):
+        return _of_program(getattr(parameter, "jaxpr", parameter), tuple(getattr(parameter, "consts", ())), rules)
     if isinstance(parameter, tuple | list):
         return (type(parameter), *(_value(one, rules) for one in parameter))
     try:

@@ -2,6 +2,7 @@
 
 import contextlib
 import functools
+import importlib
 import os
 import threading
 from collections.abc import Callable, Iterable, Sequence
@@ -9,9 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
-
-from ..lazy import no_garbage_looked_for
-from .alone import find_lapack
 
 _lock = threading.Lock()
 _inside = 0
@@ -24,8 +22,7 @@ def _libraries() -> tuple[Any, ...]:
     from threadpoolctl import ThreadpoolController
 
     # What it finds are the libraries that are loaded; SciPy's LAPACK is that of jax.
-    with no_garbage_looked_for():
-        find_lapack()
+    importlib.import_module("scipy.linalg")
 
     return tuple(ThreadpoolController().select(user_api="blas").lib_controllers)
 

@@ -13,7 +13,6 @@ from typing import Any
 import jax.errors
 import jax.numpy as jnp
 
-from ..compilation.kept import take_as_written
 from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
 from ..files import read_whole
 from ..linear.buckling import buckling_loads
@@ -162,8 +161,6 @@ def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
 
 
 def _module(folder: Path, name: str) -> ModuleType:
-    # It may do what it likes to this package.
-    take_as_written(False)
     beside = [folder.joinpath(*name.split("."))]
     beside = [path for path in (beside[0].with_suffix(".py"), beside[0] / "__init__.py") if path.is_file()]
     known = sys.modules.get(name)

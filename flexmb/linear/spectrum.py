@@ -5,7 +5,6 @@ without mass have mu = 0 where K v = omega^2 M v has no solution. Where K alone 
 place, with omega^2 = 1/mu - s.
 """
 
-import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +14,6 @@ from jax import lax
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..arguments import computed
-from ..compilation.alone import alone
 from ..errors import AnalysisError
 from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..math.subspace import independent_rows
@@ -292,6 +290,8 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     Source:
         THEORY.md 7, eq. (7.3); companion form with the mass on the right, solved by the QZ method.
     """
+    import scipy.linalg
+
     n = len(m)
     if not n:
         return np.zeros(0, complex)
@@ -306,27 +306,10 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     eye, zero = np.eye(n), np.zeros((n, n))
     left = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
     right = np.block([[eye, zero], [zero, m / heavy]])
-    top, bottom = _quotients(np.asarray_chkfinite(left), np.asarray_chkfinite(right))
+    # By the QZ method, as quotients.
+    top, bottom = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
     finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
-    return in_order(_with_slow(w * top[finite] / bottom[finite], k, c, m))
-
-
-def _quotients(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of A v = lambda B v as quotients, (n,) complex and (n,), by the QZ method.
-
-    They are those of ``scipy.linalg.eig``, whose package takes a tenth of a second to import.
-    """
-    ggev = _lapack().dggev
-    *_, work, _ = ggev(a, b, lwork=-1)
-    real, imaginary, bottom, *_, fault = ggev(a, b, compute_vl=0, compute_vr=0, lwork=int(work[0]))
-    if fault:
-        raise np.linalg.LinAlgError(f"The QZ method did not converge ({fault}).")
-    return real + 1j * imaginary, bottom
-
-
-@functools.cache
-def _lapack() -> Any:
-    return alone("scipy.linalg.lapack")
+    return in_order(_with_slow(w * top[finite] / bottom.real[finite], k, c, m))
 
 
 def in_order(poles: Any) -> Complex[np.ndarray, "n"]:

@@ -5,8 +5,10 @@ operations: each rate and each derivative has its own. Here every number is one 
 the function stays one operation then, and a product becomes a few.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.core
@@ -14,7 +16,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ..compilation.program import Jaxpr, Literal, Var, needed
+from ..compilation.program import is_literal, needed
+
+if TYPE_CHECKING:
+    from jax.extend.core import Jaxpr
 
 # Operations that are linear in all their operands together, those that are in one while the others are constant, and
 # programs within programs.
@@ -95,7 +100,7 @@ def _traced(function: Callable[..., Any], x: Array) -> tuple[Jaxpr, Any, Any]:
 
 def _length(jaxpr: Jaxpr) -> int:
     within = [getattr(each, "jaxpr", each) for equation in jaxpr.eqns for each in equation.params.values()]
-    return len(jaxpr.eqns) + sum(_length(each) for each in within if isinstance(each, Jaxpr))
+    return len(jaxpr.eqns) + sum(_length(each) for each in within if hasattr(each, "eqns"))
 
 
 class Algebra:
@@ -132,11 +137,11 @@ class Algebra:
         known: dict = dict(zip([*jaxpr.constvars, *jaxpr.invars], [*constants, *arguments], strict=True))
         used = [v for equation in jaxpr.eqns for v in equation.invars] + list(jaxpr.outvars)
         sums = {e.invars[0] for e in jaxpr.eqns if e.primitive.name == "reduce_sum"}
-        sums = {v for v in sums if not isinstance(v, Literal) and sum(v is one for one in used) == 1}
+        sums = {v for v in sums if not is_literal(v) and sum(v is one for one in used) == 1}
         factors: dict[Any, tuple[Jet, Jet]] = {}
         for equation in jaxpr.eqns:
-            taken: Any = [atom.val if isinstance(atom, Literal) else known.get(atom) for atom in equation.invars]
-            name, read = equation.primitive.name, [v for v in equation.invars if not isinstance(v, Literal)]
+            taken: Any = [atom.val if is_literal(atom) else known.get(atom) for atom in equation.invars]
+            name, read = equation.primitive.name, [v for v in equation.invars if not is_literal(v)]
             if name == "mul" and equation.outvars[0] in sums and all(isinstance(one, Jet) for one in taken):
                 # A product of matrices, together with the sum.
                 factors[equation.outvars[0]] = tuple(taken)
@@ -145,7 +150,7 @@ class Algebra:
                 known[equation.outvars[0]] = self.product(a, b, equation.params["axes"])
             else:
                 known.update(zip(equation.outvars, self.applied(jaxpr, equation, taken), strict=True))
-        return [atom.val if isinstance(atom, Literal) else known[atom] for atom in jaxpr.outvars]
+        return [atom.val if is_literal(atom) else known[atom] for atom in jaxpr.outvars]
 
     def applied(self, jaxpr: Jaxpr, equation: Any, taken: list) -> list:
         """Results of one operation."""
@@ -302,7 +307,8 @@ def _of_rank(parts: Array, rank: int) -> Array:
 
 def _alone(jaxpr: Jaxpr, equation: Any) -> Jaxpr:
     """One equation of a program as a program of all its operands."""
+    from jax.extend.core import Var
+
     inputs, outputs = [Var(atom.aval) for atom in equation.invars], [Var(v.aval) for v in equation.outvars]
-    named = jaxpr.debug_info._replace(arg_names=None, result_paths=None)
     own = [equation.replace(invars=inputs, outvars=outputs)]
-    return jaxpr.replace(constvars=[], invars=inputs, eqns=own, outvars=outputs, debug_info=named)
+    return jaxpr.replace(constvars=[], invars=inputs, eqns=own, outvars=outputs)

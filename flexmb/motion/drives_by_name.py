@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
@@ -178,7 +179,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
             )
     if not inputs or not is_concrete(model):
         return
-    with jax.ensure_compile_time_eval():
+    with jax.core.eval_context():
         locked = locked_inputs(model)
     for signal in locked:
         if signal.name in inputs:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -79,7 +80,7 @@ def check_signals(model: Model, needs: str) -> None:
             )
     if is_concrete(model):
         # Also within a trace of something else, such as a gain.
-        with jax.ensure_compile_time_eval():
+        with jax.core.eval_context():
             locked = locked_inputs(model)
         for signal in locked:
             raise ModelError(

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import jax
+import jax.core
 
 from ..arguments import is_concrete
 from ..build.builder import Builder
@@ -93,7 +94,7 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
         return _Building(document, {**found, **numbers}, faults, found).done()
     if "built" not in document.kept:
         # Concrete also where this is asked within a function that is traced: it is kept.
-        with jax.ensure_compile_time_eval():
+        with jax.core.eval_context():
             document.kept["built"] = _Building(document, dict(found), faults, found).done()
     built = document.kept["built"]
     # What is done to the builder by one who asked is not seen by another.

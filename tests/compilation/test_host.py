@@ -160,3 +160,18 @@ def test_an_interruption_ends_a_program_and_is_told(again, interruptions):
         assert 4 <= len(COUNTED) < 20_000
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert float(programs[False](jnp.array(0.0))) == 20_000
+
+
+def handled(number: np.ndarray):
+    COUNTED.append(signal.getsignal(signal.SIGINT))
+    return number
+
+
+def test_a_program_whose_part_was_traced_for_another_holds_interruptions_back_too(interruptions):
+    interruptions(signal.default_int_handler)
+    part = jit(lambda x: call_host(handled, jax.ShapeDtypeStruct((), float), x))
+    COUNTED.clear()
+    for by in (2.0, 3.0):
+        assert float(jit(lambda x, by=by: by * part(x))(jnp.array(1.0))) == by
+    assert len(COUNTED) == 2
+    assert signal.default_int_handler not in COUNTED

@@ -11,7 +11,6 @@ import os
 import sys
 import time
 import types
-import unittest.mock
 from typing import NamedTuple
 
 import jax
@@ -23,20 +22,16 @@ from cases.disk import full
 
 import flexmb as fm
 from flexmb import planar, setup, spatial
-from flexmb.build import clamps
 from flexmb.compilation import host, kept
 from flexmb.compilation.compile import compile_thoroughly, jit
 from flexmb.compilation.program import of_time
-from flexmb.elements import beams, profile
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
 from flexmb.mechanics.sparse_order import SparseOrder, sparse_order_of
 from flexmb.model.model import Entry
-from flexmb.motion import drive, stages
+from flexmb.motion import drive
 from flexmb.motion.rosenbrock import Rodas5P
-from flexmb.paths import stepper
-from flexmb.statics import newton
 
 
 @pytest.fixture
@@ -86,8 +81,7 @@ def test_a_second_process_takes_what_the_first_kept(folder, caplog):
     with caplog.at_level(logging.DEBUG, "flexmb"):
         second = fm.linearize(cantilever(planar.spectral_beam(2)))
     assert before == names(folder)
-    assert "is compiled" not in caplog.text
-    assert "by JAX alone" not in caplog.text
+    assert "traced" not in caplog.text
     assert second.matrices.symmetric
     for one, other in zip(jax.tree.leaves(first.matrices), jax.tree.leaves(second.matrices), strict=True):
         np.testing.assert_array_equal(one, other)
@@ -130,6 +124,19 @@ def test_what_a_user_wrote_is_traced(folder):
     amplitude = {"value": 2.0}.get
     assert float(jit(lambda x: amplitude("value") * x)(jnp.array(1.0))) == 2.0
     assert names(folder) == before
+
+
+def law_of_text(text):
+    """A law of a file whose text was changed: of the same name, file and line."""
+    module = {"__name__": "my_laws"}
+    exec(compile(f"def law(e, ed):\n    return {text}", "my_laws.py", "exec"), module)
+    return module["law"]
+
+
+def test_a_law_whose_text_changed_is_not_answered_by_the_former_one(folder):
+    for text, moved in (("10.0 * e", 0.1), ("20.0 * e", 0.05)):
+        fresh()
+        assert float(fm.equilibrium(spring_of(law_of_text(text))).at("cart")[0]) - 1 == pytest.approx(moved, rel=1e-9)
 
 
 def test_laws_and_tables_of_time_can_be_known_in_another_process():
@@ -384,9 +391,9 @@ def test_settings_are_part_of_the_key(monkeypatch):
     with jax.default_matmul_precision("float32"):
         assert repr(kept._surroundings()) != before
     with monkeypatch.context() as patch:
-        patch.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_math=true")
+        patch.setenv("EQX_ON_ERROR", "breakpoint")
         assert repr(kept._surroundings()) != before
-    monkeypatch.setattr(kept, "_machine", lambda chosen: "another processor")
+    monkeypatch.setattr(jax, "default_backend", lambda: "another device")
     assert repr(kept._surroundings()) != before
 
 
@@ -406,141 +413,35 @@ def test_the_text_of_the_package_is_part_of_the_key(monkeypatch, tmp_path):
 
 
 def test_a_text_that_may_have_changed_since_it_was_read_is_not_known(monkeypatch):
-    monkeypatch.setattr(kept, "_SEEN", {})
     kept._surroundings()
-    monkeypatch.setattr(kept, "_SEEN", {})
+    kept._refuse_changed.cache_clear()
     monkeypatch.setattr(kept, "begun", 0)
-    with pytest.raises(TypeError, match=r"the text of flexmb\..* changed"):
+    with pytest.raises(TypeError, match=r"the text of flexmb\..* changed, maybe after it was read"):
         kept._surroundings()
 
 
-def test_versions_of_libraries_are_part_of_the_key(monkeypatch, tmp_path):
-    for library in kept.LIBRARIES:
-        assert importlib.metadata.version(library) in kept._version(library)
-    before = kept._text.__wrapped__()
-    monkeypatch.setattr(kept, "_version", lambda library: "another" if library == "jax" else "")
+@pytest.mark.parametrize("library", kept.LIBRARIES)
+def test_versions_of_libraries_are_part_of_the_key(monkeypatch, library):
+    before, version = kept._text.__wrapped__(), importlib.metadata.version
+    monkeypatch.setattr(importlib.metadata, "version", lambda name: "another" if name == library else version(name))
     assert kept._text.__wrapped__() != before
 
 
-@pytest.mark.parametrize(
-    ("names", "found"),
-    [
-        (["jax-0.1.dist-info", "jaxlib-0.2.dist-info"], "jax-0.1.dist-info"),
-        # Whoever imports it knows which of several counts, and what no name tells.
-        (["jax-0.1.dist-info", "jax-0.2.dist-info"], "known"),
-        (["jax.egg-info"], "known"),
-        (["jaxlib-0.2.dist-info"], "known"),
-    ],
-)
-def test_a_version_is_that_of_the_one_name_there_is(monkeypatch, tmp_path, names, found):
-    for name in names:
-        (tmp_path / name).mkdir()
-    monkeypatch.setattr(sys, "path", [str(tmp_path), str(tmp_path / "nothing")])
-    monkeypatch.setattr(importlib.metadata, "version", lambda _: "known")
-    assert kept._version("jax") == found
-    (tmp_path / "library.zip").write_text("")
-    monkeypatch.setattr(sys, "path", [str(tmp_path / "library.zip"), str(tmp_path)])
-    assert kept._version("jax") == "known"
-
-
-class Called:
-    def __call__(self, *arguments):
-        return arguments
-
-
-@pytest.mark.parametrize(
-    ("place", "name", "value"),
-    [
-        (jnp, "sin", lambda x: x),
-        (jnp, "sin", renamed(lambda x: x, jnp.sin)),
-        (jnp, "sin", jax.jit(lambda x: x)),
-        (jax.lax, "cond", lambda *a: a),
-        (linearize, "matrices_at", lambda *a: a),
-        (linear.Factors, "solve", lambda self, right: right),
-        (linear, "SMALL", 0),
-        # Of this package and of JAX itself, but another.
-        (linear, "multiplied", linear.diagonal_of),
-        (linearize, "matrices_at", linear.multiplied),
-        (jnp, "sin", jnp.cos),
-        # No functions, but called as such.
-        (linear, "multiplied", functools.partial(linear.multiplied)),
-        (linear, "multiplied", unittest.mock.Mock()),
-        (linear, "multiplied", Called()),
-        # Numbers that are not written as one.
-        (newton, "AT_LOAD", newton.AT_LOAD._replace(most=3)),
-        (stepper, "ACROSS_PATH", newton.AT_LOAD),
-        (profile, "STIFF", ("EA",)),
-        (beams, "CUBIC_MASS", 2 * beams.CUBIC_MASS),
-        (clamps, "FOLD", np.float64(0.5)),
-    ],
-)
-def test_what_was_replaced_is_noticed(monkeypatch, place, name, value):
-    kept._surroundings()
-    monkeypatch.setattr(place, name, value)
-    with pytest.raises(TypeError):
-        kept._surroundings()
-
-
-def test_a_process_that_runs_nothing_else_does_not_look(monkeypatch):
-    monkeypatch.setattr(kept, "_SEEN", {})
-    kept.take_as_written(True)
-    try:
-        with monkeypatch.context() as patch:
-            patch.setattr(linear, "SMALL", 0)
-            known = kept._surroundings()
-            # Until something else runs.
-            kept.take_as_written(False)
-            with pytest.raises(TypeError):
-                kept._surroundings()
-    finally:
-        kept.take_as_written(False)
-    assert kept._surroundings() == known
-
-
-def test_a_text_that_changed_is_not_taken_either(monkeypatch):
-    monkeypatch.setattr(kept, "_SEEN", {})
-    monkeypatch.setattr(kept, "_runs_alone", True)
-    monkeypatch.setattr(kept, "begun", 0)
-    with pytest.raises(TypeError, match="changed, maybe after it was read"):
-        kept._surroundings()
-
-
-@pytest.mark.parametrize(
-    ("array", "module"), [(beams.CUBIC_MASS, "elements.beams"), (stages.RODAS5P.a, "motion.stages")]
-)
-def test_an_array_that_was_written_into_is_noticed(array, module):
-    kept._surroundings()
-    before, array.flags.writeable = array.copy(), True
-    array += 1.0
-    try:
-        with pytest.raises(TypeError, match=rf"a number of flexmb\.{module} was replaced"):
-            kept._surroundings()
-    finally:
-        array[:] = before
-    kept._surroundings()
-
-
-def test_a_patched_function_is_traced(folder, monkeypatch):
-    np.testing.assert_array_equal(product(A, B), A @ B)
-    monkeypatch.setattr(jnp, "sum", lambda *_, **__: jnp.zeros((2, 2)))
-    fresh()
-    np.testing.assert_array_equal(product(A, B), 0 * A)
-    monkeypatch.undo()
-    fresh()
-    np.testing.assert_array_equal(product(A, B), A @ B)
-
-
 def test_a_number_is_kept_of_known_functions_alone(folder):
+    def leap_years(first, last):
+        """By what a new process knows, which remembers nothing."""
+        return kept.remembered(calendar.leapdays)(first, last)
+
     # Leap years from 2000 to 2011.
-    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 3
+    assert leap_years(2000, 2012) == 3
     (file,) = folder.iterdir()
-    kept._write(file, b"5", b"")
-    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 5
-    assert kept.kept_number(calendar.leapdays, (2000, 2013)) == 4
+    kept._write(file, b"5")
+    assert leap_years(2000, 2012) == 5
+    assert leap_years(2000, 2013) == 4
     file.write_bytes(b"5")
-    assert kept.kept_number(calendar.leapdays, (2000, 2012)) == 3
+    assert leap_years(2000, 2012) == 3
     before = names(folder)
-    assert kept.kept_number(lambda first, last: last - first, (2000, 2012)) == 12
+    assert kept.remembered(lambda first, last: last - first)(2000, 2012) == 12
     assert names(folder) == before
 
 
@@ -587,20 +488,20 @@ def test_a_full_or_missing_place_falls_back_to_compiling(folder, monkeypatch, ca
     assert not names(folder)
 
 
-def test_a_result_that_cannot_be_written_down_is_not_kept(tmp_path, caplog):
-    mark = Amplitude(2.0)
-
+def test_a_result_that_cannot_be_written_down_is_not_kept(folder, caplog):
     @functools.partial(jax.tree_util.register_dataclass, data_fields=["value"], meta_fields=["mark"])
     @dataclasses.dataclass
     class Marked:
         value: jax.Array
-        mark: Amplitude
+        mark: str
 
-    program = jax.jit(lambda x: Marked(2 * x, mark)).lower(jnp.ones(2)).compile()
+    program = jax.jit(lambda x: kept.called(lambda x: Marked(2 * x, "twice"), ("something plain",), (x,)))
     with caplog.at_level(logging.DEBUG, "flexmb"):
-        kept.write_program(tmp_path / "one", program)
+        found = program(jnp.ones(2))
     assert "is not kept" in caplog.text
-    assert not list(tmp_path.iterdir())
+    assert not names(folder)
+    assert found.mark == "twice"
+    np.testing.assert_array_equal(found.value, [2.0, 2.0])
 
 
 @pytest.fixture
@@ -673,11 +574,7 @@ def test_the_oldest_files_go_first(tmp_path, settings_restored, monkeypatch):
     assert left() == {"new-cache", "programs/one"}
 
 
-def test_a_simulation_is_kept_although_equinox_was_imported_before(folder, settings_restored, monkeypatch, caplog):
-    monkeypatch.delenv("EQX_ON_ERROR")
-    monkeypatch.setattr("equinox._errors.EQX_ON_ERROR", "raise")
-    folder.parent.chmod(0o700)
-    fm.enable_cache(folder.parent)
+def pendulum():
     b = fm.Builder()
     b.gravity((0.0, -9.81))
     b.node("pivot", (0.0, 0.0))
@@ -685,7 +582,11 @@ def test_a_simulation_is_kept_although_equinox_was_imported_before(folder, setti
     b.add(planar.truss, "pivot", "bob", section=fm.Rigidity(mass=0.0), released=())
     b.fix("pivot")
     b.mass("bob", 1.0)
-    model, times = b.build(), np.linspace(0, 0.5, 3)
+    return b.build()
+
+
+def test_a_simulation_is_kept(folder, caplog):
+    model, times = pendulum(), np.linspace(0, 0.5, 3)
     first = fm.simulate(model, times).x
     before = names(folder)
     assert before
@@ -693,9 +594,18 @@ def test_a_simulation_is_kept_although_equinox_was_imported_before(folder, setti
     with caplog.at_level(logging.DEBUG, "flexmb"):
         second = fm.simulate(model, times).x
     assert names(folder) == before
-    assert "is compiled" not in caplog.text
-    assert "by JAX alone" not in caplog.text
+    assert "traced" not in caplog.text
     np.testing.assert_array_equal(first, second)
+
+
+def test_equinox_imported_before_is_told(tmp_path, settings_restored, monkeypatch):
+    monkeypatch.delenv("EQX_ON_ERROR")
+    monkeypatch.setitem(sys.modules, "equinox", types.ModuleType("equinox"))
+    tmp_path.chmod(0o700)
+    with pytest.warns(fm.FlexmbWarning, match=r"Equinox was imported before enable_cache\(\)"):
+        fm.enable_cache(tmp_path)
+    # It is set now, as a user may have.
+    fm.enable_cache(tmp_path)
 
 
 def test_what_calls_the_host_is_kept(folder, caplog, monkeypatch):
@@ -713,11 +623,11 @@ def test_what_calls_the_host_is_kept(folder, caplog, monkeypatch):
     fresh()
     host._calls.clear()
     seen = []
-    monkeypatch.setattr(kept, "program_on_disk", seen.append)
+    monkeypatch.setattr(host, "program_on_disk", seen.append)
     with caplog.at_level(logging.DEBUG, "flexmb"):
         np.testing.assert_array_equal(answer(), found)
     assert names(folder) == kept_now
-    assert "is compiled" not in caplog.text
+    assert "traced" not in caplog.text
     # So that an interruption is held back while it runs.
     assert any(host.TARGET.encode() in program for program in seen)
     # The tip's mass is an element of its own, which does not turn.

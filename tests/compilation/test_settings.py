@@ -1,15 +1,13 @@
 """Each kind of arguments has a program of its own, and a setting of JAX another."""
 
 import contextlib
-import time
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jax.experimental.serialize_executable import serialize
 
-from flexmb.compilation import executables, kept
+from flexmb.compilation import kept
 from flexmb.compilation.compile import compile_thoroughly, jit
 from flexmb.math import linear
 
@@ -45,16 +43,6 @@ def test_programs_from_disk_are_those_of_their_arguments(tmp_path):
                 assert found.dtype == one.dtype
                 np.testing.assert_array_equal(found, one @ other)
             assert len(list(tmp_path.glob("programs/*"))) == 4
-
-
-def test_where_operations_were_written_is_not_in_a_program():
-    def sine(x):
-        with jax.named_scope("in a place of its own"):
-            # In JAX's cache there is none with this number, without names, of an earlier run.
-            return jnp.sin(x) + time.time()
-
-    program = executables._compiled(executables.named(sine, "sine", None), (A,))
-    assert b"in a place of its own" not in serialize(program)[0]
 
 
 @pytest.mark.parametrize("error", [TypeError, ValueError])
@@ -114,52 +102,25 @@ def test_a_device_that_was_chosen_is_not_that_of_other_numbers():
     assert own(jax.device_put(A, jax.devices()[0])).committed
 
 
-def test_what_jax_has_in_its_cache_is_compiled_for_this_one(tmp_path):
-    """XLA writes what it has read without the code of its loops, which then is not found."""
-    product = jit(linear.multiplied)
-    before = jax.config.values["jax_compilation_cache_dir"]
-    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
-    try:
-        for keep in (False, True, True):
-            kept_now = list(tmp_path.glob("programs/*"))
-            compile_thoroughly(False, keep=keep)
-            jax.clear_caches()
-            jax.clear_caches()
-            np.testing.assert_array_equal(product(A, B), A @ B)
-        assert kept_now
-        assert kept_now == list(tmp_path.glob("programs/*"))
-    finally:
-        jax.config.update("jax_compilation_cache_dir", before)
-        compile_thoroughly(False, keep=True)
-
-
-def test_options_of_the_compiler_make_another_program(tmp_path):
-    with setting("jax_compilation_cache_dir", str(tmp_path)):
-        for options in (None, {"xla_backend_optimization_level": 1}):
-            executables.Executables(linear.multiplied, "product", options, (linear.multiplied,))(A, B)
-    assert len(list(tmp_path.glob("programs/*"))) == 2
-
-
 @pytest.mark.parametrize(
     ("name", "value"), [("jax_compilation_cache_dir", None), ("jax_enable_compilation_cache", False)]
 )
 def test_nothing_is_kept_where_jax_is_to_keep_nothing(caplog, name, value):
     with setting(name, value), caplog.at_level("DEBUG", "flexmb"):
-        assert kept.read_program((linear.multiplied, None, (), None), (A, B)) == (None, None)
+        assert kept._path((linear.multiplied,), (A, B)) is None
     assert "not kept on disk" in caplog.text
 
 
 def test_programs_for_a_chosen_device_are_kept_by_jax_alone(caplog):
-    things = (linear.multiplied, None, (), None)
     with jax.default_device(jax.devices()[0]), caplog.at_level("DEBUG", "flexmb"):
-        assert kept.read_program(things, (A, B)) == (None, None)
+        assert kept._path((linear.multiplied,), (A, B)) is None
     assert "a device was chosen" in caplog.text
 
 
-def test_another_version_of_jax_compiles_by_itself(monkeypatch):
-    for name in ("_config", "_caches", "_passes"):
-        monkeypatch.setattr(executables, name, None)
-    monkeypatch.setattr(executables, "_is_known", False)
-    own = jit(lambda x: 3 * x)
-    np.testing.assert_array_equal(own(A), 3 * A)
-    np.testing.assert_array_equal(own(A[0]), 3 * A[0])
+def test_programs_are_not_those_of_arrays_on_another_device(monkeypatch, tmp_path):
+    """As of arrays that lie on the processor where a graphics card is what JAX computes with."""
+    product, on_processor = jit(linear.multiplied), jax.device_put(A, jax.devices()[0])
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    with setting("jax_compilation_cache_dir", str(tmp_path)):
+        np.testing.assert_array_equal(product(on_processor, B), A @ B)
+        assert not list(tmp_path.glob("programs/*"))
