@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections.abc import Callable, Collection, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import jax
 import jax.core
@@ -16,7 +16,7 @@ from ..arguments import as_reals, check_real
 from .record import Record, static
 
 if TYPE_CHECKING:
-    from jax.extend.core import Jaxpr
+    from jax.extend.core import Jaxpr, Literal
 
 # Derivatives of one's own are looked at as deep as equations of motion take derivatives.
 RULES = 2
@@ -204,7 +204,7 @@ def digest(found: Captured) -> str:
     return text.hexdigest()
 
 
-def is_literal(atom: Any) -> bool:
+def is_literal(atom: Any) -> TypeGuard[Literal]:
     """Whether what an operation takes is a number in the text of a program, not one of its variables."""
     return hasattr(atom, "val")
 

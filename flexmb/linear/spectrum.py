@@ -307,9 +307,10 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     left = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
     right = np.block([[eye, zero], [zero, m / heavy]])
     # By the QZ method, as quotients.
-    top, bottom = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
+    quotients: Any = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
+    top, bottom = quotients[0], quotients[1].real
     finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
-    return in_order(_with_slow(w * top[finite] / bottom.real[finite], k, c, m))
+    return in_order(_with_slow(w * top[finite] / bottom[finite], k, c, m))
 
 
 def in_order(poles: Any) -> Complex[np.ndarray, "n"]:
