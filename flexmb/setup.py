@@ -39,6 +39,8 @@ def _prepared(path: Path) -> None:
                 raise PermissionError(
                     f"Others may write into '{folder}', whose code would be run: take chmod 700 first."
                 )
+    from .compilation.kept import PART
+
     looked_at = path / "looked_at"
     with contextlib.suppress(FileNotFoundError):
         if 0 <= time.time() - looked_at.stat().st_mtime < BETWEEN:
@@ -52,8 +54,12 @@ def _prepared(path: Path) -> None:
                 for file in found:
                     # Another process may rename or remove it meanwhile.
                     with contextlib.suppress(FileNotFoundError):
-                        if file.is_file():
-                            files.append((file.stat(), file.path))
+                        state = file.stat()
+                        # Part of a file whose process was stopped.
+                        if file.name.endswith(PART) and time.time() - state.st_mtime > BETWEEN:
+                            Path(file.path).unlink()
+                        elif file.is_file():
+                            files.append((state, file.path))
     files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
     kept = 0
     for state, file in files:

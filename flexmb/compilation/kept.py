@@ -32,6 +32,8 @@ KNOWN = {"flexmb", *LIBRARIES, *sys.stdlib_module_names}
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
 # Settings of JAX with which it calls a function anew, operation by operation.
 BY_OPERATIONS = ("jax_disable_jit", "jax_debug_nans", "jax_debug_infs")
+# The end of the name of a file that is being written.
+PART = ".part"
 log = logging.getLogger("flexmb")
 # Whether programs are kept, where JAX keeps its own.
 is_on = False
@@ -134,7 +136,7 @@ def _content(path: Path) -> bytes | None:
 
 def _write(path: Path, content: bytes) -> None:
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}-{id(content)}")
+    part = path.with_suffix(f".{os.getpid()}-{id(content)}{PART}")
     try:
         part.write_bytes(_check(path, content) + b"\n" + content)
         part.replace(path)

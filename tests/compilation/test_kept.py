@@ -555,6 +555,9 @@ def test_a_new_folder_is_the_users_alone(tmp_path, settings_restored):
 def test_the_oldest_files_go_first(tmp_path, settings_restored, monkeypatch):
     monkeypatch.setattr(setup, "LARGEST_CACHE", 250)
     (tmp_path / "programs").mkdir()
+    (tmp_path / "programs" / "left.7-7.part").write_bytes(b"")
+    os.utime(tmp_path / "programs" / "left.7-7.part", (1e9, 1e9))
+    (tmp_path / "programs" / "written.8-8.part").write_bytes(b"")
     for age, name in enumerate(["new-cache", "programs/one", "old-cache", "programs/old"]):
         (tmp_path / name).write_bytes(bytes(100))
         os.utime(tmp_path / name, (1e9 - age, 1e9 - age))
@@ -562,7 +565,10 @@ def test_the_oldest_files_go_first(tmp_path, settings_restored, monkeypatch):
 
     def left():
         fm.enable_cache(tmp_path)
-        return {str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file()} - {"looked_at"}
+        return {str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file()} - {
+            "looked_at",
+            "programs/written.8-8.part",
+        }
 
     assert left() == {"new-cache", "programs/one"}
     # Once an hour.
