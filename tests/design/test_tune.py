@@ -466,6 +466,38 @@ def test_a_fit_in_the_mean_is_a_success():
     assert found.result is fm.RESULTS.local_minimum
 
 
+def test_a_fit_of_a_response_from_afar_is_a_local_minimum():
+    """A resonance whose start lies beyond the measured one does not move through it."""
+
+    def measured_guide(thickness):
+        b = fm.Builder()
+        for node, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0)}.items():
+            b.node(node, place)
+        leaf = fm.Rectangle(18e-3, thickness, fm.Material(E=210e9, G=80e9, rho=7850))
+        for p, q in ("AB", "DC"):
+            b.add(planar.beam, p, q, section=leaf)
+        b.add(planar.rigid_beam, "B", "C")
+        b.fix("A")
+        b.fix("D")
+        b.mass("B", 0.2)
+        b.input("B", "x")
+        b.output("B", "x")
+        return b.build()
+
+    def response(model):
+        found = fm.frequency_response(fm.damped(model, ratio=0.01), np.linspace(1.0, 60.0, 40))
+        return jnp.abs(found.response[:, 0, 0])
+
+    measured = {"response": np.asarray(response(measured_guide(0.5e-3)))}
+    call = {"targets": measured, "throw": False}
+    near = fm.tune(measured_guide, {"response": response}, {"thickness": 0.45e-3}, BOUNDS, **call)
+    assert near.result is fm.RESULTS.successful
+    assert near.dimensions["thickness"] == pytest.approx(0.5e-3, rel=1e-6)
+    for start in (0.35e-3, 0.8e-3):
+        far = fm.tune(measured_guide, {"response": response}, {"thickness": start}, BOUNDS, **call)
+        assert far.result is fm.RESULTS.local_minimum
+
+
 def test_what_is_said_of_a_long_curve_is_short():
     """A resonance at 200 frequencies, 1 % larger than any that these dimensions have."""
     mpl.use("Agg")
