@@ -70,29 +70,21 @@ hypothesis.settings.load_profile("flexmb")
 
 
 HERE = Path(__file__).parent
-# Files of tests that take longest: they begin first, so that no worker is left with one of them at the end.
-LONGEST = [HERE / name for name in (HERE / "longest.txt").read_text().split()]
-# Tests that take long and see no fault of faults.py that no other sees, or one of the few that are left to them: the
-# suite as a whole leaves them out.
-SLOW = frozenset((HERE / "slow.txt").read_text().split("\n"))
-
-
 TOO_LATE = "after the time of --until"
 
 
 def pytest_addoption(parser):
-    text = "what becomes of the tests in tests/slow.txt; out where no file is named, in where one is"
+    text = "what becomes of tests marked as slow; out where no file is named, in where one is"
     parser.addoption("--slow", choices=("out", "in", "only"), help=text)
     text = "begin no test after this time [s since 1970], and name those that are left out"
     parser.addoption("--until", type=float, default=math.inf, metavar="TIME", help=text)
-    text = "files in an order that follows from this text, such as a commit; by default the longest first"
+    text = "files in an order that follows from this text, such as a commit; by default the largest first"
     parser.addoption("--order", metavar="TEXT", help=text)
 
 
 def is_slow(item):
-    """Whether a test, or its function with whatever parameters, is in tests/slow.txt."""
-    file, _, name = item.nodeid.removeprefix("tests/").partition("::")
-    return f"{file}::{name}" in SLOW or f"{file}::{name.partition('[')[0]}" in SLOW
+    """Whether a test is marked as slow, or, where the mark names parameters, its parameters are among them."""
+    return any(not mark.args or item.callspec.id in mark.args for mark in item.iter_markers("slow"))
 
 
 def slow_ones(config):
@@ -101,10 +93,11 @@ def slow_ones(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    place = {path: at for at, path in enumerate(LONGEST)}
+    # Those of the package as a whole, such as its manuals, and large files take longest: they begin first.
+    place: dict = {item.path: (len(item.path.parts), -item.path.stat().st_size) for item in items}
     if seed := config.option.order:
-        place = {item.path: hashlib.sha256(f"{seed} {item.path.relative_to(HERE)}".encode()).digest() for item in items}
-    items.sort(key=lambda item: place.get(item.path, len(place)))
+        place = {path: hashlib.sha256(f"{seed} {path.relative_to(HERE)}".encode()).digest() for path in place}
+    items.sort(key=lambda item: place[item.path])
     asked = slow_ones(config)
     if asked != "in":
         left = [item for item in items if is_slow(item) == (asked == "out")]
@@ -123,7 +116,9 @@ def pytest_terminal_summary(terminalreporter, config):
     if late:
         terminalreporter.write_line("\n".join([f"Left out, since it was too late to begin them: {len(late)}", *late]))
     if slow_ones(config) == "out":
-        terminalreporter.write_line("Left out: tests/slow.txt. --slow=in runs these too, --slow=only these alone.")
+        terminalreporter.write_line(
+            "Left out: tests marked as slow. --slow=in runs these too, --slow=only these alone."
+        )
 
 
 @pytest.fixture(scope="module", autouse=True)

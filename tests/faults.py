@@ -3,7 +3,7 @@
 A suite that passes says nothing about what it would let through. Each fault here is a small one, such as are really
 made: a sign, a factor, a transposed matrix, an early return, a status that is forgotten. Each names the few tests that
 should see it. Faults are put into a copy of the package in a temporary folder, never into the working tree.
-Slow tests (slow.txt) are left out: what the suite runs without being asked has to see 95 % of the faults. What only a
+Tests marked as slow are left out: what the suite runs without being asked has to see 95 % of the faults. What only a
 slow one sees says so, `slow=True`, and is asked of that one.
 
     python tests/faults.py                # all of them, which takes an hour or more

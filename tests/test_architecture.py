@@ -47,7 +47,10 @@ RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # are loaded on use.
 OPEN = {"results", "display", "errors", "arguments", "setup", "progress", "files", "lazy", ""}
 MODULES = sorted(PACKAGE.rglob("*.py"))
-TOP_LEVEL = "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE .ci .gitignore".split()
+TOP_LEVEL = (
+    "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md .ci"
+    " .github .gitignore"
+).split()
 
 
 def room_of(module: Path) -> str:
@@ -107,11 +110,13 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not heavy & loaded_by("import flexmb, flexmb.cli")
 
 
+@pytest.mark.slow
 def test_frequencies_load_no_library_that_they_do_not_use():
     heavy = {"control", "diffrax", "optax", "equinox", "matplotlib", "typer"}
     assert not heavy & loaded_by("import flexmb\nflexmb.enable_x64()\nflexmb.frequencies, flexmb.Builder().node")
 
 
+@pytest.mark.slow
 def test_importing_changes_no_setting():
     code = (
         "import jax\nbefore = dict(jax.config.values)\nimport flexmb\n"
@@ -150,24 +155,8 @@ def test_the_top_level_holds_nothing_else():
     assert {name.split("/")[0] for name in listed.stdout.splitlines()} == set(TOP_LEVEL)
 
 
-def test_the_tests_that_begin_first_are_there():
-    tests = Path(__file__).parent
-    names = (tests / "longest.txt").read_text().split()
-    assert [name for name in names if not (tests / name).is_file()] == []
-    assert len(set(names)) == len(names)
-
-
 def test_the_tests_of_every_room_are_collected(pytestconfig):
     """A folder of a name that pytest passes over, such as "build", would be missed by nobody."""
     folders = {path.parent.name for path in Path(__file__).parent.rglob("test_*.py")}
     passed_over = pytestconfig.getini("norecursedirs")
     assert [name for name in sorted(folders) if any(fnmatch.fnmatch(name, own) for own in passed_over)] == []
-
-
-def test_the_slow_tests_are_there():
-    tests = Path(__file__).parent
-    names = (tests / "slow.txt").read_text().splitlines()
-    assert names == sorted(set(names))
-    places = dict.fromkeys(tuple(name.partition("[")[0].split("::")) for name in names)
-    texts = {file: (tests / file).read_text() for file, _ in places}
-    assert [place for place in places if f"def {place[1]}(" not in texts[place[0]]] == []

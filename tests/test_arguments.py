@@ -81,6 +81,7 @@ def test_what_is_no_model_is_refused_by_what_to_do(name):
             ASKS[name](what)
 
 
+@pytest.mark.slow
 def test_results_are_not_taken_for_models():
     equilibrium = fm.equilibrium(MODEL)
     for name in ("frequencies", "modes", "compliance", "to_statespace"):
@@ -110,6 +111,18 @@ def test_results_are_not_taken_for_models():
 # -- incremental loads --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow(
+    "equilibrium",
+    "linearize",
+    "frequencies",
+    "modes",
+    "poles",
+    "stress",
+    "section_resultants",
+    "frequency_like",
+    "simulate",
+    "to_nonlinear_system",
+)
 @pytest.mark.parametrize(
     "name",
     [
@@ -132,6 +145,7 @@ def test_an_answer_without_the_incremental_loads_says_so(name):
     assert "increment=" in str(told[0].message)
 
 
+@pytest.mark.slow
 def test_an_answer_that_is_meant_without_them_says_nothing():
     model = cart(increment=True).build()
     found = fm.equilibrium(model, increment=0.0)
@@ -387,6 +401,7 @@ def test_functions_of_time(case):
         act()
 
 
+@pytest.mark.slow
 def test_a_rotation_is_driven_by_the_name_it_was_prescribed_by():
     b = fm.Builder()
     b.node("A", (0, 0))
@@ -480,6 +495,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.slow("a step that a path has not", "times that a motion has not")
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_arguments(case):
     act, message = OTHERS[case]
@@ -528,6 +544,7 @@ def beyond_reach():
     return b.build()
 
 
+@pytest.mark.slow
 def test_what_was_not_found_is_not_gone_on_with():
     model = beyond_reach()
     lin = fm.linearize(model, throw=False)
@@ -542,12 +559,14 @@ def test_what_was_not_found_is_not_gone_on_with():
     assert fm.modes(lin, throw=False).lin.result == lin.result
 
 
+@pytest.mark.slow
 def test_a_motion_that_ended_early_is_no_start():
     found = fm.simulate(MODEL, np.linspace(0, 1, 5), loads={"1.x": jnp.sin}, max_steps=2, throw=False)
     with pytest.raises(fm.ModelError, match=r"`initial` .* did not reach its end"):
         fm.simulate(MODEL, TIMES, initial=found)
 
 
+@pytest.mark.slow
 def test_a_mechanism_that_cannot_move_has_no_poles():
     b = fm.Builder()
     b.node("A", (0, 0))

@@ -68,6 +68,7 @@ def test_an_answer_that_is_no_number_is_named(rows):
     assert len(quick.losses(worse, rows)) == 1
 
 
+@pytest.mark.slow
 def test_rows_that_are_missing_or_new_are_named(rows):
     fewer = {name: row for name, row in rows.items() if name != "path"}
     assert "no longer measured" in quick.losses(fewer, rows)[0]

@@ -56,6 +56,7 @@ def answer(name, mode, *options):
     return result, json.loads(result.stdout)
 
 
+@pytest.mark.slow("7", "8", "9", "10")
 @pytest.mark.parametrize("mode", [0, 7, 8, 9, 10])
 def test_json_has_the_keys_of_the_contract(mode):
     result, data = answer("pf2db", mode)
@@ -94,6 +95,7 @@ def swing(tmp_path, monkeypatch):
     return write
 
 
+@pytest.mark.slow("1")
 @pytest.mark.parametrize("mode", [1, 4])
 def test_json_of_a_motion(mode, swing):
     path = swing()
@@ -135,6 +137,7 @@ def test_json_of_a_motion(mode, swing):
         assert (data["u0"], data["y0"]) == ([[0.0]] * 5, [[x] for x, _ in data["trajectory"]["2"]])
 
 
+@pytest.mark.slow
 def test_json_of_a_trajectory(tmp_path):
     """Of mode 2; what modes 3, 5 and 6 have beside that stands in tests/answers."""
     path, saved, picture = tmp_path / "arm.dat", tmp_path / "arm.npz", tmp_path / "arm.png"
@@ -162,6 +165,14 @@ PRINTED = [
 ]
 
 
+@pytest.mark.slow(
+    "pf1dtrx-frequencies_hz-values0-5e-05",
+    "pf1dtre-frequencies_hz-values1-5e-05",
+    "pf2d-frequencies_hz-values2-5e-05",
+    "pf2d3dof-frequencies_hz-values4-0.05",
+    "pf3d-frequencies_hz-values5-5e-05",
+    "pf3d19dof-frequencies_hz-values6-0.0126",
+)
 @pytest.mark.parametrize(("name", "key", "values", "tolerance"), PRINTED)
 def test_printed_numbers(name, key, values, tolerance):
     _, data = answer(name, 8 if key == "load_multipliers" else 7)
@@ -179,6 +190,7 @@ STATE_SPACE = [
 ]
 
 
+@pytest.mark.slow("pf1dtre-a211-a221-b21-c1", "pf2d-a212-a222-b22-c2")
 @pytest.mark.parametrize(("name", "a21", "a22", "b2", "c"), STATE_SPACE)
 def test_printed_state_space(name, a21, a22, b2, c):
     _, data = answer(name, 9)
@@ -396,6 +408,7 @@ def workplace(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow("verdict guide.dat --stroke 1e-3 --limit farce=1")
 @pytest.mark.parametrize("line", MISUSED)
 def test_a_wrong_call_is_one_line(line, workplace):
     before = {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()}
@@ -417,6 +430,7 @@ def test_help(command, option):
     assert "Usage: flexmb" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_verdict_is_that_of_the_package(tmp_path):
     text, path = mechanism_path("pf2db").read_text(), tmp_path / "guide.dat"
     path.write_text(text.replace("0.039375", "{EI}"))
@@ -465,6 +479,7 @@ def test_version():
     assert found.stdout.split("\n")[1] == "False"
 
 
+@pytest.mark.slow
 def test_a_path_of_too_few_steps_says_so():
     result, data = answer("pf2db", 10, "--max-steps", "1")
     assert (result.exit_code, data["status"]) == (1, "max_steps")
@@ -586,6 +601,7 @@ def test_check_is_mode_0(name, status, tmp_path):
     assert call("check", path).stdout.startswith(f"{path.name}  mode 0  status {status}\n")
 
 
+@pytest.mark.slow("4")
 @pytest.mark.parametrize("mode", [1, 4])
 def test_a_motion_that_ends_early_is_no_answer(mode, swing):
     # A hundred times as long.
@@ -619,6 +635,7 @@ def warned_by_the_package(model, **given):
     return fm.linearize(model, **given)
 
 
+@pytest.mark.slow("7", "9")
 @pytest.mark.parametrize("mode", [0, 7, 9])
 def test_incremental_loads_that_do_not_act_are_told(mode, tmp_path):
     path = tmp_path / "more.dat"
@@ -647,6 +664,7 @@ def test_streams_that_take_nothing(redirected, status, words):
     assert (found.returncode, found.stderr) == (status, words)
 
 
+@pytest.mark.slow
 def test_every_name_and_comment_in_every_locale(tmp_path):
     """Comments in Latin-1 and a name in UTF-8 or in none, where neither files nor streams know more than ASCII."""
     ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}
@@ -664,6 +682,7 @@ def test_every_name_and_comment_in_every_locale(tmp_path):
         assert (tmp_path / (name + ".svg")).read_bytes().startswith(b"<?xml")
 
 
+@pytest.mark.slow
 def test_a_file_from_a_pipe(tmp_path):
     found = program("check", "/dev/stdin", input=mechanism_path("pf1dtrx").read_bytes())
     assert (found.returncode, found.stderr) == (0, b"")
@@ -783,6 +802,7 @@ def test_a_motion_that_cannot_begin_has_no_states(swing):
     assert not {"time", "trajectory", "x", "energy"} & set(data)
 
 
+@pytest.mark.slow
 def test_poles_stand_where_there_are_no_frequencies(tmp_path):
     path = tmp_path / "turned.dat"
     path.write_text(TURNED)
@@ -795,6 +815,7 @@ def test_poles_stand_where_there_are_no_frequencies(tmp_path):
     assert f"   12  {data['poles'][11][0]:.7g} {data['poles'][11][1]:+.7g}j" in shown
 
 
+@pytest.mark.slow
 def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     path = tmp_path / "held.dat"
     path.write_text(mechanism_path("pf2d").read_text().replace("OUTX 1 3 1", "OUTXDP 1 3 1\nINX 2 1 1"))
@@ -808,6 +829,7 @@ def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
 WHEEL = "PLTOR 1 1 2\nFIX 1\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nXM 2 -0.01\nESTIFF 1 1\nTIMESTEP 0.02 4\nEND\nEND\n"
 
 
+@pytest.mark.slow("1", "8", "9")
 @pytest.mark.parametrize("mode", [1, 7, 8, 9])
 def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
     path = tmp_path / "negative.dat"

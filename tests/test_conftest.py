@@ -4,9 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parent
 
 
+@pytest.mark.slow
 def test_tests_that_are_too_late_are_named_and_the_order_follows_from_a_text():
     """Tests of two files: none begins, none is red, and with another text the first file would be the first."""
     files = [str(HERE / name) for name in ("test_errors.py", "test_results.py")]

@@ -63,6 +63,7 @@ def test_every_answer_says_its_source(name):
         assert section(FUNCTIONS[name].__doc__ or "", "Source"), f"{name} does not say where its equations come from"
 
 
+@pytest.mark.slow("plot.verdict")
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_arrays_have_shape_and_unit(name):
     function = FUNCTIONS[name]

@@ -1,5 +1,6 @@
 """The faults of `faults.py` are those of the code as it stands: each finds its place, in every room."""
 
+import pytest
 from faults import ENOUGH, FAULTS, ROOT, split, stale
 
 
@@ -25,6 +26,7 @@ def test_every_room_has_faults():
     assert rooms <= {fault.room for fault in FAULTS}
 
 
+@pytest.mark.slow
 def test_a_text_that_is_gone_or_stands_twice_is_stale(tmp_path):
     fault = FAULTS[0]
     path = tmp_path / fault.file

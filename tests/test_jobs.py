@@ -69,6 +69,7 @@ def test_folded_flexure_in_micrometres():
     assert float(fm.frequencies(model, count=1)[0]) == pytest.approx(expected, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_four_bar_of_flexure_hinges_with_its_reactions_over_time():
     steel = fm.Material(E=210e9, G=80e9, rho=0.0)
     hinge = fm.Rectangle(width=0.01, thickness=0.2e-3, material=steel)
@@ -263,6 +264,7 @@ def guide(t, length):
     return b.build()
 
 
+@pytest.mark.slow
 def test_twenty_thousand_designs_stopped_resumed_and_their_front(tmp_path):
     answers = {
         "drive": lambda model: 0.1 / fm.equilibrium(model).position("B", "x"),
@@ -347,6 +349,7 @@ MISUSED = [
 ]
 
 
+@pytest.mark.slow("tune guide.dat")
 @pytest.mark.parametrize(("words", "status", "said"), MISUSED, ids=[words for words, *_ in MISUSED])
 def test_a_command_that_is_misused_says_so_and_writes_nothing(words, status, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -39,6 +39,7 @@ def answers(model):
 
 
 # What is told of its loads, which bend it far, is the same however it is turned.
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Before it buckles", "ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize("space", [False, True])
 def test_answers_obey_the_laws(space):
@@ -106,6 +107,21 @@ NAMES = (
 )
 
 
+@pytest.mark.slow(
+    "stress",
+    "equilibrium",
+    "equilibria",
+    "state",
+    "compliance",
+    "poles",
+    "response",
+    "load multipliers",
+    "smooth stress",
+    "noise",
+    "sparse equilibrium",
+    "sparse load multipliers",
+    "sparse poles",
+)
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize("name", NAMES.split("; "))
 def test_what_fails_under_a_trace_is_no_number(name):
@@ -114,6 +130,7 @@ def test_what_fails_under_a_trace_is_no_number(name):
     assert np.all(np.isnan(bad))
 
 
+@pytest.mark.slow("equilibrium-jacfwd", "motion-grad")
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize(
     ("name", "derivative"), [("equilibrium", jax.grad), ("equilibrium", jax.jacfwd), ("motion", jax.grad)]

@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(150)
 @pytest.mark.parametrize("source", SOURCES[1:], ids=lambda s: s.stem)
 def test_notebook_runs(source, tmp_path, monkeypatch):
@@ -42,6 +43,7 @@ def test_first_notebook_runs_in_a_fresh_process(tmp_path):
     assert run.returncode == 0, run.stderr[-3000:]
 
 
+@pytest.mark.slow("23_shape_lattice")
 @pytest.mark.parametrize("source", SOURCES, ids=lambda s: s.stem)
 def test_rendered_notebook_is_that_of_its_source(source):
     rendered = jupytext.read(source.with_suffix(".ipynb"))

@@ -64,6 +64,7 @@ def test_metadata_is_valid():
     run(sys.executable, "-m", "validate_pyproject", str(ROOT / "pyproject.toml"))
 
 
+@pytest.mark.slow
 def test_a_wheel_works_without_the_repository(tmp_path):
     run(sys.executable, "-m", "build", "--no-isolation", "--outdir", str(tmp_path / "dist"), str(ROOT))
     (wheel,), (archive,) = (list((tmp_path / "dist").glob(ending)) for ending in ("*.whl", "*.tar.gz"))

@@ -100,6 +100,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_a_result_is_a_few_lines_that_name_what_matters(name):
     make, words = CASES[name]
@@ -112,6 +113,7 @@ def test_a_result_is_a_few_lines_that_name_what_matters(name):
         assert word in text
 
 
+@pytest.mark.slow
 def test_a_failure_says_what_to_try():
     failed = dataclasses.replace(fm.equilibrium(cart()), result=np.int32(fm.RESULTS.not_converged))
     text = " ".join(repr(failed).split())
@@ -119,6 +121,7 @@ def test_a_failure_says_what_to_try():
     assert "lower it, or use more elements." in text
 
 
+@pytest.mark.slow
 def test_a_traced_result_tells_its_shapes():
     seen = []
 
@@ -134,12 +137,14 @@ def test_a_traced_result_tells_its_shapes():
         assert len(text.splitlines()) <= 12
 
 
+@pytest.mark.slow
 def test_results_of_several_mechanisms_tell_their_shapes():
     many = jax.vmap(lambda k: fm.equilibrium(cart(k), throw=False))(np.array([1.0, 2.0, 4.0]))
     assert "x[3,4]" in repr(many)
     assert "M0[11,1,1]" in repr(fm.motion.linearize_motion(motion()))
 
 
+@pytest.mark.slow
 def test_matrices_are_attributes_of_what_is_linearised():
     lin, along = fm.linearize(guide()), fm.motion.linearize_motion(motion())
     for found in (lin, along, fm.path(cart())):

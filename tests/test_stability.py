@@ -91,6 +91,7 @@ def arch(load):
 # -- the table ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e2, 1e4, 1e6, 1e8])
 @pytest.mark.parametrize("sparse", [False, True])
 def test_stiffness_ratio(ratio, sparse):
@@ -106,6 +107,7 @@ def test_stiffness_ratio(ratio, sparse):
     assert float(at[0]) == pytest.approx(1e-5, rel=1e-5)  # second order: force over EA
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e2, 1e5, 1e8])
 def test_stiffness_ratio_in_motion(ratio):
     """One period of the soft direction, from rest at a thousandth: the stiff one is not to slow it down.
@@ -123,6 +125,7 @@ def test_stiffness_ratio_in_motion(ratio):
     np.testing.assert_allclose(found.at("mass")[:, 0], [1e-3, -1e-3, 1e-3], atol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slenderness", [10.0, 100.0, 1e3, 1e4])
 def test_slenderness(slenderness):
     model = cantilever(slenderness).build()
@@ -133,6 +136,7 @@ def test_slenderness(slenderness):
     assert float(fm.frequencies(cantilever(slenderness, load=0.0).build())[0]) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slenderness", [10.0, 1e4])
 def test_slenderness_by_sparse_factors(slenderness):
     dense, sparse = (cantilever(slenderness).build(check=check) for check in (True, False))
@@ -140,6 +144,7 @@ def test_slenderness_by_sparse_factors(slenderness):
     np.testing.assert_allclose(found.x, fm.equilibrium(dense).x, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-5, 1e-3, 10.0, 1e4])
 def test_units_from_micrometres_to_kilometres(size):
     """Dimensional analysis; tolerance: round-off of the equilibrium and of the frequency of a bent guide."""
@@ -150,6 +155,7 @@ def test_units_from_micrometres_to_kilometres(size):
     np.testing.assert_allclose(sparse.at("top0") / size, fm.equilibrium(one).at("top0"), rtol=1e-8)
 
 
+@pytest.mark.slow("element1")
 @pytest.mark.parametrize("element", [planar.spectral_beam(3), planar.beam])
 def test_a_path_in_metres_and_in_micrometres(element):
     """The same steps, critical points included; tolerance: what the place of a critical point is found to."""
@@ -171,6 +177,7 @@ def test_a_path_in_metres_and_in_micrometres(element):
     np.testing.assert_allclose(other.at("C") / 1e6, one.at("C"), rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-5, 1e4])
 def test_motion_from_micrometres_to_kilometres(size):
     def swing(size):
@@ -182,16 +189,19 @@ def test_motion_from_micrometres_to_kilometres(size):
     np.testing.assert_allclose(swing(size), swing(1.0), atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [False, True])
 def test_zero_load(sparse):
     model = cantilever(100.0, load=0.0).build(check=not sparse)
     np.testing.assert_array_equal(fm.equilibrium(model, sparse=sparse).x, model.parameters.reference)
 
 
+@pytest.mark.slow
 def test_nothing_buckles_without_load():
     assert not np.any(np.isfinite(fm.buckling_loads(cantilever(100.0, load=0.0).build())))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [1, 3])
 def test_turns(turns):
     found = fm.simulate(spinner().build(), np.array([0.0, float(turns)]))
@@ -200,12 +210,14 @@ def test_turns(turns):
     np.testing.assert_allclose(found.at("end")[-1], [1, 0], atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [1e-12, 1.0, 1e12])
 def test_mass_from_nothing_to_much(mass):
     found = fm.simulate(spinner(mass).build(), np.array([0.0, 1.0]))
     np.testing.assert_allclose(found.at("end")[-1], [1, 0], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_repeated_frequencies():
     """A round bar bends both ways alike; a cluster function has the derivative of either."""
 
@@ -229,6 +241,7 @@ def test_repeated_frequencies():
     assert slope == pytest.approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_redundant_constraints_are_refused_or_released():
     leaf = fm.Rectangle(0.02, 5e-4, fm.Material(E=2e11, G=7.7e10, rho=8000.0))
     b = fm.Builder()
@@ -250,6 +263,7 @@ def test_redundant_constraints_are_refused_or_released():
     assert float(fm.frequencies(b.build(release="auto"))[0]) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_beyond_a_limit_point():
     # Top of the load: closed form 2 EA (1/L0 - 1/l) y with l^3 = L0 b^2.
     l0 = np.hypot(1.0, 0.2)
@@ -269,6 +283,7 @@ def test_beyond_a_limit_point():
         np.testing.assert_allclose(fm.equilibrium(sparse, sparse=True).at("apex")[1], at, atol=1e-9)
 
 
+@pytest.mark.slow("1e-06", "1.0")
 @pytest.mark.parametrize("first", [1e-6, 1e-4, 1e-2, 1.0])
 def test_any_first_step(first):
     """The default finds its steps whatever the first one was."""
@@ -276,6 +291,7 @@ def test_any_first_step(first):
     np.testing.assert_allclose(found.at("end")[-1], [1, 0], atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("solver", "steps", "outcome"),
     [

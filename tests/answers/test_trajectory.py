@@ -114,6 +114,7 @@ def joints(t):
     return [np.stack(parts) for parts in zip(*both, strict=True)]
 
 
+@pytest.mark.slow
 def test_torques_of_the_joints_are_those_of_rigid_links():
     data = linearised()
     t = np.array(data["time"])
@@ -281,6 +282,7 @@ def test_vibrations_on_a_base_that_moves():
     np.testing.assert_allclose(np.array(moved.data["trajectory"]["2"])[:, 0], 0.1 + x + e, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_let_go_in_mode_5():
     """The same with a force that drives the base: what is prescribed in the file has become a degree of freedom."""
     text = BASE.format(lines="STARTDE 1 1 0 0.1", signals="NOMF 1 1 1\nREFX 1 2 1")
@@ -298,6 +300,7 @@ def test_what_is_let_go_in_mode_5():
     np.testing.assert_allclose(np.array(other.data["u0"])[:, 0], (MASS + HEAVY) * a, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_cannot_vibrate():
     text = BASE.replace("DYNE 1 1\n", "").replace("ESTIFF 1 100\nEDAMP 1 0.2\n", "").replace("0.5 250", "0.5 4")
     data = asked(text.format(lines="", signals="REFX 1 2 1"), 6).data

@@ -113,6 +113,7 @@ def placed(bars, origin, axes, stage):
     return bars, {body: np.array(stage) for body in bodies - {"base"}}
 
 
+@pytest.mark.slow("parallel guide", "double parallel guide", "straight-line stage", "wire flexure")
 @pytest.mark.parametrize("case", FRAMES)
 def test_compliance_in_space_is_that_of_the_frame(case):
     block, sizes, bars = FRAMES[case]
@@ -144,6 +145,7 @@ def test_a_given_element_has_the_section_as_it_is():
     assert [m.properties["section"].shear for n, m in b.members.items() if n.endswith("wire")] == [False]
 
 
+@pytest.mark.slow("butterfly pivot")
 @pytest.mark.parametrize("case", ["folded leaf spring", "butterfly pivot"])
 def test_compliance_in_the_plane_is_that_of_the_frame(case):
     block, sizes, bars = FRAMES[case]
@@ -185,6 +187,7 @@ SOLID = {
 }
 
 
+@pytest.mark.slow("parallel guide", "cross pivot")
 @pytest.mark.parametrize("case", SOLID)
 def test_stiffness_beside_solid_elements(case):
     block, sizes, place, expected = SOLID[case]
@@ -198,6 +201,7 @@ def test_stiffness_beside_solid_elements(case):
     np.testing.assert_allclose(1 / np.diag(fm.compliance(b.build(), "stage")), expected, rtol=0.002)
 
 
+@pytest.mark.slow
 def test_stiffness_of_clamped_leaf_springs():
     # THEORY.md 13, eq. (13.9): by hand, integrals of the squared moment near the clamps, which keep a share of nu^2.
     nu, a = 210 / 160 - 1, 0.4 * WIDTH / L
@@ -231,6 +235,7 @@ def ground(block, **sizes):
     return b
 
 
+@pytest.mark.slow
 def test_strokes_of_guides():
     # The guide sinks by 3/5 d^2/L to second order; the stage of the symmetric one neither sinks nor turns.
     strokes = {}
@@ -246,6 +251,7 @@ def test_strokes_of_guides():
     np.testing.assert_allclose(strokes[straight_line_stage], 0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_shift_of_pivots():
     # Crossed in the middle, shooting (REFERENCES.md B3): 3.579963e-3 of the length at 10 degrees, where the leaf
     # springs are inextensible. Shifts of the two pivots of a butterfly are opposite: of the second order in the angle
@@ -285,6 +291,7 @@ def test_notch_hinge():
     assert 1 / fm.compliance(b.build(), "stage")[4, 4] == pytest.approx(stiffness_of_a_notch()[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_notch_four_bar():
     hinge, rim = stiffness_of_a_notch()
     b = ground(notch_four_bar, length=L, spacing=S, material=STEEL, **NOTCH)
@@ -309,6 +316,7 @@ def logarithm(d):
     return jnp.log(fm.compliance(b.build(), "stage")[0, 0])
 
 
+@pytest.mark.slow
 def test_derivatives_by_every_dimension():
     d = jnp.array([L, 0.3, 0.7, THICKNESS, 0.4])
     step = 1e-4 * np.asarray(d)
@@ -320,6 +328,7 @@ def test_derivatives_by_every_dimension():
     np.testing.assert_allclose(jax.jacfwd(logarithm)(d), differences, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_every_size_and_direction_may_be_traced():
     # Places of all nodes of all blocks, along one direction in the space of their numbers.
     notch = {"width": 0.01, "height": 6e-3, "neck": 5e-4, "radius": 3.5e-3}
@@ -346,6 +355,7 @@ def test_every_size_and_direction_may_be_traced():
     np.testing.assert_allclose(found, (ahead - behind) / (2 * step), rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_sweep():
     def build(length, spacing, thickness):
         leaf = fm.Rectangle(WIDTH, thickness, STEEL)
@@ -430,6 +440,7 @@ def test_wrong_description(case):
         act(b)
 
 
+@pytest.mark.slow
 def test_width_along_the_leaf_spring_is_refused():
     b = fm.Builder()
     b.node("ground", (0.0, 0.0, 0.0))

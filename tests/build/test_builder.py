@@ -284,6 +284,7 @@ def spectral_guide(height=0.1, held=True):
     return b
 
 
+@pytest.mark.slow
 def test_coefficients_of_spectral_beams_make_up_the_degrees_of_freedom():
     b = spectral_guide()
     expected = fm.frequencies(b.build())
@@ -318,6 +319,7 @@ def test_a_traced_build_without_checks_needs_no_degrees_of_freedom():
     assert float(jax.jit(length)(0.25)) == 0.25
 
 
+@pytest.mark.slow
 def test_a_traced_build_has_all_degrees_of_freedom_named():
     def tip(height, dofs="auto"):
         b = spectral_guide(height)

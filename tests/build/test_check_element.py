@@ -43,6 +43,7 @@ class Given(dict):
     __getattr__ = dict.__getitem__
 
 
+@pytest.mark.slow("not zero")
 @pytest.mark.parametrize("case", WRONG)
 def test_deformations_that_are_none_are_refused_by_what_is_wrong(case):
     own, message = WRONG[case]

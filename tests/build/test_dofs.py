@@ -38,6 +38,7 @@ def model():
     return rack().build()
 
 
+@pytest.mark.slow
 def test_what_is_rigid_leaves_its_own_motions(model):
     assert model.topology.n_x == 12 * STOREYS + 6
     # Of each storey, two nodes that are free, and a plate: coordinates, where there are so many.
@@ -47,6 +48,7 @@ def test_what_is_rigid_leaves_its_own_motions(model):
     assert rack(released=(2, 3)).build().topology.n_q == (9 - 4) * STOREYS
 
 
+@pytest.mark.slow
 def test_they_determine_the_same_motions(model):
     """Beside deformations, which are found where there are fewer coordinates."""
     few = rack(4).build()
@@ -117,6 +119,7 @@ def test_deformations_of_a_chain_determine_it():
     assert unit_of_driven(many, driven(many, "beam 2.e1")) == "m"
 
 
+@pytest.mark.slow("element1")
 @pytest.mark.parametrize("element", [spatial.spectral_beam(order=4), spatial.leaf_spring(order=4)])
 def test_degrees_of_freedom_beside_the_stage_leave_leaf_springs_free_to_bend(element):
     """A guide in space: to shift its stage two coefficients of the soft curvature of each leaf spring follow."""
@@ -157,6 +160,7 @@ def test_degrees_of_freedom_beside_the_stage_of_arcs_are_what_varies_along_them(
     assert wanted <= set(b.build().q_labels)
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("named", [False, True])
 def test_degrees_of_freedom_found_for_one_design_serve_others(named):
     """A cross pivot of stiffness 8 EI/L (1 - 3 r + 3 r^2): where leaf springs cross in their middles some bend not."""

@@ -52,6 +52,7 @@ def stretched(model):
     return float(fm.simulate(model, [0.0, 0.1]).at("mass")[-1, 0]) - 1
 
 
+@pytest.mark.slow
 def test_a_model_answers_for_what_its_elements_meant_when_it_was_built(monkeypatch):
     before = built()
     assert displacement(before) == pytest.approx(FORCE / STIFFNESS)
@@ -72,6 +73,7 @@ def braked(e, e_dot, *, ref):
     return (jnp.array([[STIFFNESS]]) @ jnp.atleast_1d(jax.nn.relu(e + 1.0) - 1.0)).reshape(e.shape)
 
 
+@pytest.mark.slow
 def test_settings_are_no_numbers():
     spring = fm.Element(elongation, law=braked)
     model = built(spring)
@@ -104,6 +106,7 @@ def grad_of_two(function):
     return jax.grad(lambda k: jnp.sum(jax.vmap(function)(k * jnp.ones(2))) / 2)
 
 
+@pytest.mark.slow("grad", "jacfwd", "jit grad jit", "grad vmap")
 @pytest.mark.parametrize(
     "transformed",
     [jax.grad, jax.jacfwd, lambda f: jax.jit(jax.grad(f)), lambda f: jax.jit(jax.grad(jax.jit(f))), grad_of_two],
@@ -117,6 +120,7 @@ def test_derivatives_by_numbers_outside(transformed):
     assert transformed(frequency_by_stiffness)(k) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_numbers_of_a_batch_are_taken_as_they_are():
     found = jax.vmap(by_stiffness)(jnp.array([100.0, 200.0]))
     np.testing.assert_allclose(found, FORCE / np.array([100.0, 200.0]), rtol=1e-10)

@@ -54,6 +54,7 @@ def test_beams_along_an_arc_are_one_leaf_spring():
     assert heard(b) == ""
 
 
+@pytest.mark.slow
 def test_what_is_stated_is_not_told():
     whole = fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True, warping_length=0.1)
     assert told(spatial.beam, whole, count=2) == ""
@@ -76,6 +77,7 @@ def test_what_is_held_or_small_is_not_told():
     assert "along local z by 2%" in told(spatial.beam, fm.Circle(0.01, STEEL))
 
 
+@pytest.mark.slow
 def test_sections_that_vary():
     """A taper is nearly its mean; at the centre of a notch hinge nothing bends, and its short neck cannot warp."""
     taper = fm.sections.taper(STRIP, fm.Rectangle(0.018, 0.4e-3, STEEL))

@@ -27,6 +27,7 @@ def test_a_function_defined_anew_is_compiled_once(compilations):
     np.testing.assert_allclose(fm.jit(lambda x: 2.0 * jnp.cos(x) + 1.0)(x), 2 * np.cos(x) + 1, rtol=1e-15)
 
 
+@pytest.mark.slow
 def test_derivative_of_a_design_defined_anew(compilations):
     """As where the cell of a notebook runs again: 3/2 of the frequency by one of thickness, the bar being rigid."""
 

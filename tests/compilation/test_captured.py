@@ -44,6 +44,7 @@ def by_captured_array(t):
     return jnp.sum(jnp.asarray(FORCES)) + 0 * t
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [by_global, by_array, by_captured_array])
 def test_a_load_follows_what_it_refers_to(mass, load, monkeypatch):
     assert end(mass, loads={"m.x": load}) == pytest.approx(3.0 / 4, rel=CLOSE)  # F t^2/2m
@@ -65,6 +66,7 @@ class Gain:
         return jnp.array([self.value]), z
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "wrap",
     [lambda g: g, lambda g: fm.motion.Feedback(lambda t, z, y: g(t, y)), lambda g: fm.motion.Sampled(g.step, 0.5)],
@@ -77,6 +79,7 @@ def test_a_controller_follows_what_it_refers_to(mass, wrap):
     assert end(mass, control=control) == pytest.approx(5.0 / 4, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_a_reference_follows_what_it_refers_to(mass):
     import control
 
@@ -94,6 +97,7 @@ def test_a_reference_follows_what_it_refers_to(mass):
         assert end(mass, control=proportional, reference=reference) == pytest.approx(expected(value), rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_an_event_follows_what_it_refers_to(mass):
     import diffrax
 
@@ -109,6 +113,7 @@ def test_an_event_follows_what_it_refers_to(mass):
         assert abs(np.sum(np.isfinite(x)) / 100 - np.sqrt(4 * value / 3)) < 0.02
 
 
+@pytest.mark.slow
 def test_an_event_of_diffrax_is_passed_through(mass):
     import diffrax
 
@@ -116,6 +121,7 @@ def test_an_event_of_diffrax_is_passed_through(mass):
     assert fm.simulate(mass, TIMES, event=event).result == 0
 
 
+@pytest.mark.slow
 def test_derivative_by_a_captured_number(mass):
     """x = a t^2/2m of a load, in reverse, and of a controller, forward."""
     import diffrax
@@ -132,6 +138,7 @@ def test_derivative_by_a_captured_number(mass):
     assert float(jax.jacfwd(controlled)(3.0)) == pytest.approx(0.25, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_functions_that_differ_in_numbers_share_compiled_code(mass):
     compiled = []
 
@@ -176,6 +183,7 @@ def test_functions_with_derivatives_of_their_own_are_told_apart():
     assert captured(jax.nn.relu, time).code == captured(jax.nn.relu, time).code != captured(jax.nn.softplus, time).code
 
 
+@pytest.mark.slow("<lambda>")
 @pytest.mark.parametrize("value", [3.0, "sin", None, lambda t: 1.0 if t > 0.5 else 0.0])
 def test_what_is_no_function_is_refused_by_name(mass, value):
     with pytest.raises(fm.ModelError, match=r"Load 'm\.x' (must be|cannot be computed as) a function of time"):

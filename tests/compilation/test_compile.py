@@ -32,6 +32,7 @@ def frame(thickness: float, *, support: str, braces: tuple[str, str]) -> fm.Mode
     return b.build()
 
 
+@pytest.mark.slow
 def test_same_sizes_do_not_compile_again(compilations):
     first = fm.frequencies(frame(5e-4, support="A", braces=("A", "C")))
     assert compilations  # the counter counts
@@ -45,6 +46,7 @@ def test_same_sizes_do_not_compile_again(compilations):
     assert all(abs(float(f[0] / first[0]) - 1) > 1e-3 for f in others)
 
 
+@pytest.mark.slow
 def test_another_size_compiles(compilations):
     frame_of_beams = frame(5e-4, support="A", braces=("A", "C"))
     fm.frequencies(frame_of_beams)
@@ -111,6 +113,7 @@ ANALYSES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_each_kernel_is_compiled_once(analysis, compilations):
     """On a fresh model each program of the package is compiled once, and asking again compiles nothing."""
@@ -138,6 +141,7 @@ def test_however_a_number_is_given_the_kernel_is_the_same(compilations):
     assert len([name for name in compilations if "doubled" in name]) == 1
 
 
+@pytest.mark.slow
 def test_names_compile_nothing(compilations):
     controlled(guide())
     other = guide("another name")
@@ -146,6 +150,7 @@ def test_names_compile_nothing(compilations):
     assert compilations == []
 
 
+@pytest.mark.slow
 def test_degrees_of_freedom_do_not_compile_the_reference_jacobian_again(compilations):
     frame(5e-4, support="A", braces=("A", "C"))
     compilations.clear()

@@ -73,6 +73,7 @@ def names(folder) -> set[str]:
     return {file.name for file in folder.iterdir()} if folder.exists() else set()
 
 
+@pytest.mark.slow
 def test_a_second_process_takes_what_the_first_kept(folder, caplog):
     first = fm.linearize(cantilever(planar.spectral_beam(2)))
     before = names(folder)
@@ -92,6 +93,7 @@ product = jit(linear.multiplied)
 A, B = np.arange(4.0).reshape(2, 2), np.array([[1.0, 2.0], [3.0, 5.0]])
 
 
+@pytest.mark.slow
 def test_derivatives_and_batches_go_through(folder):
     np.testing.assert_array_equal(product(A, B), A @ B)
     assert len(names(folder)) == 1
@@ -116,6 +118,7 @@ def spring_of(law):
     return b.build()
 
 
+@pytest.mark.slow
 def test_what_a_user_wrote_is_traced(folder):
     models = [spring_of(law_of(k)) for k in (10.0, 20.0)]
     before = names(folder)
@@ -591,6 +594,7 @@ def pendulum():
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_simulation_is_kept(folder, caplog):
     model, times = pendulum(), np.linspace(0, 0.5, 3)
     first = fm.simulate(model, times).x

@@ -4,6 +4,7 @@ import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import flexmb as fm
 from flexmb import planar
@@ -11,6 +12,7 @@ from flexmb.arguments import computed
 from flexmb.compilation.compile import jit
 
 
+@pytest.mark.slow
 def test_lookups_by_name_compile_nothing(compilations):
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))

@@ -78,6 +78,7 @@ def test_what_several_functions_make_of_constants_is_done_once():
     assert equations(late[2], *kept) == 0
 
 
+@pytest.mark.slow
 def test_element_of_two_helpers_moves_as_the_same_element_written_out():
     """A mass on an element with two springs, k1 d and k2 (d + d^2), each by a helper of its own."""
     weights = np.array([[1.0, 0.0], [1.0, 1.0]])

@@ -81,6 +81,7 @@ def test_a_failure_reaches_the_caller():
         each(fails, [0, 1, 2], 2)
 
 
+@pytest.mark.slow
 def test_settings_of_one_thread_stay_in_it():
     assert cores() >= 1
     jax.config.update("jax_enable_x64", False)

@@ -27,6 +27,7 @@ def shaken(stiffness=K, damping=D):
     return b.build()
 
 
+@pytest.mark.slow("modes")
 @pytest.mark.parametrize("method", ["modes", "direct"])
 def test_a_mass_on_a_lossy_spring_on_a_floor_that_shakes(method):
     """x = (F + c p)/(c - m w^2) with c = k (1 + i eta) + i w d and a floor p = -a/w^2; the spring has c (x - p)."""
@@ -64,6 +65,7 @@ def guide(thickness=5e-4, ratio=0.01, lossy_left=False):
     return b.build(dofs="named")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coupled", [False, True])
 def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     model = guide(lossy_left=coupled)
@@ -120,6 +122,7 @@ def test_motions_almost_without_mass_are_summed_as_they_are():
     assert found[0, 0, 0].real == pytest.approx(0.5 * 210e9 * 0.02 * t**3 / length**3 / (1 + shear), rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::scipy.signal.BadCoefficients")
 def test_the_guide_of_the_tutorial_as_scipy_has_it():
     model = planar_guide(ratio=0.01).build()
@@ -132,6 +135,7 @@ def test_the_guide_of_the_tutorial_as_scipy_has_it():
     np.testing.assert_allclose(found.of(), expected, rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_derivatives_by_dimensions_and_frequencies():
     """Against central differences, through modes that damping couples, forward and in reverse."""
     hertz = np.array([5.0, 30.0, 300.0])
@@ -186,6 +190,7 @@ def test_where_frequencies_are_repeated_and_where_a_resonance_is_hit():
         assert np.all(~np.isnan(np.asarray(fm.frequency_response(ball(np.zeros(2)), 0.0, method="direct").response)))
 
 
+@pytest.mark.slow
 def test_what_is_refused_and_what_is_said():
     model = shaken()
     found = fm.frequency_response(model, np.linspace(1, 10, 50))
@@ -222,6 +227,7 @@ def test_a_pendulum_on_its_head():
         np.testing.assert_allclose(found.of(), exact, rtol=1e-11)
 
 
+@pytest.mark.slow("0.99")
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_column_about_its_buckling_load(share):
     """By sparse factors; Euler's load of EI = L = 1, which four cubic elements put 1e-4 higher."""
@@ -238,6 +244,7 @@ def test_a_column_about_its_buckling_load(share):
         fm.frequency_response(b.build(), 1.0, sparse=True)
 
 
+@pytest.mark.slow
 def test_a_response_about_a_state_that_was_not_found_is_no_number():
     """Under a trace; it is not that of a resonance, which is infinite."""
 

@@ -129,6 +129,7 @@ def test_notch():
 # -- limits, delays, schedules ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_limits_and_back_calculation_against_scipy():
     """A step that takes the force to its limit; the integrator is led back with a time constant."""
     limit, tracking = 1.5, 0.02
@@ -187,6 +188,7 @@ def test_samples_delay_and_limits_against_a_recursion():
     assert (np.min(within), np.max(within)) == pytest.approx(limits[0])
 
 
+@pytest.mark.slow
 def test_gains_along_a_schedule():
     """Gains on straight lines over time, and systems whose matrices do so."""
     at, gains = np.array([0.0, 0.1, 0.3]), np.array([0.0, 60.0, 20.0])
@@ -516,6 +518,7 @@ def test_a_sampled_loop_is_stable_as_long_as_its_poles_are_within_the_circle():
         assert not fm.control.closed_loop(free, control.ss([], [], [], [[2.1 * MASS / h]], h)).stable
 
 
+@pytest.mark.slow("0.8")
 @pytest.mark.parametrize("gain", [0.8, 3.0])
 def test_a_sampled_loop_feels_at_its_samples_what_it_gave_before(gain):
     """A gain on an acceleration, held over h: it goes on by -K/m from sample to sample, as the motion shows."""
@@ -552,6 +555,7 @@ def hanging() -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_closed_loop_of_small_amplitude_is_the_linear_one():
     """A pendulum, whose sine differs from its angle by the third power: half of it leaves a quarter of the error."""
     model, times, errors = hanging(), np.linspace(0, 1.0, 11), []
@@ -565,6 +569,7 @@ def test_a_closed_loop_of_small_amplitude_is_the_linear_one():
     assert errors[1] == pytest.approx(errors[0] / 4, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_loop_differentiates_by_a_dimension_and_by_a_gain():
     """Traced numbers in the mechanism and in the controller, forward and reverse, within limits: closed form."""
     none = jnp.zeros

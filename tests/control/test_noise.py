@@ -173,6 +173,7 @@ def test_a_density_too_rough_to_be_drawn_is_told(rough):
         fm.control.noise_budget(shaken(), sources={"push": rough}, band=(1.0, 400.0), outputs="tip")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [1e3, 1e5])
 def test_frequencies_beside_a_controller_that_is_a_function_of_them(gain):
     """S/(4 d (k + g)) of a mass on a spring and a gain, whose resonance no pole of the mechanism tells."""
@@ -183,6 +184,7 @@ def test_frequencies_beside_a_controller_that_is_a_function_of_them(gain):
     assert found.rms() ** 2 == pytest.approx(FORCE / (4 * D * (K + gain)), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_gain_that_is_traced_in_a_function_of_frequencies():
     """By closed form d(rms)/dg = -rms/(2 (k + g)), by k as well; under jax.jit no frequencies are chosen."""
 
@@ -221,6 +223,7 @@ def test_a_resonance_without_damping_in_a_band_is_refused():
     assert np.isfinite(fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.01 * w, 0.1 * w)).rms("tip"))
 
 
+@pytest.mark.slow("49.0-mass")
 @pytest.mark.parametrize("pushed", ["mass", "end"])
 @pytest.mark.parametrize("stiffness", [49.0, 50.0, 64.0])
 def test_motions_without_mass_pass_on_nothing_by_round_off(stiffness, pushed):
@@ -251,6 +254,7 @@ def regulator(kp=400.0, kd=1.5, lag=1e-3):
     return jnp.array([[-1 / lag]]), jnp.array([[1.0]]), jnp.array([[(kp - kd / lag) / lag]]), jnp.array([[kd / lag]])
 
 
+@pytest.mark.slow
 def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
     model = guide()
     plant = fm.to_statespace(model)[[0], [0]]
@@ -283,6 +287,7 @@ def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
         fm.control.noise_budget(model, controller=loop, sign=1, **around)
 
 
+@pytest.mark.slow
 def test_a_free_mass_held_by_its_controller_and_a_joint_without_mass():
     """Gains k and d make of a free mass that on a spring and a damper; a joint follows it at once."""
     k1, k2 = 30.0, 60.0
@@ -318,6 +323,7 @@ def test_a_free_mass_held_by_its_controller_and_a_joint_without_mass():
         fm.control.noise_budget(lin, sources={"push joint": FORCE}, outputs="joint", **hold)
 
 
+@pytest.mark.slow("band")
 @pytest.mark.parametrize("band", [None, (0.5, 50.0)], ids=["exact", "band"])
 def test_derivatives_of_a_loop(band):
     """Stiffness and gain against central differences, forward and in reverse."""
@@ -345,6 +351,7 @@ def test_derivatives_of_a_loop(band):
     assert np.all(np.isinf(answers(np.array([K, -1e6]))))
 
 
+@pytest.mark.slow
 def test_derivatives_of_some_frequencies_need_no_compiled_function():
     def tip(stiffness):
         return fm.control.noise_budget(shaken(stiffness), [1.0, 2.0], sources={"push": FORCE}, outputs="tip").rms("tip")
@@ -354,6 +361,7 @@ def test_derivatives_of_some_frequencies_need_no_compiled_function():
     assert float(jax.jvp(tip, (K,), (1.0,))[1]) == pytest.approx(float(difference), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_answer_of_designs():
     """The variance S/(2 d k) is inverse to stiffness and to damping."""
     answers = {"rms": lambda m: fm.control.noise_budget(m, sources={"push": FORCE}, outputs="tip").rms("tip")}
@@ -374,6 +382,7 @@ def test_an_answer_of_designs():
     assert tuned.dimensions["stiffness"] == pytest.approx(300.0, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_what_is_refused():
     model, white = shaken(), {"push": FORCE}
     still = fm.damped(model, ratio=0.0, elements=False)

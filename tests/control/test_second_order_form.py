@@ -146,6 +146,7 @@ def response(found, s):
     return c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d
 
 
+@pytest.mark.slow
 def test_state_spaces_of_a_wall_that_shakes():
     """(c s + k)/(m s^2 + c s + k) of its displacement, velocity and acceleration, with no state too many."""
     k, c, m = 90.0, 1.2, 0.4
@@ -217,6 +218,7 @@ def guide(floor, thickness=0.5e-3, length=0.1, weight=0.0):
     return b
 
 
+@pytest.mark.slow
 def test_a_guide_on_a_floor_that_shakes_is_one_on_a_heavy_support_that_is_pushed():
     shaken, names = fm.control.state_matrices(guide("acceleration").build())
     assert names == ["left.e2", "right.e1", "moved by floor", "d left.e2", "d right.e1", "d moved by floor"]
@@ -227,6 +229,7 @@ def test_a_guide_on_a_floor_that_shakes_is_one_on_a_heavy_support_that_is_pushed
         np.testing.assert_allclose(response(shaken, s), response(pushed, s), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_pendulum_whose_pivot_shakes():
     """A to D by length, mass and gravity, which is aslant, against central differences; the rod cannot stretch."""
 
@@ -257,6 +260,7 @@ def test_derivatives_of_a_pendulum_whose_pivot_shakes():
     np.testing.assert_allclose([forward, reverse], [central] * 2, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_a_signal_is_refused_by_name():
     b = shaken_mass()
     with pytest.raises(fm.ModelError, match=r"Sensor 'yaw' needs a dictionary"):

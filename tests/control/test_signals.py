@@ -66,6 +66,7 @@ def loaded():
     return model, lin
 
 
+@pytest.mark.slow
 def test_moments_and_rotations_about_global_axes_of_a_turned_node(loaded):
     """Static gain against a difference of nonlinear equilibria, turned from one into the other."""
     _, lin = loaded
@@ -84,6 +85,7 @@ def test_moments_and_rotations_about_global_axes_of_a_turned_node(loaded):
     np.testing.assert_allclose(found, fm.compliance(lin, "c")[3:, 3:], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_axes_that_turn_with_the_node(loaded):
     _, lin = loaded
     b = torsion_bar(signals=False)
@@ -96,6 +98,7 @@ def test_axes_that_turn_with_the_node(loaded):
     np.testing.assert_allclose(own, turn.T @ gain(fm.to_statespace(lin))[::3] @ turn, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_angular_velocity_and_acceleration_are_rates_of_the_rotation(loaded):
     _, lin = loaded
     a, b, c, d = fm.control.state_matrices(lin)[0]
@@ -107,6 +110,7 @@ def test_angular_velocity_and_acceleration_are_rates_of_the_rotation(loaded):
     np.testing.assert_allclose(d[2::3], velocity @ b, rtol=1e-9, atol=1e-9 * np.max(np.abs(d)))
 
 
+@pytest.mark.slow
 def test_derivative_by_a_dimension():
     def rotations(thickness):
         a, b, c, d = fm.control.state_matrices(torsion_bar(thickness).build())[0]
@@ -166,6 +170,7 @@ def since(rest, parameters, local):
     return (rest.inv() * now if local else now * rest.inv()).as_rotvec()
 
 
+@pytest.mark.slow
 def test_a_closed_loop_about_a_turned_state_agrees_with_the_linear_one_to_first_order():
     model = sensed()
     # As a configuration, as the other motions here start from one.
@@ -246,6 +251,7 @@ def moved(model, about, own, **start):
     return fm.simulate(model, np.linspace(0, 2, 5), inputs=inputs, rtol=1e-9, **start)
 
 
+@pytest.mark.slow
 def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load(steered):
     about = np.array([1.0, 0.3, -0.5])
     load = fm.simulate(steered, np.linspace(0, 2, 5), loads={"body": Partial(torque, constant=about)}, rtol=1e-9)
@@ -262,6 +268,7 @@ def test_a_moment_about_axes_of_the_body(steered):
     np.testing.assert_allclose((rest.inv() * end).as_rotvec(), [0.3 * (1 - np.cos(2)), 0, 0], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_moments_by_a_controller():
     """About an axis of the body, beside Euler's equations, and in a plant of python-control."""
     model = sensed(**FREE)
@@ -289,6 +296,7 @@ def test_moments_by_a_controller():
     assert states.outputs[..., -1].item() == pytest.approx(whole[0], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_rotation_vector_is_that_of_scipy_and_has_a_derivative_at_zero():
     rng = np.random.default_rng(3)
     for size in (0.0, 1e-9, 1e-3, 1.0, 3.0, 6.0):
@@ -343,6 +351,7 @@ def held(component, **options):
     return b
 
 
+@pytest.mark.slow
 def test_an_input_on_what_is_held_is_refused():
     with pytest.raises(fm.ModelError, match=r"Input 'force a\.x' acts on a coordinate that is fixed"):
         held("x").build()
@@ -389,6 +398,7 @@ def stiff_arm():
     return b
 
 
+@pytest.mark.slow
 def test_an_input_that_moves_nothing_is_refused_by_name():
     model = stiff_arm().build()
     for ask in (fm.to_statespace, fm.control.state_matrices):
@@ -402,6 +412,7 @@ def test_an_input_that_moves_nothing_is_refused_by_name():
         fm.control.to_nonlinear_system(model)
 
 
+@pytest.mark.slow
 def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
     """A crank at its dead point: a force along it moves it as soon as it has turned."""
     b = fm.Builder()
@@ -457,6 +468,7 @@ def test_velocities_about_a_steady_motion_are_rates_of_positions():
         np.testing.assert_allclose(found, expected, atol=1e-6 * np.max(np.abs(found)))
 
 
+@pytest.mark.slow
 def test_matrices_along_a_motion():
     b = body((1.0, 2.0, 3.0), (0.1, 0.2, 3.0))
     b.input("body", "rx")
@@ -478,6 +490,7 @@ def test_matrices_along_a_motion():
         found.at_time(0).at_time(0)
 
 
+@pytest.mark.slow
 def test_a_traced_build_knows_what_its_inputs_act_on():
     def frequency(load, component):
         b = torsion_bar(signals=False)

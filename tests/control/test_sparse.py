@@ -73,6 +73,7 @@ def rod(thickness=1e-3, check=False):
     return b.build(check=check)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.errors.FlexmbWarning")
 @pytest.mark.parametrize("losses", [None, {"ab": 0.02}])
 def test_responses_are_those_of_dense_matrices(losses):
@@ -88,6 +89,7 @@ def test_responses_are_those_of_dense_matrices(losses):
     assert one.response.shape == (2, 1, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*state space of.*:flexmb.FlexmbWarning")
 @pytest.mark.parametrize("kept", [{"modes": 3}, {"modes": [0, 2]}, {"bandwidth": 200.0}])
 def test_state_spaces_are_those_of_dense_matrices(kept):
@@ -100,6 +102,7 @@ def test_state_spaces_are_those_of_dense_matrices(kept):
     assert np.max(found.truncation_error) == pytest.approx(np.max(wanted.truncation_error), rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*state space of.*:flexmb.FlexmbWarning")
 def test_derivatives_are_those_of_central_differences():
     def answers(thickness):
@@ -121,6 +124,7 @@ def test_derivatives_are_those_of_central_differences():
     np.testing.assert_allclose(found, difference, rtol=1e-5, atol=1e-6 * np.max(np.abs(difference)))
 
 
+@pytest.mark.slow
 def test_what_is_refused():
     large = fm.linearize(rod(), sparse=True)
     with pytest.raises(NotImplementedError, match="no sum over all modes"):
@@ -135,6 +139,7 @@ def test_what_is_refused():
         fm.frequency_response(large, HERTZ, loss_factor={"nobody": 0.1})
 
 
+@pytest.mark.slow
 def test_an_input_on_what_constraints_hold_is_refused():
     b = fm.Builder()
     for name, at in (("wall", (0.0, 0.0)), ("block", (0.0, 0.1)), ("tip", (0.2, 0.1))):

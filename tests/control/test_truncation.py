@@ -41,6 +41,7 @@ def chain(foot=K, joint=False) -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 1 of")
 def test_one_mode_of_two_masses():
     """Both swing together with 1/(2 m (w^2 + 2 z w s + s^2)); against each other they follow by 1/(2 m W^2)."""
@@ -69,6 +70,7 @@ def test_one_mode_of_two_masses():
     np.testing.assert_allclose(second(s)[0, 0], expected, rtol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 1 of")
 def test_the_error_that_is_told_is_that_against_all_modes():
     lin = fm.damped(chain(), ratio=0.05)
@@ -131,6 +133,7 @@ def arm_on_a_support(dofs: list[str], damped: bool) -> fm.Model:
     return b.build(dofs=dofs)
 
 
+@pytest.mark.slow("False")
 @pytest.mark.filterwarnings("ignore:The state space of 2")
 @pytest.mark.parametrize("damped", [False, True])
 def test_what_is_left_out_is_carried_along_whatever_the_degrees_of_freedom(damped):
@@ -185,6 +188,7 @@ def test_margins_of_a_stiff_guide():
     assert np.degrees(np.angle(loop)) + 180 == pytest.approx(phase, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 1 of")
 def test_derivatives():
     def answer(thickness):

@@ -98,6 +98,7 @@ def test_wrong_calls_name_the_argument(call, words):
         call()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", [{"level": np.nan}, {"matrix": A * np.nan}, {"output": np.array([1.0, np.nan])}])
 def test_nothing_settles_that_is_no_number(changed):
     with pytest.raises(ValueError, match=r"finite|positive"):
@@ -137,11 +138,13 @@ def test_leanness_is_asked_of_a_model():
             function(3, bandwidth=100.0)
 
 
+@pytest.mark.slow
 def test_a_node_may_be_named_by_its_number():
     model = fm.read_spacar(mechanism_path("pf2d")).builder.build()
     assert fm.stiffness(model, 3, "x") == fm.stiffness(model, "3", "x")
 
 
+@pytest.mark.slow
 def test_dimensions_bear_any_name():
     bounds = {"count": (1.0, 2.0), "seed": (3.0, 4.0)}
     for draw in (fm.design.latin_hypercube, fm.design.monte_carlo):

@@ -174,6 +174,7 @@ def test_a_checkpoint_of_another_sweep_is_refused(tmp_path, what, change):
     assert path.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_same_functions_made_anew_go_on(tmp_path):
     path = tmp_path / "sweep"
     begun(path, {"f": nth(0)}, with_width(0.018), LENGTHS, until=2, compiled=True)

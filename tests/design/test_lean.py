@@ -36,6 +36,7 @@ def frequencies(model):
 # -- the tutorial's guide -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_guide_in_the_plane():
     found = fm.lean(shipped("pf2d3dof"), bandwidth=100.0)
     assert found.model.q_labels == ["3.x"]
@@ -44,6 +45,7 @@ def test_guide_in_the_plane():
     assert frequencies(found.model)[0] == pytest.approx(10.6448474, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("bandwidth", "n_q"), [(100.0, 1), (200.0, 2), (260.0, 3)])
 def test_guide_in_space(nineteen, bandwidth, n_q):
     """The cut leaf spring vibrates at 148.6 Hz, the whole one at 252 Hz (tutorial 4.2)."""
@@ -55,6 +57,7 @@ def test_guide_in_space(nineteen, bandwidth, n_q):
     assert fm.mobility(found.model).status == "ok"
 
 
+@pytest.mark.slow
 def test_report_says_what_is_left_out(lean_guide):
     text = lean_guide.report()
     assert "19 degrees of freedom; lean model: 1 (3.y)" in text
@@ -62,6 +65,7 @@ def test_report_says_what_is_left_out(lean_guide):
     assert "4 further combinations" in text
 
 
+@pytest.mark.slow
 def test_lean_model_moves_as_the_full_one(nineteen, lean_guide):
     """A stroke of 2 mm: the bar sinks by 0.6 d^2/L, THEORY.md 4, in both."""
 
@@ -79,6 +83,7 @@ def test_lean_model_moves_as_the_full_one(nineteen, lean_guide):
     assert 0.1 - float(own[2]) == pytest.approx(0.6 * stroke**2 / 0.1, rel=0.05)
 
 
+@pytest.mark.slow
 def test_lean_models_have_derivatives(nineteen, lean_guide):
     def frequency(model):
         def of(scale):
@@ -204,6 +209,7 @@ def two_stage(lower, upper):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("build", "bandwidth", "n_q"),
     [
@@ -229,6 +235,7 @@ def test_the_error_is_bounded(build, bandwidth, n_q):
         assert abs(exact / own - 1) <= found.error.stiffness + 1e-9 <= 0.01
 
 
+@pytest.mark.slow
 def test_stiffness_at_a_node_asks_for_more():
     """Elongations of the leaf springs carry the stage, so that they stay where its support stiffness is asked for."""
     b_full = two_stage(2, 2)
@@ -242,6 +249,7 @@ def test_stiffness_at_a_node_asks_for_more():
 # -- too lean, and what is refused --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_too_lean_is_said():
     one = shipped("pf3d")
     assert fm.design.too_lean(one, bandwidth=100.0) == ()
@@ -252,6 +260,7 @@ def test_too_lean_is_said():
     assert fm.design.too_lean(shipped("pf3d19dof"), bandwidth=200.0) == ()
 
 
+@pytest.mark.slow
 def test_fixed_deformations_that_matter_are_named():
     b = fm.Builder()
     b.node("foot", (0, 0))
@@ -264,6 +273,7 @@ def test_fixed_deformations_that_matter_are_named():
     assert "releasing them changes it" in reason
 
 
+@pytest.mark.slow
 def test_what_is_refused(nineteen, lean_guide):
     with pytest.raises(fm.ModelError, match="`bandwidth` must be positive, but is 0"):
         fm.lean(nineteen, bandwidth=0)
@@ -277,6 +287,7 @@ def test_what_is_refused(nineteen, lean_guide):
         fm.lean(lambda: nineteen, bandwidth=100.0)
 
 
+@pytest.mark.slow
 def test_free_and_unstable_motions_are_refused():
     """A stage that nothing holds back, and a strut beyond its buckling load (pi^2 EI / 4 L^2 = 0.97 kN)."""
     b = fm.Builder()
@@ -298,6 +309,7 @@ def test_free_and_unstable_motions_are_refused():
             fm.lean(case, bandwidth=100.0)
 
 
+@pytest.mark.slow
 def test_spatial_chain_is_reduced_too():
     b = fm.Builder()
     for i in range(4):
@@ -313,6 +325,7 @@ def test_spatial_chain_is_reduced_too():
     assert found.model.topology.n_q <= 6
 
 
+@pytest.mark.slow
 def test_a_stroke_is_asked_for():
     """Sideways support falls to a fraction over the stroke; the lean model follows."""
     b = fm.Builder()
@@ -336,6 +349,7 @@ def test_a_stroke_is_asked_for():
         )
 
 
+@pytest.mark.slow("0.0")
 @pytest.mark.parametrize("strain", [0.0, 2e-3])
 def test_what_a_constant_load_or_strain_moves_is_kept(strain):
     """A mass on a soft spring along x, and on a stiff one along y, which its weight or a piezo in its place moves."""

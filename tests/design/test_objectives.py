@@ -33,6 +33,7 @@ def test_settling_of_a_decay():
     assert float(jax.jit(jax.hessian(of))(at)) == pytest.approx(2 * exact / 1.7**2, rel=1e-8)
 
 
+@pytest.mark.slow("300.0")
 @pytest.mark.parametrize("hertz", [300.0, 1e5])
 def test_settling_beside_a_stiff_vibration(hertz):
     """One that is neither moved nor seen changes nothing, however fast it is."""
@@ -43,6 +44,7 @@ def test_settling_beside_a_stiff_vibration(hertz):
     assert found == pytest.approx(float(settled(12.0, 0.13)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_settling_of_a_swing():
     """Release of a damped oscillator, closed form on a grid of a microsecond."""
     omega, damping = 12.0, 0.13

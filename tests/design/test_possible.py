@@ -136,6 +136,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("build", "values"), CASES, ids=lambda one: getattr(one, "__name__", ""))
 def test_a_batch_refuses_what_a_concrete_build_refuses(build, values):
     for value, good in values.items():
@@ -157,6 +158,7 @@ def frequency(model):
     return fm.frequencies(model)[0]
 
 
+@pytest.mark.slow
 def test_designs_before_the_first_good_one_fill_whole_chunks():
     designs = fm.design.grid(value=np.linspace(-1e-3, 1e-3, 9))
     found = fm.sweep(guide, frequency, designs, chunk=2)
@@ -170,6 +172,7 @@ def test_nothing_can_be_built():
         fm.sweep(guide, frequency, {"value": [-1e-3, 0.0]}, chunk=1)
 
 
+@pytest.mark.slow
 def test_a_search_does_not_leave_what_can_be_built():
     # The mass is least where the thickness is most negative, but for what can be built.
     found = fm.tune(guide, fm.mass, {"value": T}, {"value": (-1e-3, 1e-3)}, minimize="mass", throw=False)
@@ -178,6 +181,7 @@ def test_a_search_does_not_leave_what_can_be_built():
     assert found.answers["mass"] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("together", [1, 2])
 def test_a_start_that_cannot_be_built_is_no_design(together):
     found = fm.tune(
@@ -194,6 +198,7 @@ def test_a_start_that_cannot_be_built_is_no_design(together):
     assert found.answers["frequency"] == pytest.approx(80.0, rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("optimizer", ["optax", "optimistix"])
 def test_optimisers_of_others_stop_at_what_cannot_be_built(optimizer):
     import optax
@@ -214,6 +219,7 @@ def test_optimisers_of_others_stop_at_what_cannot_be_built(optimizer):
     assert found.dimensions["value"] > 0
 
 
+@pytest.mark.slow
 def test_samples_that_cannot_be_built_are_left_out():
     # One deviation below, nothing is left of the thickness.
     with pytest.warns(fm.FlexmbWarning, match="'frequency' .* not linear"):
@@ -224,10 +230,12 @@ def test_samples_that_cannot_be_built_are_left_out():
     assert found.sampled_interval[0, 0] > 0
 
 
+@pytest.mark.slow
 def test_the_code_says_what_to_try():
     assert "bounds" in fm.RESULTS.impossible_design.message
 
 
+@pytest.mark.slow("False")
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize("space", [False, True])
 def test_checks_of_all_beams_take_many_designs(space):

@@ -23,6 +23,7 @@ def guide(thickness, width=WIDTH):
 ANSWERS = {"frequency": lambda model: fm.frequencies(model)[0], "load": lambda model: fm.buckling_loads(model)[0]}
 
 
+@pytest.mark.slow("forward")
 @pytest.mark.parametrize("mode", ["forward", "reverse"])
 def test_table_is_the_closed_form(mode):
     found = fm.sensitivities(design_cases.unloaded_guide, fm.frequencies, {"thickness": T, "width": WIDTH}, mode=mode)
@@ -36,6 +37,7 @@ def test_table_is_the_closed_form(mode):
     assert found.slopes[0, 0] == pytest.approx(31670.0798802, rel=1e-8)  # printed in E1
 
 
+@pytest.mark.slow
 def test_several_answers_against_central_differences():
     point = {"thickness": T, "width": WIDTH}
     found = fm.sensitivities(guide, ANSWERS, point)
@@ -52,12 +54,14 @@ def test_several_answers_against_central_differences():
     assert found.table[list(ANSWERS).index("load"), 0] == pytest.approx(3, rel=1e-8)  # P ~ w t^3
 
 
+@pytest.mark.slow
 def test_table_for_pandas():
     pytest.importorskip("pandas")
     frame = fm.sensitivities(guide, ANSWERS, {"thickness": T, "width": WIDTH}).to_pandas()
     assert frame.loc["load", "thickness"] == pytest.approx(3, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_second_order_is_the_closed_form():
     found = fm.sensitivities(
         design_cases.unloaded_guide, fm.frequencies, {"thickness": T}, second_order=True, mode="reverse"
@@ -68,6 +72,7 @@ def test_second_order_is_the_closed_form():
     assert found.curvatures[0, 0, 0] == pytest.approx(second, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_second_order_by_several_dimensions_is_the_closed_form():
     """By reverse mode, whose derivatives must know the matrix that was factorised as well as its factors."""
     L = 0.1
@@ -127,6 +132,7 @@ def test_second_order_of_a_loaded_equilibrium_is_that_of_its_equation():
     np.testing.assert_allclose(found.curvatures[0], expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_arrays_of_dimensions_have_their_own_labels():
     def answer(made):
         return fm.compliance(made, "3")[1, 1]
@@ -139,6 +145,7 @@ def test_arrays_of_dimensions_have_their_own_labels():
     assert found.mode == "reverse"
 
 
+@pytest.mark.slow
 def test_a_failing_analysis_is_told():
     def build(thickness):
         return mechanisms.planar_guide(thickness, elongation=True, force=(0.0, -500.0)).build()

@@ -83,6 +83,7 @@ def frequency(t):
     return fm.frequencies(fm.read_spacar(GUIDE, numbers={"t": t, "w": 0.018, "l": 0.1}).builder.build())[0]
 
 
+@pytest.mark.slow
 def test_placeholders_may_be_traced():
     # E1; the derivative by the length goes through the geometry.
     assert frequency(0.5e-3) == pytest.approx(10.64484738, abs=5e-9)
@@ -124,6 +125,7 @@ def test_a_sweep_is_even_in_the_logarithm_where_a_scale_says_so(study):
             np.testing.assert_allclose(np.histogram(found[n], ends)[0], 100, atol=1 if "latin" in kind else 33)
 
 
+@pytest.mark.slow
 def test_sweep_is_that_of_python(study, tmp_path):
     result = call(
         "sweep",
@@ -151,6 +153,7 @@ def test_sweep_is_that_of_python(study, tmp_path):
     assert call("sweep", study, "--plot", tmp_path / "a.html").exit_code == 2
 
 
+@pytest.mark.slow
 def test_tune_is_that_of_python(study, tmp_path):
     result = call(
         "tune", study, "--json", tmp_path / "a.json", "--save", tmp_path / "a.mat", "--plot", tmp_path / "a.png"
@@ -166,6 +169,7 @@ def test_tune_is_that_of_python(study, tmp_path):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_what_cannot_be_kept_is_exit_1(study):
     study.write_text(STUDY.replace("lower = 20.0", "lower = 200.0"))
     result = call("tune", study, "--json", "-")
@@ -334,6 +338,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "words"), WRONG, ids=[f"{i}" for i in range(len(WRONG))])
 def test_wrong_studies_are_one_line(study, old, new, words):
     assert old in STUDY
@@ -370,6 +375,7 @@ def test_what_a_study_asks_of_too_many_designs_is_refused(study):
     assert_one_line(call("sweep", study), "[sweep] points: there are 1e+10 designs, at most 1e+07")
 
 
+@pytest.mark.slow
 def test_impossible_designs_have_their_code(study):
     study.write_text(STUDY.replace("lower = 0.1e-3, upper = 2e-3", "lower = -2e-3, upper = 2e-3"))
     result = call("sweep", study, "--json", "-")
@@ -382,6 +388,7 @@ def test_impossible_designs_have_their_code(study):
     assert "impossible_design" in call("sweep", study).stdout
 
 
+@pytest.mark.slow
 def test_what_cannot_be_traced_is_computed_one_by_one(study, tmp_path):
     study.write_text(STUDY.replace("own:double", "own:formatted"))
     found = [call("sweep", study, "--json", "-", "--checkpoint", tmp_path / "c") for _ in range(2)]
@@ -391,6 +398,7 @@ def test_what_cannot_be_traced_is_computed_one_by_one(study, tmp_path):
     assert_one_line(call("tune", study), "raised TypeError")
 
 
+@pytest.mark.slow
 def test_warnings_of_the_input_file_are_passed_on(study):
     study.with_name("guide.dat").write_text(GUIDE + "VISUALIZATION\n")
     assert any("VISUALIZATION" in text for text in json.loads(call("sweep", study, "--json", "-").stdout)["warnings"])
@@ -465,6 +473,7 @@ def test_what_is_no_regular_file_is_refused_at_once(study):
         assert_one_line(call("sweep", study), f"cannot read '{clean(path)}': it is no regular file.")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a disk that is full, of Linux")
 @pytest.mark.parametrize("command", ["sweep", "tune"])
 def test_a_full_disk_is_one_line(study, command):
@@ -534,6 +543,7 @@ def test_a_failed_sweep_is_exit_1(study, monkeypatch):
 CHOICES = STUDY.replace("w = 0.018\n", "").replace("[answers]", "[choices]\nw = [0.018, 0.009]\n[answers]")
 
 
+@pytest.mark.slow
 def test_choices_of_a_study(study):
     """The lightest guide of 20 Hz, of two widths."""
     # E1 for 20 Hz at a width of 18 mm. A leaf spring's mass goes as w t, and t as w^(-1/3): the narrower is lighter.
@@ -550,6 +560,7 @@ def test_choices_of_a_study(study):
         read_study(study).sweep()
 
 
+@pytest.mark.slow("line6-101 combinations")
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -568,6 +579,7 @@ def test_wrong_choices_are_named(study, line, words):
         read_study(study).tune()
 
 
+@pytest.mark.slow("tune")
 @pytest.mark.parametrize("command", ["sweep", "tune"])
 def test_warnings_stand_before_the_answer(command, study):
     study.write_text(STUDY.replace("w = 0.018\n", "w = 0.018\nq = 1\n"))
@@ -597,6 +609,7 @@ END
 """
 
 
+@pytest.mark.slow("tune-The design that was found is at an equilibrium that is not stable")
 @pytest.mark.parametrize(
     ("command", "words"),
     [

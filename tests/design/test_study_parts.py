@@ -86,6 +86,7 @@ def expected():
     }
 
 
+@pytest.mark.slow("first", "second")
 @pytest.mark.filterwarnings("ignore:Before it buckles")
 @pytest.mark.parametrize("name", expected())
 def test_answer(study, name):
@@ -93,6 +94,7 @@ def test_answer(study, name):
     assert float(study.answers[name](study.build(length=L))) == pytest.approx(expected()[name], rel=1e-3, abs=0)
 
 
+@pytest.mark.slow
 def test_every_kind_is_asked_for():
     from flexmb.design.study_parts import KINDS
 

@@ -244,6 +244,7 @@ def test_a_sweep_that_was_packed_is_loaded(grid, tmp_path, ending):
     np.testing.assert_array_equal(fm.design.Sweep.load(path)["first_frequency"], grid["first_frequency"])
 
 
+@pytest.mark.slow
 def test_an_executor_gives_the_same(grid):
     with ThreadPoolExecutor(2) as pool:
         found = fm.sweep(design_cases.unloaded_guide, first_frequency, grid.designs, chunk=4, executor=pool)
@@ -302,6 +303,7 @@ def _twice():
     b.node("a", (0, 0))
 
 
+@pytest.mark.slow
 def test_a_bar_says_how_far_a_sweep_is(capsys):
     fm.sweep(
         lambda a: a, lambda a: 2 * a, fm.design.grid(a=np.arange(1.0, 6.0)), compiled=False, chunk=2, progress=True
@@ -347,6 +349,7 @@ def test_answers_of_large_mechanisms_in_sweeps():
     np.testing.assert_allclose(swept["frequency"], hertz, rtol=5e-6)
 
 
+@pytest.mark.slow
 def test_answers_of_large_mechanisms_in_searches():
     """By sparse factors on the host, under the trace of a search."""
     target = {"frequency": 1.5 * float(known_of_long(2e-4)[0])}

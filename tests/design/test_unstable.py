@@ -32,6 +32,7 @@ ANSWERS = {
 }
 
 
+@pytest.mark.slow("equilibrium", "equilibria", "frequency", "linearisation")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_a_sweep_that_is_not_compiled_says_so_too(name):
     with pytest.warns(fm.FlexmbWarning, match="not stable"):
@@ -39,6 +40,7 @@ def test_a_sweep_that_is_not_compiled_says_so_too(name):
     np.testing.assert_array_equal(found.codes, [0, RESULTS.unstable_state])
 
 
+@pytest.mark.slow("equilibrium", "linearisation")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_a_sweep_says_which_designs_are_unstable(name):
     with pytest.warns(fm.FlexmbWarning, match=r"Of 3 designs 1 are at an equilibrium that is not stable .*number 1"):

@@ -63,6 +63,7 @@ def page():
     return fm.verdict(of_dimensions, {"P.x": DELTA}, dimensions={"t": T, "length": LENGTH, "width": WIDTH}, steps=1)
 
 
+@pytest.mark.slow
 def test_guide_is_the_closed_form(page):
     # What is left out is of the order of the square of the stroke over the length, 1e-6.
     close = {"rtol": 1e-5}
@@ -85,6 +86,7 @@ def test_guide_is_the_closed_form(page):
     assert page.good
 
 
+@pytest.mark.slow
 def test_the_page_says_what_limits_and_what_moves_it(page):
     first = page.limits[0]
     stress = 3 * STEEL.E * T * DELTA / LENGTH**2
@@ -131,6 +133,7 @@ def test_what_is_not_judged_is_said(page):
     assert silent.not_judged == ("fatigue",)
 
 
+@pytest.mark.slow
 def test_slopes_are_central_differences(page):
     h, found = 1e-4, page.sensitivities
     # Of the two where a limit is used most, that along the stroke.
@@ -142,6 +145,7 @@ def test_slopes_are_central_differences(page):
         assert found.table[found.answers.index(name), 0] == pytest.approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_limits_are_where_they_are_reached():
     wide = fm.verdict(guide(), {"P.x": (0, 10 * DELTA)}, steps=2, limits={"force": 0.9, "parasitic y": 1e-6})
     reached = {limit.name: limit.stroke for limit in wide.limits}
@@ -154,12 +158,14 @@ def test_limits_are_where_they_are_reached():
     assert json.loads(json.dumps(plain(wide.to_dict())))["limits"][0]["name"] == "parasitic y"
 
 
+@pytest.mark.slow
 def test_of_both_sides_the_earlier_counts():
     # A force that pushes along the stroke, 0.2 N, is taken off the drive.
     found = fm.verdict(guide(push=0.2), {"P.x": 10 * DELTA}, steps=1, limits={"force": 0.5})
     assert found.limits[0].stroke == pytest.approx(-0.3 * LENGTH**3 / (24 * EI), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_buckling_under_the_constant_loads():
     silent = fm.Material(E=210e9, G=80e9, rho=7850.0)
     model = guide(load=1.0, material=silent, prescribed=True)
@@ -180,6 +186,7 @@ def test_buckling_under_the_constant_loads():
     assert [limit.name for limit in found.limits] == ["buckling"]
 
 
+@pytest.mark.slow
 def test_support_stiffness_is_that_of_shooting():
     b = fm.Builder()
     leaf = fm.Rectangle(WIDTH, T, fm.Material(E=210e9, G=80e9, rho=7850))
@@ -302,6 +309,7 @@ def test_what_turns_a_node_in_space_is_no_parasitic_motion(axis, own):
         np.testing.assert_allclose(found.curves["force"], 1.0 * found.stroke, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_tilt_of_a_hinge_has_another_axis_than_its_turn():
     found = fm.verdict(gimbal(tilt="free"), {"turn of top.e2": 1e-3}, steps=1, count=1)
     # Across the axis z, about x; the turn about z is still held.
@@ -378,6 +386,7 @@ def test_numbers_have_prefixes(value, unit, text):
     assert measured(value, unit) == text
 
 
+@pytest.mark.slow
 def test_no_equilibrium_ends_the_stroke():
     found = fm.verdict(guide(), {"P.x": 1.5 * LENGTH}, steps=2)
     # The sides do not stretch.
@@ -407,6 +416,7 @@ def test_the_end_of_what_is_reached_is_found():
     assert not found.good
 
 
+@pytest.mark.slow
 def test_the_page_is_drawn(page):
     figure = fm.plot.verdict(page)
     panels = {ax.get_title(): ax for ax in figure.axes}
@@ -429,6 +439,7 @@ def test_the_page_is_drawn(page):
     assert "by dimension" in page._repr_html_()
 
 
+@pytest.mark.slow
 def test_what_has_no_answer_is_said():
     b = fm.Builder()
     b.node("l", (0, 0))
@@ -447,6 +458,7 @@ def test_what_has_no_answer_is_said():
     assert "frequency 1" not in found.curves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("prescribed", [False, True])
 def test_a_stroke_about_a_global_axis(prescribed):
     """The drive turns a shaft, also where nothing in the model holds that angle or measures it."""

@@ -46,6 +46,7 @@ def frequency(center, inertia, axis=None):
     return fm.frequencies(pendulum(center, inertia, axis).build(dofs="named"))[0]
 
 
+@pytest.mark.slow
 def test_compound_pendulum_in_the_plane():
     depth, own = 0.35, 0.07
 
@@ -60,6 +61,7 @@ def test_compound_pendulum_in_the_plane():
     assert found[1] == pytest.approx(float(right[1]), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_compound_pendulum_in_space():
     """About an axis that is none of the body's: n J n + m d^2 about it, whatever lies along it."""
     axis, depth, aside = np.array([0.6, 0.8, 0.0]), 0.25, 0.4
@@ -116,6 +118,7 @@ def test_kinetic_energy_is_that_of_newton_and_euler():
         assert rates @ matrix @ rates / 2 == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_body_is_a_mass_at_the_end_of_a_rigid_beam():
     """On a leaf spring under its weight: modes about the state, which is far from the undeformed one."""
     center = np.array([0.02, 0.03, -0.05])
@@ -144,6 +147,7 @@ def test_a_body_is_a_mass_at_the_end_of_a_rigid_beam():
     np.testing.assert_allclose(fm.frequencies(one), fm.frequencies(other), rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_steady_precession_of_a_heavy_top():
     """m g d = C w3 W - (A + m d^2) W^2 cos(tilt): its axis goes round the vertical at W."""
     mass, depth, a, c, tilt, rate = 1.0, 0.1, 4e-3, 2e-3, 0.7, 8.0

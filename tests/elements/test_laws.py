@@ -421,6 +421,7 @@ def test_elements_are_found():
     assert wanted | springs | {"planar.spectral_beam", "spatial.spectral_beam"} <= set(ELEMENTS)
 
 
+@pytest.mark.slow
 @every_element
 @given(st.data())
 def test_deformations_are_zero_at_the_reference(element, data):
@@ -429,6 +430,23 @@ def test_deformations_are_zero_at_the_reference(element, data):
     np.testing.assert_allclose(Measured(sample._replace(x=sample.ref))["e"], 0, atol=50 * EPS)
 
 
+@pytest.mark.slow(
+    "planar.beam",
+    "planar.spectral_beam",
+    "planar.leaf_spring",
+    "planar.belt",
+    "spatial.beam",
+    "spatial.warping_beam",
+    "spatial.spectral_beam",
+    "spatial.leaf_spring",
+    "spatial.rigid_beam",
+    "spatial.rigid_body",
+    "spatial.hinge",
+    "spatial.prismatic",
+    "spatial.screw",
+    "spatial.gear",
+    "spatial.rotary_spring_damper",
+)
 @every_element
 @given(st.data())
 def test_rigid_motion_changes_no_deformation(element, data):
@@ -441,6 +459,7 @@ def test_rigid_motion_changes_no_deformation(element, data):
 CHECKED = {name: element for name, element in ELEMENTS.items() if element.check is not None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", CHECKED.values(), ids=CHECKED)
 @given(st.data())
 def test_many_have_a_fault_where_one_of_them_has(element, data):
@@ -466,6 +485,7 @@ def test_many_have_a_fault_where_one_of_them_has(element, data):
         assert bool(faults(many)) == bool(alone)
 
 
+@pytest.mark.slow
 @every_beam
 @given(st.data())
 def test_rigid_motion_changes_no_section_resultants(element, data):
@@ -479,6 +499,7 @@ def test_rigid_motion_changes_no_section_resultants(element, data):
 CLOSED = {name: element for name, element in BEAMLIKE.items() if not element.fields}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", CLOSED.values(), ids=CLOSED)
 @given(st.data())
 def test_power_of_the_end_sections_is_that_of_the_stress(element, data):
@@ -529,6 +550,7 @@ def section_axes(sample: Drawn, end: int, ends: list[np.ndarray]) -> np.ndarray:
     return homogeneous_matrix(now) @ homogeneous_matrix(start).T @ local_frame(along, sample.properties["y"])
 
 
+@pytest.mark.slow
 @every_massive_element
 @given(st.data())
 def test_rigid_motion_changes_no_kinetic_energy(element, data):
@@ -548,6 +570,7 @@ def directions(draw, n: int) -> np.ndarray:
     return found / np.linalg.norm(found, axis=1, keepdims=True)
 
 
+@pytest.mark.slow
 @every_element
 @given(st.data())
 def test_forward_reverse_and_central_differences_agree(element, data):
@@ -569,6 +592,7 @@ def test_forward_reverse_and_central_differences_agree(element, data):
     np.testing.assert_allclose(product, product.T, rtol=0, atol=1000 * EPS * (1 + np.max(np.abs(second), initial=0)))
 
 
+@pytest.mark.slow
 @every_element
 @given(st.data())
 def test_an_element_is_the_same_beside_others(element, data):
@@ -581,6 +605,7 @@ def test_an_element_is_the_same_beside_others(element, data):
         np.testing.assert_allclose(together[i], alone[0], rtol=1000 * EPS, atol=1000 * EPS)
 
 
+@pytest.mark.slow
 @every_element
 @given(st.data())
 def test_stiffness_damping_and_mass_are_symmetric_and_semidefinite(element, data):
@@ -634,6 +659,7 @@ def test_energy_and_dissipation_are_least_at_rest(element, data):
         assert np.linalg.eigvalsh(stiffness)[0] >= -100 * EPS * np.max(np.abs(stiffness))
 
 
+@pytest.mark.slow
 @every_massive_element
 @given(st.data())
 def test_energy_of_a_translation_is_that_of_the_whole_mass(element, data):
@@ -650,6 +676,7 @@ def test_energy_of_a_translation_is_that_of_the_whole_mass(element, data):
     assert found == pytest.approx(float(expected), rel=1e-13, abs=1e-14)
 
 
+@pytest.mark.slow
 @every_massive_element
 @given(st.data())
 def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
@@ -749,6 +776,7 @@ def test_extension_and_torsion_energy(l0, ea, git):
     assert stiffness_of(spatial.beam, section, l0)[1, 1] == pytest.approx(git / l0**3, rel=1e-13)
 
 
+@pytest.mark.slow("spatial")
 @pytest.mark.parametrize("element", [planar.beam, spatial.beam], ids=["planar", "spatial"])
 @given(st.data())
 def test_beam_mass_is_that_of_the_cubic_interpolation(element, data):
@@ -804,6 +832,7 @@ def deformed(element, second_order: bool):
     return jax.jit(of)
 
 
+@pytest.mark.slow("spatial-True-0.6", "spatial-False-0.5")
 @pytest.mark.parametrize(("second_order", "share"), [(True, 0.6), (False, 0.5)])
 @pytest.mark.parametrize("element", [planar.beam, spatial.beam], ids=["planar", "spatial"])
 @given(POSITIVE, st.floats(1e-4, 1e-3))

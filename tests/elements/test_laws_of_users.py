@@ -55,6 +55,7 @@ def hardening(element):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", SPRINGS.values(), ids=SPRINGS)
 def test_equilibrium_stiffness_and_damping_of_a_hardening_spring(element):
     model = hardening(element)
@@ -71,6 +72,7 @@ def test_equilibrium_stiffness_and_damping_of_a_hardening_spring(element):
     np.testing.assert_allclose(fm.frequencies(model), [frequency], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_derivatives_of_the_equilibrium_by_properties():
     model = hardening(SPRINGS["energy"])
 
@@ -85,6 +87,7 @@ def test_derivatives_of_the_equilibrium_by_properties():
     np.testing.assert_allclose(found["k3"], [-(e**3) / tangent], rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_strain_and_prestress_add_to_an_energy():
     b = mass_on(SPRINGS["energy"], k=K, k3=K3, c=C)
     b.strain("spring", 0.02)
@@ -104,6 +107,7 @@ def displacement(p: fm.Point2, q: fm.Point2, *, ref):
     return (q - p) - (ref.q - ref.p)
 
 
+@pytest.mark.slow
 def test_a_law_without_potential_makes_the_stiffness_unsymmetric():
     b = fm.Builder()
     b.node("wall", (0, 0))
@@ -122,6 +126,7 @@ def test_a_law_without_potential_makes_the_stiffness_unsymmetric():
     np.testing.assert_allclose(np.abs(fm.poles(lin)), np.sqrt(K / MASS), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_law_that_pulls_at_rest_moves_the_mechanism():
     def pretension(e, ed, *, ref, force, stiffness):
         return stiffness * e - force

@@ -49,6 +49,7 @@ SOLID = {
 }
 
 
+@pytest.mark.slow("0.018-0.002")
 @pytest.mark.parametrize(("width", "tolerance"), [(0.018, 0.002), (0.05, 0.01)])
 def test_tip_of_a_strip_beside_solid_elements(width, tolerance):
     """REFERENCES.md A14-leaf; largest deviations 0.11 and 0.73 %."""
@@ -58,6 +59,7 @@ def test_tip_of_a_strip_beside_solid_elements(width, tolerance):
     np.testing.assert_allclose(found, SOLID[width], rtol=tolerance)
 
 
+@pytest.mark.slow
 def test_guide_at_a_stroke_beside_solid_elements():
     """REFERENCES.md A14-leaf: force of the drive, stiffness along x, y and about x, y, z at 10 mm."""
     at = fm.linearize(guide(0.01))
@@ -169,6 +171,7 @@ def test_temperature_beside_solid_elements():
     assert float(fm.equilibrium(b.build()).at("tip")[1]) == pytest.approx(-119.7e-6, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_dimensions():
     """In the plane; those of the element in space test_laws.py asks."""
 
@@ -296,6 +299,7 @@ def test_ends_that_contradict_each_other_are_named():
         b.build()
 
 
+@pytest.mark.slow("properties6-must be True or False, or two of them")
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
@@ -316,6 +320,7 @@ def test_bad_input_is_named(properties, message):
         b.add(spatial.leaf_spring, "foot", "tip", name="leaf", **properties)
 
 
+@pytest.mark.slow
 def test_taper_beside_solid_elements():
     """REFERENCES.md A14-leaf: 0.5 to 0.3 mm thick; one that stays the same is as a section that does not vary."""
 

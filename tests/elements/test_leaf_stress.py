@@ -62,6 +62,7 @@ def test_restrained_warping_beside_its_closed_form():
     assert float(found.tau[0, 0, EDGE]) == pytest.approx(9 * torque / (W**2 * T), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_plate_at_a_clamp():
     """The section cannot curve or contract there: stress across is nu times that along, in plane and space alike."""
     b = fm.Builder()
@@ -131,6 +132,7 @@ SOLID = {
 }
 
 
+@pytest.mark.slow
 def test_stress_beside_solid_elements():
     """REFERENCES.md A14-stress; largest deviations: middle 1.6 % along, 1.7 % of that across; corner 4, shear 7.5 %."""
     load, places = 1e-4, np.array([0.1, 0.15, 0.3]) * W / L
@@ -168,6 +170,7 @@ def test_von_mises_at_a_stroke_beside_solid_elements():
     assert float(found.maximum) == pytest.approx(360.4e6, rel=0.03)
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_dimensions():
     """Of all stresses of an element in space by width, thickness, length and modulus, place, deformation and force."""
     element, rng = spatial.leaf_spring(3), np.random.default_rng(1)
@@ -192,6 +195,7 @@ def test_derivatives_by_the_dimensions():
     np.testing.assert_allclose(forward, central, atol=1e-7 * scale)
 
 
+@pytest.mark.slow
 def test_derivative_of_the_largest_stress_and_utilisation():
     """By the thickness, in the plane, through the equilibrium."""
 

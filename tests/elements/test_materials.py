@@ -60,6 +60,7 @@ def springs(*, ref, section) -> object:
 OWN = fm.Element(measure, stiffness=springs)
 
 
+@pytest.mark.slow("tapered")
 @pytest.mark.parametrize(
     ("element", "dimension", "section"),
     [
@@ -115,6 +116,7 @@ def _parts(model):
     return model.topology, model.parameters
 
 
+@pytest.mark.slow
 def test_damping_that_varies_along_a_beam_is_refused():
     other = dataclasses.replace(LEAF, material=dataclasses.replace(DAMPED, damping=2 * TIME))
     with pytest.raises(fm.ModelError, match="damping of the material varies along the section"):
@@ -149,6 +151,7 @@ def test_stress_over_strength_by_name():
     assert 0.75 <= float(found.smooth_utilisation(200.0)) <= 0.75 * 80 ** (1 / 200)
 
 
+@pytest.mark.slow
 def test_stress_above_strength_is_told_by_name():
     model = two_rods(mechanisms.steel(), STRONG, 500e6 * AREA).build()
     with pytest.warns(fm.FlexmbWarning, match="above the strength of the material in 'rod 1': by a factor of 1.25"):
@@ -158,6 +161,7 @@ def test_stress_above_strength_is_told_by_name():
     assert "without strength: rod 0" in repr(found)
 
 
+@pytest.mark.slow
 def test_strength_along_a_beam_that_varies():
     """A cantilever that is twice as thick at its foot: stress and strength of the section at each place."""
     strong = fm.Rectangle(WIDTH, 2 * THICKNESS, dataclasses.replace(STRONG, strength=800e6))
@@ -174,6 +178,7 @@ def test_strength_along_a_beam_that_varies():
     assert found.utilisation[0] == pytest.approx(expected[1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_spacar_file_has_the_damping_of_the_material(tmp_path):
     b = cantilever(planar.beam, 2, LEAF)
     fm.write_spacar(b, tmp_path / "leaf.dat")
@@ -191,6 +196,7 @@ def test_a_spacar_file_cannot_have_the_damping_of_shear(element, dimension, tmp_
     assert not (tmp_path / "leaf.dat").exists()
 
 
+@pytest.mark.slow
 def test_without_a_strength_there_is_no_utilisation():
     found = fm.stress(two_rods(mechanisms.steel(), mechanisms.steel(), 1.0).build())
     with pytest.raises(fm.ModelError, match="No material of the elements states its strength"):
@@ -198,6 +204,7 @@ def test_without_a_strength_there_is_no_utilisation():
     assert "utilisation" not in found.quantities()
 
 
+@pytest.mark.slow
 def test_derivatives_of_the_utilisation():
     def used(strength, thickness):
         b = two_rods(STRONG, dataclasses.replace(STRONG, strength=strength), 100e6 * AREA)
@@ -215,6 +222,7 @@ def test_derivatives_of_the_utilisation():
     assert by_thickness == pytest.approx(-value / THICKNESS, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_designs_with_materials_and_bodies_that_cannot_be_are_refused():
     """Of many designs at once, as of one: a fatigue limit above the strength, an inertia below zero."""
 

@@ -40,6 +40,7 @@ def cantilever(element, section, end, force=None, **properties):
     return b
 
 
+@pytest.mark.slow("reinforced-False-4-5e-05")
 @pytest.mark.parametrize(
     ("case", "plane", "order", "error"),
     [
@@ -64,6 +65,7 @@ DISTANCES = {
 }
 
 
+@pytest.mark.slow("True-4", "True-6", "True-8", "False-2", "False-4", "False-6", "False-8")
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 @pytest.mark.parametrize("plane", [True, False])
 def test_convergence_with_the_order_against_shooting(plane, order):
@@ -126,6 +128,7 @@ def test_natural_frequencies_of_a_wedge():
     np.testing.assert_allclose(found / unit, [3.823784847, 18.317260904, 47.264827010], rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("space", [False, True])
 def test_compliance_of_a_circular_notch(space):
     # A full half circle of radius R, a neck t, in a beam just as long: closed form of Wu and Zhou (2002), Review of
@@ -163,6 +166,7 @@ HINGES = {
 }
 
 
+@pytest.mark.slow("circular")
 @pytest.mark.parametrize("hinge", HINGES)
 def test_compliance_of_notch_hinges(hinge):
     """REFERENCES.md A13: Paros and Weisbord (1965); Smith and others (1997); steep shoulders cost 1e-6."""
@@ -183,6 +187,7 @@ def test_compliance_of_notch_hinges(hinge):
         assert 1 / found == pytest.approx(3.49265, rel=0.06)
 
 
+@pytest.mark.slow
 def test_derivatives_by_every_dimension():
     def height(d):
         b = cantilever(
@@ -221,6 +226,7 @@ def test_stress_and_resultants_follow_the_section():
     assert float(fm.mass(model)) == pytest.approx(7850 * 0.01 * 0.1 * 1.5e-3, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_different_sections_stand_side_by_side():
     # Between one foot and one tip stiffnesses add up, whatever is stacked with what.
     def stiffness(*leaves):
@@ -236,6 +242,7 @@ def test_different_sections_stand_side_by_side():
     np.testing.assert_allclose(stiffness(*leaves), sum(stiffness(one) for one in leaves), rtol=1e-9)
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("space", [False, True])
 def test_shape_of_a_stepped_cantilever_under_a_moment(space):
     # Closed form: slopes and deflections of three pieces, each an arc of small curvature M/EI.
@@ -254,6 +261,7 @@ def test_shape_of_a_stepped_cantilever_under_a_moment(space):
     np.testing.assert_allclose(line.points[:, -1], expected, rtol=1e-5, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_profile_that_does_not_vary_is_the_plain_beam():
     # By the closed form of its matrices, THEORY.md 2, eq. (2.15), which the plain beam has.
     damping = fm.Damping(EA=2.0, EIy=3e-4, EIz=0.4, GIt=5e-4)
@@ -304,6 +312,7 @@ def test_a_faulty_profile_is_refused_by_name(fault, space):
         cantilever(element, sections.Profile(function, breaks), end).build()
 
 
+@pytest.mark.slow("5-breaks1")
 @pytest.mark.parametrize(("order", "breaks"), [(10, ()), (5, (0.3, 0.37, 0.45))])
 def test_a_smooth_groove_bends_as_its_compliances_say(order, breaks):
     """Tip of a cantilever by SciPy's quadrature; refused until the order, or breaks, see the groove."""
@@ -355,6 +364,7 @@ def test_other_elements_refuse_a_profile(element):
         cantilever(element, SECTIONS["taper"], (0.1, 0)).build()
 
 
+@pytest.mark.slow
 def test_a_notch_longer_than_its_beam_is_refused():
     with pytest.raises(fm.ModelError, match="breaks at -"):
         cantilever(planar.spectral_beam, SECTIONS["notch"], (0.5 * CUT * 0.03, 0)).build()

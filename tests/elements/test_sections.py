@@ -122,6 +122,7 @@ def test_given_poisson_ratio_is_taken():
 # -- torsion of a rectangle -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(POSITIVE, POSITIVE)
 def test_torsion_series_is_the_sum_of_its_terms(w, t):
     # The docstring's 1e-9; either side may be the longer.
@@ -239,6 +240,7 @@ def unit(i, size=1.0):
     return size * jnp.eye(6)[i]
 
 
+@pytest.mark.slow
 @given(POSITIVE, POSITIVE)
 def test_torsion_stress_of_a_rectangle(w, t):
     """Saint-Venant's series in the other direction: hyperbolic functions along the sides where ours has cosines.
@@ -260,6 +262,7 @@ def test_torsion_stress_of_a_rectangle(w, t):
     np.testing.assert_allclose(tau, [0, at_z, 0, at_y] * 2, rtol=tolerance, atol=1e-12 * on_long_side)
 
 
+@pytest.mark.slow
 def test_torsion_stress_of_thin_strip_and_square():
     # Thin strip: T t/It with It = w t^3/3; square: both sides alike, Saint-Venant's 4.8 T/a^3.
     _, tau = fm.Rectangle(1.0, 1e-4, STEEL).stress(unit(3))
@@ -411,6 +414,7 @@ def test_shear_of_a_thin_box(walls):
     np.testing.assert_allclose(tau, 1 / (2 * w * t * wall), rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_box_without_a_hole_is_a_rectangle():
     # Walls that meet in the middle of the width: N, bending and the parabola of Vz in the middle of the web.
     box = fm.HollowRectangle(1.2, 0.7, 0.6, 0.35, STEEL)
@@ -437,6 +441,7 @@ SECTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", SECTIONS.values(), ids=SECTIONS)
 def test_derivatives_of_rigidity_and_damping(section):
     point, unravel = ravel_pytree(jax.tree.map(jnp.asarray, section))

@@ -32,6 +32,7 @@ def straight(n, space=False):
 PLANE = fm.Rigidity(EA=STIFF, EIy=1.0, mass=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "error"), [(3, 2e-4), (5, 2e-6), (8, 3e-9)])
 def test_elastica_by_one_element(order, error):
     # A1, P L^2/EI = 2, closed form. Errors fall exponentially.
@@ -44,6 +45,7 @@ def test_elastica_by_one_element(order, error):
     assert int(found.iterations) <= 15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elements", [1, 2, 8])
 @pytest.mark.parametrize("turns", [1, 2])
 def test_roll_up(elements, turns):
@@ -56,6 +58,7 @@ def test_roll_up(elements, turns):
     assert int(found.iterations) <= 40 * turns
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilted", [False, True])
 def test_roll_up_in_space(tilted):
     # A4 along and across no axis: the moment's axis is normal to the beam.
@@ -82,6 +85,7 @@ def arc(n, order, force):
     return fm.equilibrium(b.build())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "tip"), [(300, (22.244679, 58.778897, 40.192392)), (450, (18.508065, 52.238262, 48.503492))]
 )
@@ -99,6 +103,7 @@ PRINCETON = {  # A9, P = 8.896 N: load angle [deg], uy, uz, ux [m], twist [deg]
 }
 
 
+@pytest.mark.slow("0", "45")
 @pytest.mark.parametrize("angle", PRINCETON)
 def test_princeton_beam(angle):
     e, g, w, t = 71.7e9, 71.7e9 / 2.62, 12.3777e-3, 3.2024e-3
@@ -118,6 +123,7 @@ def test_princeton_beam(angle):
     assert np.rad2deg(turned) == pytest.approx(twist, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "load"), [(2, 4.485), (6, 4.0127)])
 def test_lateral_buckling_by_one_element(order, load):
     # A11-lateral: 4.0125993436 for a thin section. The values of THEORY.md 2, rounded there to what is shown; the
@@ -130,6 +136,7 @@ def test_lateral_buckling_by_one_element(order, load):
     np.testing.assert_allclose(loads, load, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_euler_columns_by_one_element():
     # A11-euler, closed form; P/EA = 1e-8.
     b = chain(planar.spectral_beam(8), straight(1), PLANE)
@@ -154,6 +161,7 @@ def pressed(ratio):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", POST_BUCKLING)
 @pytest.mark.parametrize("side", [1, -1])
 def test_post_buckling(angle, side):
@@ -169,6 +177,7 @@ def test_post_buckling(angle, side):
     assert np.rad2deg(path.at("1.rotation")[-1, 0]) == pytest.approx(side * angle, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_straight_state_beyond_buckling_is_called_unstable():
     ratio = POST_BUCKLING[60][0]
     model = pressed(ratio)
@@ -188,6 +197,7 @@ def modes_of(b, n):
     return 2 * np.pi * np.asarray(fm.frequencies(b.build())[:n])
 
 
+@pytest.mark.slow
 def test_modes_of_a_cantilever():
     # C1, clamped-free, closed form: (beta L)^2 with EI = mass = L = 1.
     found = modes_of(chain(planar.spectral_beam(8), straight(1), PLANE), 4)
@@ -199,6 +209,7 @@ def test_modes_of_a_cantilever():
     np.testing.assert_allclose(found[:3], expected, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_modes_of_a_timoshenko_cantilever():
     # C2, independent spectral solution at 1e-10, clamped-free.
     e, nu, rho, h = 210e9, 0.3, 7850.0, 0.1
@@ -259,6 +270,7 @@ def cross_pivot(fraction, angle):
     return float(moment / angle), float(np.hypot(*found.at("body")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fraction", "degrees", "stiffness", "shift"),
     [(0.5, 5, 2.00253510, 8.96862e-4), (0.5, 10, 2.01010020, 3.579963e-3), (0.1273, 10, 5.33756828, 5.37295e-5)],
@@ -270,6 +282,7 @@ def test_cross_pivot(fraction, degrees, stiffness, shift):
     assert found[1] == pytest.approx(shift, rel=1e-5, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_loaded_spectral_beam():
     def tip(numbers):
         load, curvature, rigidity = numbers
@@ -321,6 +334,7 @@ def test_shear_is_counted_by_both_or_neither():
         chain(planar.leaf_spring(3), straight(1, space=False), fm.Rectangle(0.1, 0.1, material, shear=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("space", [False, True])
 def test_deformations_are_the_closure_and_then_one_field_after_the_other(space):
     # Small loads on a straight cantilever of length 1: tension, twist and a moment each fill the first coefficient of
@@ -354,6 +368,7 @@ def test_one_element_for_all_ways_to_ask_for_it():
         planar.spectral_beam(0)
 
 
+@pytest.mark.slow
 def test_rigid_motion_does_not_deform():
     """Deformations of a spectral beam whose nodes all move as one body stay zero."""
     b = chain(spatial.spectral_beam(3), [(0, 0, 0), (1, 0.5, 0)], fm.Rigidity(), clamp=False, curvature=(0.0, 0.4, 0.3))

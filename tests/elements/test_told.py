@@ -72,6 +72,7 @@ def test_an_element_of_ones_own_is_told_by_its_function():
     assert repr(planar.spectral_beam(3)).endswith("order=3, shear=False>")
 
 
+@pytest.mark.slow
 def test_signs_are_as_told():
     """Turns from the chord times length, to first order in a small turn."""
     small, l0 = 1e-6, 0.2

@@ -90,6 +90,7 @@ def lift(turn=0.0, free=False):
 RADIUS, LENGTH, MASS, INERTIA, EA, EDA = 0.2, 1.5, 3.0, 0.05, 900.0, 7.0
 
 
+@pytest.mark.slow("0.0", "1.0")
 @pytest.mark.parametrize("turn", [0.0, 1.0, -7.0])
 def test_frequency_and_damping_of_a_mass_on_a_belt(turn):
     free = LENGTH - RADIUS * turn
@@ -100,6 +101,7 @@ def test_frequency_and_damping_of_a_mass_on_a_belt(turn):
     np.testing.assert_allclose(fm.frequencies(model), [np.sqrt(EA / free / MASS) / (2 * np.pi)], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_belt_carries_a_weight_and_pulls_at_its_pulley():
     b = lift(1.0)
     b.gravity((0, -9.81))
@@ -112,6 +114,7 @@ def test_belt_carries_a_weight_and_pulls_at_its_pulley():
     np.testing.assert_allclose(found.reactions[4], weight * RADIUS * (1 + strain / 2), rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_frequencies_of_a_mass_and_a_free_pulley():
     found = fm.frequencies(lift(free=True).build())
     expected = np.sqrt(EA / LENGTH * (1 / MASS + RADIUS**2 / INERTIA)) / (2 * np.pi)
@@ -120,6 +123,7 @@ def test_frequencies_of_a_mass_and_a_free_pulley():
     np.testing.assert_allclose(found[1], expected, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_belt_without_a_section_does_not_stretch():
     b = fm.Builder()
     b.node("driver", (0, 0))
@@ -159,6 +163,7 @@ def test_belts_that_are_refused(message):
 # -- gears --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow("0.5-small")
 @pytest.mark.parametrize("ratio", [0.4, 3.0, -1.03], ids=["small", "large", "inside a ring of nearly its size"])
 @pytest.mark.parametrize("turn", [0.5, -11.0])
 def test_planet_on_a_turning_arm(ratio, turn):
@@ -179,6 +184,7 @@ def test_planet_on_a_turning_arm(ratio, turn):
     np.testing.assert_allclose(found.xd[model.labels.known("planet.rotation")], [2.0 * (1 + 1 / ratio)], rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_tooth_force_on_the_arm():
     """A moment on gear p is carried by force F = M/r_p at the teeth, which gear q and both centres feel."""
     radius_p, radius_q, moment = 0.1, 0.25, 2.0
@@ -199,6 +205,7 @@ def test_tooth_force_on_the_arm():
     np.testing.assert_allclose(found.reactions[labels.known("q.rotation")], [force * radius_q], rtol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [0.7, 9.0])
 def test_bevel_gears(turn):
     b = fm.Builder()
@@ -222,6 +229,7 @@ def test_bevel_gears(turn):
 AXIS, PITCH = np.array([1.0, 2.0, -2.0]) / 3, 0.004
 
 
+@pytest.mark.slow("0.4")
 @pytest.mark.parametrize("turn", [0.4, 20.0])
 def test_screw_moves_by_its_pitch(turn):
     b = fm.Builder()
@@ -236,6 +244,7 @@ def test_screw_moves_by_its_pitch(turn):
     np.testing.assert_allclose(found.at("screw.rotation"), lam, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_screw_that_bends_a_beam():
     """A nut drives the end of a cantilever across: 3 EI d/l^3, and the moment that turns the screw does its work."""
     length, ei, turn = 0.5, 2.0, 4.0
@@ -266,6 +275,7 @@ def test_screw_that_bends_a_beam():
 # -- sliders ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
 @pytest.mark.parametrize("body", [False, True], ids=["point", "body"])
 def test_point_on_a_turning_line(space, body):
@@ -291,6 +301,7 @@ def test_point_on_a_turning_line(space, body):
         np.testing.assert_allclose(found.at("pin.rotation"), found.at("slot.rotation"), atol=1e-10)
 
 
+@pytest.mark.slow("2-beam", "3-rigid_body", "3-beam")
 @pytest.mark.parametrize("kind", ["rigid_body", "beam"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_rigid_body_is_clamped_at_both_ends(dimension, kind):
@@ -314,6 +325,7 @@ def test_a_rigid_body_is_clamped_at_both_ends(dimension, kind):
     assert fm.equilibrium(b.build()).at("n3")[1] == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_pin_body_is_a_rigid_beam():
     assert planar.pin_body is planar.rigid_beam
     assert spatial.pin_body is spatial.rigid_beam

@@ -37,6 +37,7 @@ def twist_stiffness(b: fm.Builder, end: str) -> float:
     return 1 / float(fm.compliance(b.build(), end)[3, 3])
 
 
+@pytest.mark.slow("both-1", "one-1", "one-3", "none-1", "none-3")
 @pytest.mark.parametrize("beams", [1, 3])
 @pytest.mark.parametrize("ends", [(True, True), (True, False), (False, False)], ids=["both", "one", "none"])
 def test_twist_of_a_strip_by_the_closed_form(beams, ends):
@@ -48,6 +49,7 @@ def test_twist_of_a_strip_by_the_closed_form(beams, ends):
     assert factor == pytest.approx(float(fm.sections.warping_factor(LENGTH, 0.018, 0.3, sum(ends))), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_two_strips_share_what_warps_between_them():
     """Where the section jumps angle, twist rate and bimoment go on: eight equations for two exact solutions."""
     lengths, twist, warping = (0.03, 0.05), (0.04, 0.09), (1.6e-6, 1e-5)
@@ -99,6 +101,7 @@ def test_stiffness_is_that_of_least_energy(u):
     np.testing.assert_allclose(found, least_energy(u), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_without_warping_rigidity_torsion_is_as_of_a_beam():
     """Also of a rigid beam, of which nothing is given, and with derivatives."""
     assert [float(c) for c in restrained_torsion(2.0, 0.0, 4.0)] == [0.5, 0.0, 0.0, 0.0]
@@ -110,6 +113,7 @@ def test_without_warping_rigidity_torsion_is_as_of_a_beam():
     np.testing.assert_allclose(slopes, np.array([36.0, -3.0, 4.0, -1.0]) / 30, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_torsional_frequency_of_a_strip_that_is_clamped_at_its_foot():
     """GIt a'' - EIw a'''' = -J w^2 a, a = a' = 0 at the foot, no bimoment nor torque at the tip; error of order two."""
     length, git, eiw, inertia = 0.03, 0.05, 2e-5, 2e-6
@@ -234,6 +238,7 @@ def test_sections_by_their_numbers():
         rod([section, other], [0.05] * 2, ()).build()
 
 
+@pytest.mark.slow
 def test_a_chain_of_one_traced_section():
     """Which is as thick as itself; slope by the thickness, reverse, beside a central difference of the closed form."""
 

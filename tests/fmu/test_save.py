@@ -78,6 +78,7 @@ def sprung_stage():
     return b.build()
 
 
+@pytest.mark.slow("3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_units_are_valid_and_say_what_their_signals_are(fmi, tmp_path):
@@ -112,6 +113,7 @@ def test_units_are_valid_and_say_what_their_signals_are(fmi, tmp_path):
     assert "binaries/" in str(found)
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("through", [0.0, 0.7])
@@ -137,6 +139,7 @@ def test_co_simulation_of_a_linear_plant_is_exact(fmi, through, tmp_path):
         np.testing.assert_allclose(found[name], own, atol=1e-9 * np.max(np.abs(own)))
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_model_exchange_of_a_linear_plant(fmi, tmp_path):
@@ -189,6 +192,7 @@ def integrated(system, times, u, start, rtol=1e-13):
     return states, np.array(y)
 
 
+@pytest.mark.slow("3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_time_varying_plant_agrees_with_an_independent_integration(fmi, tmp_path):
@@ -235,6 +239,7 @@ def test_time_varying_plant_agrees_with_an_independent_integration(fmi, tmp_path
         np.testing.assert_allclose(unit.get("nominal angle"), system.y0[-1], rtol=1e-15)
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("n_t", [2, 3, 4])
 def test_splines_through_few_knots(n_t, tmp_path):
@@ -249,6 +254,7 @@ def test_splines_through_few_knots(n_t, tmp_path):
             )
 
 
+@pytest.mark.slow("3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_matrices_can_be_set_and_a_state_kept(fmi, tmp_path):
@@ -281,6 +287,7 @@ def test_matrices_can_be_set_and_a_state_kept(fmi, tmp_path):
         np.testing.assert_array_equal(unit.get("state q0"), [0.1])
 
 
+@pytest.mark.slow("3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_large_matrices_lie_in_a_file_beside(fmi, tmp_path, monkeypatch):
@@ -299,6 +306,7 @@ def test_large_matrices_lie_in_a_file_beside(fmi, tmp_path, monkeypatch):
             unit.own.instantiate()
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_sources_compile_alone_and_export_all_functions_of_the_standard(fmi, tmp_path, monkeypatch):
@@ -397,6 +405,7 @@ static int plant(const double *p, double t, const double *x, const double *u, do
 """
 
 
+@pytest.mark.slow("3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
@@ -432,6 +441,7 @@ def test_a_nonlinear_plant_by_its_own_integrator(fmi, tmp_path):
         np.testing.assert_allclose(unit.derivative(["angle"], ["state q", "torque"], [1.0, 1.0]), [3.0], rtol=1e-9)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_nonlinear_mechanism_moves_as_newton_says(tmp_path):
     """A mass on a spring that swings about its foot, under a force across: m r'' = -k (1 - L/|r|) r + F."""
@@ -514,6 +524,7 @@ def carried_stage():
     return b
 
 
+@pytest.mark.slow("along-2", "along-3")
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("kind", ["linear", "along", "nonlinear"])
@@ -610,6 +621,7 @@ def test_wrong_files_and_things(tmp_path):
         fm.save_fmu(renamed(), tmp_path / "none" / "guide.fmu")
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("mode", [9, 4, 1])
 def test_command(mode, tmp_path):
@@ -627,6 +639,7 @@ def test_command(mode, tmp_path):
     assert ("nominal force 2.1" in names) == (mode == 4)
 
 
+@pytest.mark.slow
 def test_command_says_what_is_wrong(tmp_path):
     source, path = tmp_path / "mass.dat", tmp_path / "mass.fmu"
     text = mechanism_path("pf1dtrx").read_text()

@@ -173,6 +173,7 @@ def functions(tmp_path_factory):
         return library, found, whole(*GIVEN)
 
 
+@pytest.mark.slow("arithmetic", "elementary", "rounding")
 @needs_compiler
 @pytest.mark.parametrize("name", CASES)
 def test_a_primitive_is_that_of_jax(functions, name):
@@ -215,6 +216,7 @@ def around(n, size, speed, count=20):
     return [np.concatenate([size * RNG.uniform(-1, 1, n), speed * RNG.uniform(-1, 1, n)]) for _ in range(count)]
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_the_guide_in_c_is_that_in_jax(tmp_path):
     """Three thousand equations, scans of Newton's method and LU factors among them, and a load as function of time."""
@@ -236,6 +238,7 @@ def test_the_guide_in_c_is_that_in_jax(tmp_path):
         np.testing.assert_allclose(moved["position left1.x"], expected, atol=1e-9)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
     b = spatial_guide(extra=(5,))

@@ -6,6 +6,7 @@ import pytest
 from fuzz import builder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_builder(seed):
     happened = [builder.run(case) for case in itertools.islice(builder.cases(seed), 150)]

@@ -16,6 +16,7 @@ def quick(case):
     return case if case.name == QUICK[0] and case.mode in QUICK[1] else dataclasses.replace(case, mode=None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_only_answers_and_named_refusals_leave(seed):
     found = {files.run(quick(case)) for case in itertools.islice(files.cases(seed), 100)}
@@ -28,6 +29,7 @@ def test_the_same_cases_for_the_same_seed():
     assert one != other
 
 
+@pytest.mark.slow
 def test_an_analysis_is_run_where_the_shapes_are_known():
     text = files.originals()["moved"]
     assert files.run(files.Case("moved", text.encode(), mode=7)) == "answered"
@@ -56,6 +58,7 @@ def test_a_message_of_more_than_a_line_or_of_no_place_is_seen(message, monkeypat
         files.run(files.Case("moved", b""))
 
 
+@pytest.mark.slow
 def test_what_hangs_is_seen(monkeypatch):
     def endless(*_, **__):
         while True:

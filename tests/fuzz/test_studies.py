@@ -13,6 +13,7 @@ def test_arithmetic(seed):
     assert happened == {"value", "refused"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_studies(seed):
     # Of those that are compiled for themselves, only the quickest.

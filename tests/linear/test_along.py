@@ -32,6 +32,7 @@ def load_at(y):
     return -2 * EA * (1 / np.hypot(BASE, y) - 1 / LENGTH) * y
 
 
+@pytest.mark.slow
 def test_a_path_tells_what_its_closed_form_does(snap):
     y = snap.along("apex.y").values
     np.testing.assert_allclose(snap.along("displacement apex.y").values, y - HEIGHT, atol=1e-15)
@@ -65,6 +66,7 @@ def test_critical_points_are_states_too(snap):
     np.testing.assert_allclose(found.along("stiffness apex.y").values, 0.0, atol=1e-5)
 
 
+@pytest.mark.slow("velocity apex.x-has no velocities")
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -18,6 +18,7 @@ from flexmb.statics.sparse import balanced
 from flexmb.statics.tangent import assemble, elastic_stress
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preload", [(0.0, 0.5), (0.3, 1.0)])
 @pytest.mark.filterwarnings("ignore:Before it buckles")
 def test_multipliers_under_a_preload_are_those_of_the_balance(preload):
@@ -82,6 +83,7 @@ def column(beams, load=(-1.0, 0.0), preload=None, bending=1.0, gravity=None, spa
     return b.build(check=not sparse)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case",
     [
@@ -105,6 +107,7 @@ def test_modes_by_sparse_factors_are_those_of_dense_matrices(case):
     assert "load multiplier" in repr(found)
 
 
+@pytest.mark.slow
 def test_modes_of_a_thousand_beams():
     # Euler: (2 n - 1)^2 pi^2/4 and 1 - cos; what is left is the axial strain P/EA.
     model = column(1000, sparse=True)
@@ -118,6 +121,7 @@ def test_modes_of_a_thousand_beams():
     np.testing.assert_array_equal(found.multipliers, fm.buckling_loads(model, count=5, sparse=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case",
     [{"load": (-0.5, 0.3)}, {"load": (-1.0, 0.1), "preload": (0.3, 1.0), "released": (2, 3)}],
@@ -140,6 +144,7 @@ def test_derivative_of_a_multiplier_by_sparse_factors(case):
     assert float(slope) == pytest.approx(difference, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_what_sparse_multipliers_refuse():
     with pytest.raises(fm.AnalysisError, match="not positive definite"):
         fm.buckling_loads(column(6, (1.0, 0.0), (-3.0, 0.0), sparse=True), count=2, sparse=True)
@@ -150,6 +155,7 @@ def test_what_sparse_multipliers_refuse():
         fm.buckling_loads(column(1000, sparse=True), sparse=True, count=1000)
 
 
+@pytest.mark.slow("1000.0")
 @pytest.mark.parametrize("load", [1000.0, 2500.0])
 def test_a_load_that_follows_a_column_has_no_multiplier(load):
     """A12, Beck's column: it flutters and never buckles, so that what eigenvalues there are round-off makes."""
@@ -170,6 +176,7 @@ def test_a_load_that_follows_a_column_has_no_multiplier(load):
     assert not np.any(np.isfinite(multipliers_of(lin.K0, lin.G0, as_floats(0.0), unsymmetric=True)))
 
 
+@pytest.mark.slow
 def test_derivative_of_a_multiplier_of_an_unsymmetric_stiffness():
     """A column under a dead load, and a small one that follows: by central differences."""
 
@@ -207,6 +214,7 @@ def of_two_beams(force, increment):
     return b.build()
 
 
+@pytest.mark.slow("True-True", "True-False")
 @pytest.mark.parametrize(("increment", "moves"), [(False, True), (True, True), (True, False), (False, False)])
 def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, moves):
     """A force across a column bends it long before it buckles, one along it does not."""
@@ -220,6 +228,7 @@ def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, m
     assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("increment", [False, True])
 def test_loads_that_bend_a_mechanism_as_they_are_are_told(increment):
     """Multipliers of all loads are about the state under them, those of increments about the mechanism without."""
@@ -252,6 +261,7 @@ def bars(count, length, increment=False):
 LENGTHS = [0.3, 1.1, 0.123, 1 / 7]
 
 
+@pytest.mark.slow("1-0.3", "1-1.1", "3-0.3", "3-1.1", "3-0.123", "3-0.14285714285714285")
 @pytest.mark.parametrize("length", LENGTHS)
 @pytest.mark.parametrize("count", [1, 3])
 def test_bars_along_their_own_axis_have_no_multiplier(length, count):
@@ -264,6 +274,7 @@ def test_bars_along_their_own_axis_have_no_multiplier(length, count):
     assert np.all(np.isinf(fm.buckling_loads(model, count=1, sparse=True)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", LENGTHS)
 @pytest.mark.parametrize("count", [1, 3])
 def test_bars_have_no_multiplier_of_an_increment_and_over_a_stroke(length, count):

@@ -99,6 +99,7 @@ def test_loss_factors_of_parts_are_those_of_complex_stiffness():
     np.testing.assert_allclose(found, values.imag / values.real / 2, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_modes_of_one_frequency_keep_their_own_loss():
     """Two oscillators that know nothing of each other, k m each, d = eta sqrt(k m); d' by its k is eta/2 sqrt(m/k)."""
 
@@ -116,6 +117,7 @@ def test_modes_of_one_frequency_keep_their_own_loss():
     np.testing.assert_allclose(by_ratio[:, :, 0], [[0.05 * np.sqrt(0.5 / 30.0), 0], [0, 0]], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow("-9.81", "9.81")
 @pytest.mark.parametrize("gravity", [-9.81, 0.0, 9.81])
 def test_what_does_not_vibrate_is_not_damped(gravity):
     """A pendulum of 0.5 m and 0.2 kg beside a sprung mass: it hangs and swings, turns freely, or stands and falls."""
@@ -187,6 +189,7 @@ def test_damping_of_a_leaf_spring_by_a_ratio():
     np.testing.assert_allclose(ratios_of(fm.damped(model, ratio=0.01, elements=False)), 0.01, rtol=1e-9)
 
 
+@pytest.mark.slow("function")
 @pytest.mark.parametrize(
     "given",
     [
@@ -209,6 +212,7 @@ def test_derivatives(given):
     assert jax.grad(answer)(at) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow("given9-TypeError-by names of elements or by Materials", "given10-ValueError-names no element")
 @pytest.mark.parametrize(
     ("given", "kind", "words"),
     [
@@ -236,6 +240,7 @@ def test_known_loss_factors_serve_within_compiled_code():
         assert float(jax.jit(lambda row, given=given: loss_factors(lin, given)[row])(0)) == 0.02
 
 
+@pytest.mark.slow
 def test_incremental_loads_left_out_are_named_with_what_to_give():
     b = planar_guide()
     b.force("left1", (0.1, 0), increment=True)

@@ -23,6 +23,7 @@ def frequency(t):
     return fm.frequencies(mechanisms.planar_guide(t).build())[0]
 
 
+@pytest.mark.slow
 def test_frequency_and_its_derivative_are_the_closed_form():
     # E1: tolerance 1e-9 for the value, 1e-8 for the derivative; 31670.0798802 Hz/m is printed there.
     assert frequency(T) == pytest.approx(10.64484738, abs=5e-9)
@@ -32,6 +33,7 @@ def test_frequency_and_its_derivative_are_the_closed_form():
     assert twice == pytest.approx(float(jax.grad(jax.grad(closed_form))(T)), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_frequency_about_a_linearisation_is_the_closed_form():
     """Under 20 N of the 78.75 N (t/T)^3 at which the guide buckles, that share of its stiffness is lost."""
 
@@ -65,6 +67,7 @@ def answers(t, force):
     )
 
 
+@pytest.mark.slow
 def test_derivatives_by_thickness_and_the_cube_of_it_in_a_buckling_load():
     step, force = 1e-5 * T, np.array([0.5, -20.0])
     value, forward, reverse = fm.jit(answers), fm.jit(jax.jacfwd(answers)), fm.jit(jax.jacrev(answers))
@@ -91,6 +94,7 @@ def spatial():
     return mechanisms.spatial_guide(beams=2, released="all", dofs=False, rotary=True).build()
 
 
+@pytest.mark.slow
 def test_derivatives_of_the_spatial_guide(spatial):
     def lowest(parameters):
         return fm.frequencies(fm.Model(spatial.topology, parameters, spatial.labels))[:4]
@@ -115,6 +119,7 @@ def test_derivatives_of_the_spatial_guide(spatial):
     np.testing.assert_allclose(sum(jax.tree.leaves(products)), forward, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_equal_modes_have_finite_derivatives():
     """Two equal guides side by side: every frequency comes twice."""
 
@@ -145,6 +150,7 @@ def test_equal_modes_have_finite_derivatives():
     np.testing.assert_allclose(jnp.sum(jacobian, axis=0), [one, one], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_condition_of_the_derivatives_of_an_equilibrium():
     """Springs of 1 and 10^6 N/m each on its own are no trouble; the stiff one behind the soft one is."""
 

@@ -34,6 +34,7 @@ def shallow(load) -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 def test_stiffness_and_mass_below_the_limit():
     height = 0.8 * HEIGHT
     lin = fm.linearize(shallow(carried(height)))
@@ -50,6 +51,7 @@ def test_stiffness_and_mass_below_the_limit():
     np.testing.assert_allclose(fm.frequencies(lin), np.sqrt(slope / MASS) / (2 * np.pi), rtol=1e-6)
 
 
+@pytest.mark.slow("linearize", "frequencies")
 @pytest.mark.parametrize("ask", [fm.linearize, fm.modes, fm.frequencies, fm.poles], ids=lambda f: f.__name__)
 def test_beyond_the_limit_there_is_no_state_to_linearise_about(ask):
     with pytest.raises(fm.AnalysisError) as fault:

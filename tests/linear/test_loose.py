@@ -28,6 +28,7 @@ def at_two_times(lin):
     return dataclasses.replace(lin, matrices=jax.tree.map(lambda a: np.stack([a, a]), lin.matrices))
 
 
+@pytest.mark.slow("frequencies", "count", "modes", "like")
 @pytest.mark.parametrize(
     "ask",
     [
@@ -49,6 +50,7 @@ def test_a_negative_mass_is_refused_by_the_name_of_its_nodes(negative, ask):
     assert fault.value.code == "singular_mass"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [7, 8, 9, 10])
 def test_a_negative_mass_on_the_command_line(mode):
     builder = mechanisms.planar_guide(elongation=True, inertia=-0.01, force=(0, -1.0))
@@ -58,6 +60,7 @@ def test_a_negative_mass_on_the_command_line(mode):
     assert "left1.rotation.phi" in found.data["message"]
 
 
+@pytest.mark.slow
 def test_a_code_says_so_where_nothing_is_raised(negative):
     def code(model):
         with pytest.raises(fm.AnalysisError) as fault:
@@ -79,6 +82,7 @@ def test_negative_rotary_inertia_is_legal_while_the_mass_matrix_is_positive(iner
     np.testing.assert_allclose(fm.frequencies(lin), np.sqrt(values) / (2 * np.pi), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_motion_without_mass_is_none_with_a_negative_one():
     """Massless rotations, alone and combined with others, stay left out."""
     b = fm.Builder()
@@ -100,6 +104,7 @@ def test_a_motion_without_mass_is_none_with_a_negative_one():
 # -- no mass ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_carries_no_mass_is_named_in_a_simulation():
     b = motions.pendulum()
     b.members = {name: member for name, member in b.members.items() if not member.hidden}
@@ -116,6 +121,7 @@ def test_one_of_two_motions_that_carries_no_mass_is_named_in_a_simulation():
     assert fault.value.code == "singular_mass"
 
 
+@pytest.mark.slow
 def test_a_motion_with_neither_mass_nor_stiffness_is_named():
     for ask in (fm.frequencies, fm.modes, fm.poles):
         with pytest.raises(fm.AnalysisError, match=r"arm\.phi.* no mass either: give it a mass or an inertia") as fault:
@@ -180,6 +186,7 @@ def test_compliance_beside_a_free_motion():
     np.testing.assert_array_equal(each["A"], 0)
 
 
+@pytest.mark.slow
 def test_compliance_of_a_free_motion_in_a_path_is_null_with_a_warning():
     b = fm.Builder()
     for name, place in {"A": (0, 0), "B": (0.1, 0), "P": (0, 0.1), "Q": (0, 0.2)}.items():
@@ -200,6 +207,7 @@ def test_compliance_of_a_free_motion_in_a_path_is_null_with_a_warning():
     assert not np.any(np.isnan(compliance["Q"]))
 
 
+@pytest.mark.slow
 def test_compliance_of_slender_springs_is_not_called_free():
     # EA L^2/EI of 1e9, coordinates in which stretching and bending mix.
     b = fm.Builder()
@@ -216,6 +224,7 @@ def test_compliance_of_slender_springs_is_not_called_free():
     assert np.all(np.isfinite(np.concatenate(list(fm.linear.directional_compliance(model).values()))))
 
 
+@pytest.mark.slow
 def test_derivative_of_a_compliance_still_is():
     def flexibility(thickness):
         b = fm.Builder()

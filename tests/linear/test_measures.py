@@ -36,6 +36,7 @@ def hertz(stiff):
     return np.sqrt(exact(stiff)) / (2 * np.pi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.0, 1e-13, 1e-11, 1e-9, 1e-6, 1e-3])
 @pytest.mark.parametrize("function", [jnp.sum, fm.linear.smooth_minimum], ids=["sum", "smooth minimum"])
 def test_functions_of_a_cluster_have_right_derivatives(gap, function):
@@ -54,6 +55,7 @@ def test_functions_of_a_cluster_have_right_derivatives(gap, function):
     np.testing.assert_allclose(forward, reverse, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_near_a_repeated_pair_each_eigenvalue_has_its_own_derivative():
     # Two coupled oscillators: omega^2 = (k +- s/2)/m moves by +-1/(2 m) per skew stiffness, however near they are.
     for gap in (1e-3, 1e-6, 1e-8):
@@ -63,6 +65,7 @@ def test_near_a_repeated_pair_each_eigenvalue_has_its_own_derivative():
         np.testing.assert_allclose(slopes[:, 2], [0.0, 1 / M], atol=1e-15 / gap / M * 10 + 1e-9)
 
 
+@pytest.mark.slow
 def test_vectors_and_second_derivatives_at_a_repeated_pair():
     a, b = np.diag([1.0, 1.0, 3.0]), np.diag([1.0, 2.0, 1.0])
     turn = np.array([[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]])
@@ -94,6 +97,7 @@ def test_vectors_and_second_derivatives_at_a_repeated_pair():
         assert twice[1] == pytest.approx(float(expected[1]), rel=1e-11)
 
 
+@pytest.mark.slow
 def test_smooth_minimum_is_near_the_minimum():
     values = jnp.array([2.0, 2.0, 3.0, jnp.inf])
     # Closed form: (2 + (2/3)^50)^(-1/50) * 2.
@@ -127,6 +131,7 @@ def test_three_modes_that_change_places_in_turn_are_followed():
     np.testing.assert_array_equal(fm.linear.follow_modes(masses(1.0, 2.0, 3.0), masses(2.0, 3.0, 1.0)), [1, 2, 0])
 
 
+@pytest.mark.slow
 def test_a_frequency_is_followed_through_a_crossing():
     shape = fm.modes(cross((K, 1.4 * K, 0.0))).q_shapes[:, 1]  # along y
 

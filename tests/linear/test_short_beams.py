@@ -28,6 +28,7 @@ def cantilever(gap, positions=False):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-6, 1e-9])
 def test_a_short_beam_is_as_good_as_none(gap):
     """But for its share gap/0.15 of what bends, and round-off eps 0.15/gap of its length: 7e-6 and 3e-8."""
@@ -43,6 +44,7 @@ def test_a_short_beam_is_as_good_as_none(gap):
     assert np.all(np.abs(poles.real) < 1e-9 * np.abs(poles))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-5, 1e-6, 1e-8, 1e-10])
 def test_what_round_off_hides_is_refused_by_name(gap):
     """Of positions, the stiffness of the short beam leaves no digits: eps EI/gap^3 beside that of the leaf spring."""
@@ -53,12 +55,14 @@ def test_what_round_off_hides_is_refused_by_name(gap):
         fm.frequencies(cantilever(gap), sparse=True, count=3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-6, 1e-8, 1e-10])
 def test_a_compliance_that_round_off_hides_is_refused_by_name(gap):
     with pytest.raises(fm.AnalysisError, match=r"round-off .* 'DE'|singular"):
         fm.compliance(cantilever(gap), "E", sparse=True)
 
 
+@pytest.mark.slow
 def test_a_compliance_is_exact_beside_a_short_beam():
     length = 0.15 + 3e-6
     expected = length**3 / (3 * LEAF.material.E * LEAF.width * LEAF.thickness**3 / 12)

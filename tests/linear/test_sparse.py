@@ -33,6 +33,7 @@ def bent(thickness=1e-3, check=False):
     return b.build(check=check)
 
 
+@pytest.mark.slow
 def test_answers_are_those_of_dense_matrices():
     dense, large = bent(check=True), fm.linearize(bent(), sparse=True)
     own = fm.modes(large, count=4)
@@ -53,6 +54,7 @@ def test_answers_are_those_of_dense_matrices():
     np.testing.assert_allclose(large.position("n7"), fm.linearize(dense).position("n7"), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_matrices_are_those_of_scipy():
     """Frequencies of the matrices given away, solved by SciPy in the motions that the constraints allow."""
     import scipy.linalg
@@ -65,6 +67,7 @@ def test_matrices_are_those_of_scipy():
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_spectral_beam_and_a_law_are_those_of_dense_matrices():
     """Elements whose stiffness depends on their deformations."""
 
@@ -84,6 +87,7 @@ def test_a_spectral_beam_and_a_law_are_those_of_dense_matrices():
     np.testing.assert_allclose(found.eigenvalues, wanted.eigenvalues, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_central_differences():
     def answers(thickness):
         large = fm.linearize(bent(thickness), sparse=True)
@@ -107,6 +111,7 @@ def test_derivatives_are_those_of_central_differences():
     assert float(both(start)[1]) == pytest.approx(float(difference), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_repeated_frequencies_have_derivatives_of_what_does_not_depend_on_shapes():
     """A square rod: two modes of one frequency; by a cantilever's formula it is as the thickness."""
 
@@ -131,6 +136,7 @@ def test_repeated_frequencies_have_derivatives_of_what_does_not_depend_on_shapes
     assert float(slope[1]) == pytest.approx(-2 * float(value[1]) / 2e-3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_what_is_chosen_and_refused():
     large = fm.linearize(bent(), sparse=True)
     with pytest.raises(ValueError, match="give `count`"):
@@ -154,6 +160,7 @@ def test_what_is_chosen_and_refused():
         fm.compliance(b.build(check=False), "b", sparse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("released", [None, (2, 3)])
 def test_what_is_far_below_zero_is_not_lost(released):
     """A column beyond its second buckling load: both frequencies below zero, though others are nearer to it."""
@@ -196,6 +203,7 @@ def comb(leaves, check=False):
     return b.build(check=check)
 
 
+@pytest.mark.slow
 def test_few_motions_of_many_coordinates_are_found_one_and_all():
     """One cubic beam whose top may only shift buckles at 10 EI/L^2; its six frequencies are those of dense matrices."""
     large = comb(3)
@@ -227,6 +235,7 @@ def test_every_copy_of_a_repeated_value_is_found():
             assert np.sum(np.abs(found / found[0] - 1) < 1e-6) == min(count, 60)
 
 
+@pytest.mark.slow
 def test_another_model_and_failures_that_are_not_raised_are_refused():
     with pytest.raises(ValueError, match="of another model"):
         fm.compliance(comb(2), "t0", at=fm.linearize(bent(), sparse=True))
@@ -250,6 +259,7 @@ def light_line(masses, clamped=True, inertia=None):
     return b.build(check=False)
 
 
+@pytest.mark.slow
 def test_a_mass_on_many_beams_without_mass():
     """Closed form: a point mass at the end of a cantilever bends and stretches it; nothing else has mass."""
     model = light_line({40: 1.0})
@@ -274,6 +284,7 @@ def test_a_mass_on_many_beams_without_mass():
         np.testing.assert_allclose(change, np.where(np.isfinite(own), -own / 2, 0.0), rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clamped", [True, False])
 def test_soft_and_free_motions_leave_others_their_digits(clamped):
     """Closed form of equal masses on equal springs, along the line; without a clamp three motions are free."""
@@ -290,6 +301,7 @@ def test_soft_and_free_motions_leave_others_their_digits(clamped):
     assert np.sum(np.abs(found) < 1e-3 * found[10]) == 3 * (not clamped)
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("space", [False, True])
 def test_a_cantilever_of_any_size_vibrates_alike(space):
     """Of a nanometre too, stiffnesses are 1e16 times below the constraints beside them."""
@@ -309,6 +321,7 @@ def test_a_cantilever_of_any_size_vibrates_alike(space):
     np.testing.assert_allclose([lowest(size) for size in (1e-6, 1e-8, 1e-9, 1e-12)], lowest(1.0), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_negative_mass_is_refused():
     """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
     with pytest.raises(fm.AnalysisError, match="a negative one"):
@@ -399,6 +412,7 @@ def test_the_host_is_not_asked_about_what_has_failed_before():
     assert np.isnan(jax.jit(lambda a: on_host(never, jax.ShapeDtypeStruct((), float), a))(np.nan))
 
 
+@pytest.mark.slow
 def test_frequencies_at_any_size_of_a_net():
     """All lengths times U: frequencies are those of U = 1, by dense matrices, over U. Thin beams and a thick one."""
 

@@ -47,6 +47,7 @@ def rotor(beams=24, load=3.0, cross=2.0, check=False):
     return b.build(check=check)
 
 
+@pytest.mark.slow("6")
 @pytest.mark.parametrize("count", [6, 7, 100])
 def test_slowest_poles_are_those_of_dense_matrices(count):
     """By Arnoldi iterations; where so many are asked for, one and all."""
@@ -85,6 +86,7 @@ def light_column():
     return b
 
 
+@pytest.mark.slow
 def test_a_column_of_many_beams_flutters_at_the_load_of_beck():
     """A12, closed form 20.05; beyond it a pair of poles leaves the axis, by the root of what is beyond."""
     assert np.max(np.real(fm.poles(beck(20.04), count=4))) < 1e-6
@@ -102,6 +104,7 @@ def test_steadiness_by_eigenvalues_of_stiffness_and_mass():
         assert is_steady(fm.linearize(b.build(check=False), sparse=True).elements) is steady
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("copies", "count"), [(12, 24), (30, 61)])
 def test_every_copy_of_a_repeated_pole_is_found(copies, count):
     """Columns alike; iterations see one pair of each, but for what round-off shows them, of thirty nearly all."""
@@ -110,6 +113,7 @@ def test_every_copy_of_a_repeated_pole_is_found(copies, count):
     assert np.sum(np.abs(found / np.min(found) - 1) < 1e-9) == min(len(found), 2 * copies)
 
 
+@pytest.mark.slow
 def test_derivatives_of_poles_are_those_of_dense_matrices():
     """By a load that follows, and what a bearing pushes across: neither stiffness nor damping is symmetric."""
 
@@ -147,6 +151,7 @@ def test_masses_of_few_coordinates_have_few_poles():
         np.testing.assert_allclose(np.abs(found), [np.sqrt(3.0)] * 2 + [100.0] * 2, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_responses_are_those_of_dense_matrices():
     hertz = np.array([0.1, 0.5, 1.2])
     large, dense = fm.linearize(rotor(), sparse=True), rotor(check=True)
@@ -176,6 +181,7 @@ def test_derivatives_are_those_of_central_differences():
     assert float(both(start)[1]) == pytest.approx(float(difference), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_refused():
     large = fm.linearize(rotor(), sparse=True)
     for ask in (fm.frequencies, fm.modes):

@@ -33,6 +33,7 @@ def pair(values, seed=3):
     return turned @ np.diag(stiffness) @ turned.T, turned @ np.diag(mass) @ turned.T
 
 
+@pytest.mark.slow("ordinary", "massless", "free")
 @pytest.mark.parametrize("name", CASES)
 def test_every_solution_finds_the_same(name):
     values = np.array(CASES[name])
@@ -59,12 +60,14 @@ def test_complex_eigenvalues_are_no_real_ones():
     assert is_real(found).tolist() == [False, False, True]
 
 
+@pytest.mark.slow
 def test_frequencies_on_the_host_are_those_of_traced_numbers():
     values = np.array([-4.0, 0.0, 9.0, np.inf])
     np.testing.assert_array_equal(to_frequency(values), np.asarray(to_frequency(jnp.asarray(values))))
     assert to_frequency(values)[2] == pytest.approx(1.5 / np.pi, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_motions_without_mass_are_condensed():
     """What is condensed answers a force as a static problem in which the others stand still by their inertia."""
     k, m = pair(np.array(CASES["massless"]))

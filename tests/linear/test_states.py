@@ -33,6 +33,7 @@ ASKS = {
 }
 
 
+@pytest.mark.slow("modes", "poles", "compliance", "directional_compliance", "to_statespace")
 @pytest.mark.parametrize("name", ASKS)
 def test_a_load_takes_its_share_of_the_stiffness(pressed, name):
     model, path = pressed
@@ -42,6 +43,7 @@ def test_a_load_takes_its_share_of_the_stiffness(pressed, name):
         assert float(ask(model, **at) / ask(model, increment=0.0)) == pytest.approx(1 - LOAD / CRITICAL, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_buckling_counts_from_the_increments_that_act(pressed):
     model, path = pressed
     for at in ({"increment": 1.0}, {"at": path, "step": -1}):
@@ -50,6 +52,7 @@ def test_buckling_counts_from_the_increments_that_act(pressed):
     assert float(fm.buckling(model, increment=1.0).multipliers[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_buckling_about_a_state_without_increments_scales_its_own_loads(pressed):
     model, _ = pressed
     constant = dataclasses.replace(model.parameters, loads=model.parameters.increment, increment=None)
@@ -76,6 +79,7 @@ def bent():
     return bent_strip()
 
 
+@pytest.mark.slow
 def test_stress_of_all_states_is_one_call(bent):
     path = fm.path(bent, step=0.5)
     found = fm.stress(bent, at=path)
@@ -108,6 +112,7 @@ def test_what_is_no_time_of_a_motion_is_named_beside_the_nearest(bent, swinging)
         fm.frequencies(bent, at=motion, time=half / 3)
 
 
+@pytest.mark.slow
 def test_states_of_a_motion(bent, swinging):
     half, motion = swinging
     found = fm.stress(bent, at=motion)
@@ -133,6 +138,12 @@ def renamed():
     return b.build()
 
 
+@pytest.mark.slow(
+    "<lambda>-TypeError-not an Equilibrium",
+    "<lambda>-TypeError-must be a Path",
+    "<lambda>-IndexError-2 steps",
+    "<lambda>-ValueError-goes with at=",
+)
 @pytest.mark.parametrize(
     ("ask", "kind", "words"),
     [

@@ -64,6 +64,7 @@ CANTILEVERS = {
 FORCE = 1e-4  # N: F L^2/EI = 2.5e-5, of which the square is what large deflection changes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "n"), CANTILEVERS.values(), ids=CANTILEVERS)
 def test_cantilever_with_a_force_at_its_tip(element, n):
     found = fm.stress(cantilever(element, n, LEAF, force=(0, 0, FORCE)))
@@ -87,6 +88,7 @@ def test_cantilever_with_a_force_at_its_tip(element, n):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "n"), [(spatial.beam, 2), (spatial.spectral_beam(3), 1)], ids=["beams", "spectral"]
 )
@@ -129,6 +131,7 @@ def test_truss_has_a_normal_force_alone():
     assert found.where.element == "right"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "n"), [(planar.beam, 16), (planar.spectral_beam(3), 1), (spatial.spectral_beam(3), 1)]
 )
@@ -160,6 +163,7 @@ def sections_of_rod(problem, places, z):
     return np.array(found)
 
 
+@pytest.mark.slow("inf")
 @pytest.mark.parametrize("shear", [np.inf, 30.0])
 def test_elastica_against_shooting(shear):
     rod = PlanarRod(1.0, 1.0, 1e4, shear, load=(0.3, -0.8))
@@ -188,6 +192,7 @@ RODS = {  # element, initial curvature of the rod in its section's axes, shear r
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "curvature", "shear", "load"), RODS.values(), ids=RODS)
 def test_rod_in_space_against_shooting(element, curvature, shear, load):
     rod = SpatialRod(1.0, 0.8, 1.0, 2.5, 1e4, shear, shear, curvature=curvature, load=load)
@@ -216,6 +221,7 @@ def test_rod_in_space_against_shooting(element, curvature, shear, load):
     assert np.all(errors < 3e-7), errors
 
 
+@pytest.mark.slow
 def test_cubic_beams_converge_with_order_two():
     problem = Cantilever(PlanarRod(1.0, 1.0, 1e4), (0.0, 0.0, 0.0), force=(0.0, 2.0))
     clamp = shooting.solve(problem)[2]
@@ -237,6 +243,7 @@ def bending_of(element):
     return tuple(np.flatnonzero(np.diag(stiffness)) + 1)
 
 
+@pytest.mark.slow
 def test_guide_at_a_stroke_with_fixed_elongation():
     """B1: the normal force of a leaf spring that does not stretch is a multiplier."""
     element = planar.spectral_beam(6)
@@ -266,6 +273,7 @@ def test_guide_at_a_stroke_with_fixed_elongation():
 # -- balance ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kinds", "n"),
     [((planar.beam, spatial.beam), 2), ((planar.spectral_beam(3), spatial.spectral_beam(3)), 1)],
@@ -298,6 +306,7 @@ def global_wrench(model, found, state, values, end):
     return np.r_[axes @ values[:3], axes @ values[3:]]
 
 
+@pytest.mark.slow
 def test_ends_balance_at_a_node_with_a_load():
     """A bent frame in space: what one leg hands on, less the load on the corner, the other takes up.
 
@@ -329,6 +338,7 @@ THICK = fm.Rectangle(W, 5 * T, mechanisms.steel(), rotary=False)
 WEIGHT = 7850 * LIGHT * W * 5 * T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "n"), CANTILEVERS.values(), ids=CANTILEVERS)
 def test_cantilever_under_its_own_weight(element, n):
     """Lying, hanging and at a slant at once, and one of each: statics of what lies beyond a place."""
@@ -347,6 +357,7 @@ def test_cantilever_under_its_own_weight(element, n):
     assert found.where[:2] == ("leaf 0", 0.0)
 
 
+@pytest.mark.slow
 def test_weight_between_two_supports():
     # M = w L^2 s (1 - s)/2 of a bar on two pins, V = w L (1/2 - s), closed form.
     n, b = 3, fm.Builder()
@@ -364,6 +375,7 @@ def test_weight_between_two_supports():
     np.testing.assert_allclose(found.values[:, :, 4] / scale / L, -s * (1 - s) / 2, rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_truss_under_its_own_weight_hangs():
     b = chain(planar.truss, [(0, 0), (0, -L)], THICK)
     b.fix("1", "x")
@@ -382,6 +394,7 @@ def twice_as_heavy():
     return b
 
 
+@pytest.mark.slow
 def test_weight_among_the_incremental_loads_counts_by_its_factor():
     """In equilibria, linearisations and steps of a path, all of which may be the state to be asked about."""
     model = twice_as_heavy().build()
@@ -398,6 +411,7 @@ def test_weight_among_the_incremental_loads_counts_by_its_factor():
     np.testing.assert_allclose(every[:, 0, 0, 4], factors * WEIGHT * L**2 / 2, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_heavy_cubic_beams_converge_with_order_two():
     """A tip that sinks by half the length, at a slant, against shooting: at the clamp and in the middle."""
     rod = PlanarRod(1.0, 1.0, 1e4, load=(3.0, -6.0))
@@ -445,6 +459,7 @@ def falling(s, rotary=0.0):
     return -(1 - s) - a * (1 - s**2) / 2, moment
 
 
+@pytest.mark.slow("beam-0.0", "beam-0.1", "spectral-0.0")
 @pytest.mark.parametrize("rotary", [0.0, 0.1])
 @pytest.mark.parametrize(
     ("element", "released"),
@@ -469,6 +484,7 @@ def test_bar_that_falls_about_a_hinge(element, released, rotary):
     np.testing.assert_allclose(found.values[0, :, 4] / scale / L, moment, rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow("spectral")
 @pytest.mark.parametrize(
     ("element", "released", "speed"),
     [(spatial.beam, (1,), 0.0), (spatial.spectral_beam(2), (7, 8), np.sqrt(LIGHT / L))],
@@ -537,6 +553,7 @@ def dofs():
     return guide(T).q_labels
 
 
+@pytest.mark.slow
 def test_derivatives_by_thickness_stroke_load_length_and_weight(dofs):
     @fm.jit
     def answers(numbers):
@@ -555,6 +572,7 @@ def test_derivatives_by_thickness_stroke_load_length_and_weight(dofs):
         np.testing.assert_allclose(found[:, i] * at[i] / size, difference / size, rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_maximum_is_a_number_of_the_batch_too(dofs):
     thicknesses = np.array([0.4e-3, 0.5e-3, 0.6e-3])
 
@@ -607,6 +625,7 @@ def test_smooth_maximum_keeps_its_bound_and_scales():
 # -- which elements, and what is refused ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_rows_are_in_the_order_of_the_model_and_leave_rigid_elements_out():
     """Sections of three kinds in one block of beams, a rigid beam among them, and a truss in between."""
     steel = mechanisms.steel()
@@ -637,6 +656,7 @@ def test_rows_are_in_the_order_of_the_model_and_leave_rigid_elements_out():
     np.testing.assert_allclose(np.mean(found.sigma_x[:, 0], axis=1), pulls / areas, rtol=1e-4, atol=1e4)
 
 
+@pytest.mark.slow
 def test_refusals():
     b = chain(planar.beam, straight(2, False), LEAF)
     b.node("far", (0.1, 0.1))
@@ -684,6 +704,7 @@ def test_an_element_without_stress_is_left_out():
         fm.stress(b.build(check=False))
 
 
+@pytest.mark.slow
 def test_where_needs_concrete_numbers(dofs):
     with pytest.raises(TypeError, match=r"outside jax\.jit"):
         fm.jit(lambda t: fm.stress(guide(t, dofs=dofs)).where.place)(T)
@@ -692,6 +713,7 @@ def test_where_needs_concrete_numbers(dofs):
         found.smooth_maximum(1.0)
 
 
+@pytest.mark.slow
 def test_answers_have_the_stress_of_sections_with_a_shape():
     largest = 6 * WEIGHT * L**2 / 2 / (W * (5 * T) ** 2)
     for mode, factor in ((7, 1), (10, 2)):
@@ -734,6 +756,7 @@ def test_both_sides_of_a_break_are_looked_at():
     np.testing.assert_allclose(found.smooth_maximum(4.0), norm, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_step_moves_and_what_is_looked_at_beside_it():
     # With two points the middle of either part is looked at as well.
     np.testing.assert_allclose(stepped(0.37, points=2).places, [0, 0.185, 0.37, 0.37, 0.685, 1], atol=1e-8)
@@ -760,6 +783,7 @@ def test_stress_between_the_ends_of_a_spectral_beam():
     assert found.where.place == pytest.approx(np.pi / 5, abs=1 / 64)
 
 
+@pytest.mark.slow("breaks0")
 @pytest.mark.parametrize("breaks", [(), (0.1, 0.2)])
 def test_stress_in_a_groove_between_the_places(breaks):
     """Under a moment M alone 6 M/(w t^2) where a section is thinnest."""

@@ -54,6 +54,7 @@ JACOBIANS = {
 }
 
 
+@pytest.mark.slow("sparse, forward")
 @pytest.mark.parametrize("mode", JACOBIANS)
 def test_derivatives_are_those_of_the_closed_form(mode):
     """Round-off of numbers of a few hundred."""
@@ -99,6 +100,7 @@ def test_a_repeated_pole_of_one_vector_has_no_derivative():
     assert np.all(np.isfinite(_vectors(k, c, m, poles, 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [False, True])
 def test_of_a_guide_with_damping_under_load(sparse):
     """Against central differences of poles of known numbers: their error is 1e-10 for the second step, so 1e-7."""

@@ -7,6 +7,7 @@ import pytest
 from flexmb.math.block_tridiagonal import factorise_blocks, parts_of
 
 
+@pytest.mark.slow("1-float", "1-complex", "7-float", "23-float", "23-complex", "150-float", "150-complex")
 @pytest.mark.parametrize("kind", [float, complex])
 @pytest.mark.parametrize("count", [1, 7, 23, 150])
 def test_it_is_solved(count, kind):

@@ -60,6 +60,7 @@ def test_more_poles_whose_last_digits_do_not_settle(still):
     np.testing.assert_allclose(found, 1j * roots**2, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_shapes_of_many_short_beams_change_as_those_of_fewer():
     def end(tip, beams):
         return fm.modes(row(beams, tip), count=2, sparse=True).shape(f"n{beams}", "y")
@@ -96,6 +97,7 @@ def height(stiffness, beams):
     return fm.equilibrium(model, sparse=True).position(f"n{beams}")[1]
 
 
+@pytest.mark.slow
 def test_derivatives_of_many_short_beams_under_load_are_alike_forward_and_reverse():
     forward = fm.jit(jax.jacfwd(lambda s: height(s, 1000)))(1.0)
     reverse = fm.jit(jax.grad(lambda s: height(s, 1000)))(1.0)
@@ -103,6 +105,7 @@ def test_derivatives_of_many_short_beams_under_load_are_alike_forward_and_revers
     np.testing.assert_allclose(reverse, forward, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_derivatives_of_many_short_beams_under_load():
     """What a bending stiffness makes of a large deflection, of which 100 and 200 beams tell the error of more."""
     few, more, many = (fm.jit(jax.jacfwd(lambda s, n=n: height(s, n)))(1.0) for n in (100, 200, 1000))
@@ -128,6 +131,7 @@ def test_forces_that_constraints_bear_alone_move_nothing():
     np.testing.assert_allclose(found, [[0, -axis[1] / 3], [0, axis[0] / 3], [1, 0]], atol=1e-14)
 
 
+@pytest.mark.slow
 def test_many_short_beams_bifurcate_along_a_path_as_fewer():
     """Pressed columns bend aside at the same load, however finely they are divided."""
     few, many = (

@@ -50,6 +50,7 @@ def _poses(x):
     return exponential(x.reshape(1, 6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", [_products, _single_operations, _programs, _constant_or_itself, _poses])
 def test_rates_are_those_of_derivatives_one_by_one(function):
     rng = np.random.default_rng(3)
@@ -78,6 +79,7 @@ def test_rates_are_those_of_derivatives_one_by_one(function):
                         assert own.shape[1] == 1
 
 
+@pytest.mark.slow
 def test_rates_may_be_batched_and_differentiated():
     rng = np.random.default_rng(4)
     x, v = (jnp.asarray(rng.uniform(0.5, 1.0, (5, 6))) for _ in range(2))

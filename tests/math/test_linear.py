@@ -97,6 +97,7 @@ def test_derivative_of_a_solution(matrix, change):
             assert float(reverse) == pytest.approx(float(forward), rel=0, abs=10 * atol)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transposed", [False, True])
 def test_second_derivatives_in_every_order(transposed):
     """That of the inverse of a matrix that is linear in a number: x'' = 2 A^-1 A' A^-1 A' x."""
@@ -269,6 +270,7 @@ def test_second_derivative_of_the_sum_of_a_repeated_pair_at_constant_b(seed, b, 
     assert twice((a, b), (da, db)) == pytest.approx(expected, rel=1e-3, abs=1e-3)
 
 
+@pytest.mark.slow
 @given(symmetric, definite, symmetric, symmetric)
 def test_vectors_of_a_repeated_pair_keep_their_norm_and_their_plane(seed, b, da, db):
     """W^T B W = I holds along the derivative, and the plane of the pair, W W^T over it, turns as it should."""
@@ -298,6 +300,7 @@ def separated(n=40, seed=5):
     return mix @ np.diag(1.0 / np.arange(1, n + 1) ** 4) @ mix.T, mix @ mix.T + 0.1 * np.eye(n), a + a.T, b + b.T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 3])
 def test_leading_pairs_and_their_derivatives(count):
     """Against LAPACK by scipy, and against central differences, first and second."""
@@ -324,6 +327,7 @@ def test_leading_pairs_and_their_derivatives(count):
     np.testing.assert_allclose(forward[1], second, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_leading_pairs_that_do_not_separate():
     """More equal eigenvalues than are iterated together: all are computed."""
     b = np.diag(np.linspace(1.0, 2.0, 60))

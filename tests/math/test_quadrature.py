@@ -8,6 +8,7 @@ from numpy.polynomial import legendre
 from flexmb.math.quadrature import gauss, legendre_integrals, legendre_integrals_at, legendre_values_at
 
 
+@pytest.mark.slow("2", "3", "9")
 @pytest.mark.parametrize("order", [1, 2, 3, 9])
 def test_values_and_integrals_at_traced_places(order):
     s = np.array([0.0, 0.2, 0.5, 1.0])

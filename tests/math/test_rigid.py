@@ -31,6 +31,7 @@ def test_exponential_and_its_derivatives(angle):
     np.testing.assert_allclose(found[2], (either[0] - either[1]) / (2 * step), atol=2e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 4, 8])
 def test_products_of_poses(count):
     poses = np.asarray(exponential(np.random.default_rng(1).uniform(-1, 1, (count, 6))))

@@ -43,6 +43,7 @@ def test_plane(angle):
     np.testing.assert_allclose(r.rotation_plane(angle), expected, atol=20 * EPS)
 
 
+@pytest.mark.slow
 @given(npst.arrays(float, 3, elements=st.floats(-10, 10)))
 def test_cosine_and_sine(angles):
     """They and their derivatives, forward, reverse and both, are those of NumPy's."""
@@ -162,6 +163,7 @@ def test_initial_frame_of_ties(axis, y):
     np.testing.assert_allclose(frame[:, 1], y, atol=EPS)
 
 
+@pytest.mark.slow
 @given(vectors, vectors, vectors, st.floats(0.01, 100))
 def test_initial_frame_by_a_vector(p, axis, y, scale):
     hypothesis.assume(np.linalg.norm(axis) > 0.1)

@@ -27,6 +27,7 @@ def test_rotations_are_those_of_scipy(size):
     np.testing.assert_allclose(rotations.product(both, rotations.inverse(mine)), second, **close)
 
 
+@pytest.mark.slow
 def test_rotations_have_derivatives_at_zero():
     def there_and_back(vector):
         return rotations.to_vector(rotations.from_vector(vector))

@@ -30,6 +30,7 @@ def planar_pendulum(gravity, joint="shared"):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", ["shared", "hinge"])
 def test_hanging_pendulum_in_the_plane(joint):
     model = planar_pendulum(-9.81, joint)
@@ -50,6 +51,7 @@ def test_inverted_pendulum_is_reported_unstable():
     assert found.frequencies[0] == pytest.approx(-PENDULUM, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_hanging_pendulum_in_space():
     b = fm.Builder()
     b.node("joint", (0, 0, 0))
@@ -91,6 +93,7 @@ def column(beams, length=0.1, extension=0.0, force=(0.0, -1.0), held="free", sec
     return b
 
 
+@pytest.mark.slow
 def test_rigid_extension_buckles_at_the_right_load():
     # P2: k l tan(k l) = l/e, P = 2.91443467 N; without the stiffness of constraint forces 9.7154 would come out.
     loads = [float(fm.buckling_loads(column(n, extension=0.1).build())[0]) for n in (2, 4, 8)]
@@ -101,6 +104,7 @@ def test_rigid_extension_buckles_at_the_right_load():
     assert np.log2(errors[0] / errors[1]) > 3.5
 
 
+@pytest.mark.slow
 def test_rigid_extension_changes_sign_of_stability_at_its_load():
     stable = [
         bool(fm.modes(column(4, extension=0.1, force=(0, -p)).build()).stable) for p in (2.90, 2.93)
@@ -108,6 +112,7 @@ def test_rigid_extension_changes_sign_of_stability_at_its_load():
     assert stable == [True, False]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ["cubic", "spectral"])
 def test_lowest_eigenvalue_is_zero_at_the_load_of_linear_buckling(element):
     # P2 by mode 7 and by mode 8: two questions, one load.
@@ -143,6 +148,7 @@ def test_side_load_grows_towards_the_buckling_load():
     assert displacement(2.8) / displacement(1.5) == pytest.approx(12.4, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("held", "value"),
     [
@@ -162,6 +168,7 @@ def test_euler_columns(held, value):
     assert abs(load / value - 1) < 2 * (value / 4**2) ** 2 / 720 + 2 * value / 1e6
 
 
+@pytest.mark.slow
 def test_euler_column_scales_with_thickness_and_length():
     def load(t, length):
         b = column(4, length, section=fm.Rectangle(0.018, t, fm.Material(210e9, 80e9, 7850.0)))
@@ -175,6 +182,7 @@ def test_euler_column_scales_with_thickness_and_length():
     assert by_l * 0.1 / value == pytest.approx(-2, abs=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dofs", [("a.x", "b.x"), ("a.x", "bar.1")], ids=["places", "elongation"])
 def test_free_masses_have_a_frequency_besides_their_common_motion(dofs):
     b = fm.Builder()

@@ -232,6 +232,7 @@ def linearised(chain):
 # -- equilibrium ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @every_chain
 def test_equilibrium_satisfies_its_constraints(chain):
     for whole, found in balanced(chain):
@@ -247,6 +248,7 @@ def test_equilibrium_satisfies_its_constraints(chain):
         np.testing.assert_allclose(np.asarray(found.sigma)[free], expected[free], atol=200 * 200 * EPS)
 
 
+@pytest.mark.slow("spatial")
 @every_chain
 def test_reactions_balance_the_loads(chain):
     for whole, found in balanced(chain):
@@ -275,6 +277,7 @@ def test_reactions_balance_the_loads(chain):
         np.testing.assert_allclose(turning, 0, atol=1e-12)
 
 
+@pytest.mark.slow("spatial")
 @every_chain
 def test_weight_is_mass_times_gravity(chain):
     for whole, at in balanced(chain):
@@ -294,6 +297,7 @@ def test_weight_is_mass_times_gravity(chain):
 # -- linearisation --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @every_chain
 def test_tangent_is_the_second_difference_of_the_potential(chain):
     """K0 + G0, DFx, DFe and the second transfer function, by differences over configurations solved for here."""
@@ -335,6 +339,7 @@ def test_tangent_is_the_second_difference_of_the_potential(chain):
     np.testing.assert_allclose(np.asarray(d2e)[whole.held], 0, atol=1e-11)
 
 
+@pytest.mark.slow
 @every_chain
 def test_reduced_matrices_are_projections(chain):
     """M0 of the assembled mass matrix, K0 of the stiffness assembled member by member; D0 vanishes without damping."""
@@ -369,6 +374,7 @@ def spatial_arm(n: Numbers) -> fm.Builder:
     return b
 
 
+@pytest.mark.slow
 def test_derivatives_of_the_equilibrium():
     """By two forces, which scale a moment too, a rigidity and a node's position."""
     base = Numbers(np.zeros((3, 3)), [1.0, 1.2, 0.9, 1.1], np.zeros(3), np.array([0.1, -0.4, 0.2]))
@@ -402,6 +408,7 @@ def test_derivatives_of_the_equilibrium():
     assert reverse @ along == pytest.approx(weights @ forward, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_a_builder_under_a_batched_derivative():
     """Numbers of which one is stacked and another is not, batched: as any jacfwd over a builder has them."""
 
@@ -412,6 +419,7 @@ def test_a_builder_under_a_batched_derivative():
     assert np.all(np.isfinite(jax.jacfwd(reference)(jnp.array([1.0, 2.0]))))
 
 
+@pytest.mark.slow
 def test_displacement_under_a_force_is_the_compliance_of_the_tangent():
     """dx/df = DFx (K0 + G0)^-1 DFx^T, with a moment about a fixed axis too, whose tangent is not symmetric."""
     n = Numbers(np.zeros((3, 3)), [1.0, 1.2, 0.9, 1.1], np.array([0.3, -0.4, 0.1]), np.array([0.1, -0.4, 0.2]))
@@ -495,6 +503,7 @@ def embedded(space: bool, force) -> fm.Model:
     return b.build(dofs="named")
 
 
+@pytest.mark.slow
 def test_plane_in_space():
     flat, deep = (fm.linearize(embedded(space, (0.5, -0.4))) for space in (False, True))
     # Local z of the spatial beam is minus y of the planar one: its bendings have the other sign.
@@ -529,6 +538,7 @@ def strained(kind: str) -> fm.Model:
     return b.build(dofs="named")
 
 
+@pytest.mark.slow
 def test_free_strain_and_the_prestress_that_is_its_like():
     found = {kind: fm.equilibrium(strained(kind)) for kind in ("strain", "prestress")}
     for equilibrium in found.values():
@@ -538,6 +548,7 @@ def test_free_strain_and_the_prestress_that_is_its_like():
     np.testing.assert_allclose(found["strain"].x, found["prestress"].x, atol=100 * EPS)
 
 
+@pytest.mark.slow
 def test_prescribed_rotation_past_full_turns():
     """An unloaded beam on a spatial hinge is carried round, more than two turns."""
     angle = -14.0

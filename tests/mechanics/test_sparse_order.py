@@ -39,6 +39,7 @@ def test_the_host_is_asked_where_there_is_no_chain_or_where_rows_may_change_plac
     assert again.places is order.places
 
 
+@pytest.mark.slow("float")
 @pytest.mark.parametrize("kind", [float, complex])
 def test_it_is_solved(kind):
     order: Any = order_of(wheel(20).topology)

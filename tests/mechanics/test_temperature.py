@@ -107,6 +107,7 @@ def tilt(model) -> Any:
     return fm.equilibrium(model).at("top0.rotation")[0]
 
 
+@pytest.mark.slow
 def test_a_warm_leaf_spring_tilts_its_guide():
     """By alpha L/(distance of the feet) for each kelvin: bending resists with some 1e-4 of what stretches."""
     np.testing.assert_allclose(tilt(guide(1.0)), 11.5e-6, rtol=2e-4)
@@ -127,6 +128,7 @@ def test_a_warm_leaf_spring_tilts_its_guide():
     np.testing.assert_allclose(many["tilt"], 11.5e-6 * np.array([10.0, 30.0, -20.0]), rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [False, True])
 def test_a_third_leaf_spring_makes_self_stress_and_a_free_one_none(sparse):
     """Three equal springs k = EA/L on a stage that only rises: the middle one pushes with 2/3 k alpha L."""
@@ -150,6 +152,7 @@ def test_a_third_leaf_spring_makes_self_stress_and_a_free_one_none(sparse):
         np.testing.assert_allclose(normal, expected, rtol=3e-4, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_over_constrained_guide_twists_its_stage_and_a_released_one_does_not():
     """One leaf spring warmer along one edge: it would be an arc in its own plane, which the other leaf spring resists.
 
@@ -193,6 +196,7 @@ def test_a_clamped_leaf_spring_buckles_by_heat():
     np.testing.assert_allclose(fm.buckling_loads(clamped_and_warmed(1.2))[0], 1 / 1.2, rtol=7.6e-3)
 
 
+@pytest.mark.slow
 def test_a_path_of_heat_leaves_where_linear_buckling_says():
     model = clamped_and_warmed(1.2)
     (point,) = fm.path(model).critical_points
@@ -280,6 +284,7 @@ def swelling(change, *, ref, expansion: float):
     return expansion * jnp.mean(change)[None]
 
 
+@pytest.mark.slow
 def test_an_element_of_ones_own_expands_by_its_companion():
     element = fm.Element(bar, energy=hardening, thermal=swelling)
     b = fm.Builder()

@@ -28,6 +28,7 @@ def rod(space: bool):
     return b.build()
 
 
+@pytest.mark.slow("False")
 @pytest.mark.parametrize("space", [False, True])
 def test_forces_turn_with_the_mechanism(space):
     model, random = rod(space), np.random.default_rng(5)

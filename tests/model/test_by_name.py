@@ -74,6 +74,7 @@ def test_reactions_of_a_cantilever_are_load_and_weight_and_their_moments(loaded)
     np.testing.assert_allclose(loaded.force_needed("foot"), loaded.reaction("foot"), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_states_and_modes_answer_alike(loaded):
     at = fm.equilibrium(loaded.model)
     modes = fm.modes(loaded)
@@ -98,6 +99,7 @@ def test_states_and_modes_answer_alike(loaded):
     assert "supports" in (type(loaded).reactions.__doc__ or "")
 
 
+@pytest.mark.slow
 def test_force_at_a_prescribed_tip_is_that_of_its_stiffness():
     stroke = 1e-3 * LENGTH
     # 3 EI / L^3 of small strokes; the next term is of the order of (stroke / L)^2, 1e-6.
@@ -119,6 +121,7 @@ def test_a_shaft_is_turned_by_its_torque():
     assert float(at.force_needed("tip", "rx")) == pytest.approx(1e-3, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_derivative_of_a_turn_is_finite_at_rest_and_a_mode_turns():
     turned = fm.jit(lambda torque: fm.equilibrium(shaft(torque)).rotation("tip", "rx"))
     assert float(jax.grad(turned)(0.0)) == pytest.approx(LENGTH / GIT, rel=1e-9)
@@ -128,6 +131,7 @@ def test_the_derivative_of_a_turn_is_finite_at_rest_and_a_mode_turns():
     assert np.max(np.abs(shape)) == pytest.approx(1 / np.sqrt(1e-3), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_body_on_a_hinge_turns_at_its_rate():
     b = fm.Builder()
     b.node("here", (0, 0, 0))
@@ -143,6 +147,11 @@ def test_a_body_on_a_hinge_turns_at_its_rate():
     np.testing.assert_allclose(at.angular_velocity("arm"), [0, 0, 2.0], atol=1e-12)
 
 
+@pytest.mark.slow(
+    "<lambda>-AttributeError-has no velocities: a configuration and a motion",
+    "<lambda>-AttributeError-Configuration has no reactions",
+    "<lambda>-KeyError-no rotation",
+)
 @pytest.mark.parametrize(
     ("ask", "kind", "words"),
     [

@@ -42,6 +42,7 @@ def test_the_model_is_that_of_a_build_with_these_numbers(model):
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_elements_that_are_named_alone_are_changed_in_their_order(model):
     changed = model.with_property("section.thickness", [0.7e-3, 0.5e-3], ["third", "first"])
     built = row((0.5e-3, 1e-3, 0.7e-3))
@@ -49,6 +50,7 @@ def test_elements_that_are_named_alone_are_changed_in_their_order(model):
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_one_number_of_jax_is_that_of_all(model):
     def first(thickness):
         changed = model.with_property("section.thickness", thickness)
@@ -57,6 +59,7 @@ def test_one_number_of_jax_is_that_of_all(model):
     assert float(jax.grad(first)(jnp.asarray(1e-3))) == 3.0
 
 
+@pytest.mark.slow
 def test_its_derivative_is_that_of_the_closed_form():
     """A cantilever of two leaf springs under a small force at its tip, where δ = F ∫ s²/EI ds."""
     b = fm.Builder()
@@ -78,6 +81,7 @@ def test_its_derivative_is_that_of_the_closed_form():
     np.testing.assert_allclose(jax.grad(tip)(jnp.asarray(start)), exact, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_refused(model):
     for path, values, elements, told in (
         ("section.thicknes", 1e-3, None, "No element of this model has a property 'section.thicknes'"),

@@ -58,6 +58,7 @@ def test_a_step_onto_a_jump_does_not_look_beyond_it():
     assert fm.jit(steps)(BEND) < 25
 
 
+@pytest.mark.slow
 def test_derivative_by_a_bend_that_stands_in_jumps():
     slope = fm.jit(jax.grad(lambda p: moved(lambda t: 5 * jnp.maximum(t - p, 0.0), jumps=[p])))
     for bend in BEND + 0.001 * np.arange(12):
@@ -65,6 +66,7 @@ def test_derivative_by_a_bend_that_stands_in_jumps():
         assert slope(bend) == pytest.approx(answer_to(lambda t: -5.0, bend, LAST), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_derivative_by_the_time_of_a_jump_of_what_moves():
     slope = fm.jit(jax.grad(lambda p: moved(lambda t: 20 + jnp.where(t > p, 5.0, 0.0), jumps=[p])))
     decay = DAMPING / (2 * MASS)
@@ -75,6 +77,7 @@ def test_derivative_by_the_time_of_a_jump_of_what_moves():
     assert slope(BEND) == pytest.approx(wanted, rel=2e-4)
 
 
+@pytest.mark.slow
 def test_derivative_by_the_times_of_a_table():
     begin, end = times = np.array([0.05, BEND])
     slopes = jax.grad(lambda times: moved(Table(times, jnp.array([0.0, 5.0])), rtol=1e-6))(times)
@@ -110,6 +113,7 @@ def test_derivatives_forward_name_what_they_ask_for():
         jax.jacfwd(lambda f: moved(lambda t: f * t))(1.0)
 
 
+@pytest.mark.slow
 def test_second_derivatives_in_reverse_name_what_they_ask_for():
     with pytest.raises(TypeError, match="differentiated in reverse once"):
         jax.eval_shape(jax.grad(jax.grad(lambda f: moved(lambda t: f * t))), 1.0)

@@ -47,6 +47,7 @@ def arm(beams: int):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plane", [True, False])
 def test_motion_and_what_follows_from_it_are_those_of_the_dense_form(plane):
     drives = {"motion": {"n0.y": foot}} if plane else {}
@@ -94,6 +95,7 @@ def test_what_the_form_does_not_cover_is_refused_by_name():
         fm.simulate(b.build(), TIMES, form="chain")
 
 
+@pytest.mark.slow
 def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
     model = arm(3)
     assert fm.simulate(model, TIMES, rtol=1e-8).form == "coordinates"
@@ -114,6 +116,7 @@ def test_a_motion_without_mass_is_named():
         fm.simulate(b.build(), TIMES, form="chain")
 
 
+@pytest.mark.slow
 def test_why_a_chain_does_not_start_is_said():
     """A load that is no number is not called a missing mass."""
     load = {"loads": {"n2.x": lambda t: jnp.where(t < 0.05, 1.0, jnp.nan)}, "motion": {"n0.y": foot}}
@@ -150,6 +153,7 @@ def test_its_loop_goes_where_that_of_diffrax_goes():
     assert int(fm.simulate(model, times / 0.6, rtol=1e-2, form="chain", dt0=0.04).steps) < 100
 
 
+@pytest.mark.slow
 def test_too_few_steps_are_named():
     short = fm.simulate(soft_pendulum(2), TIMES, form="chain", max_steps=5, throw=False)
     assert fm.RESULTS(int(short.result)) == fm.RESULTS.motion_unfinished
@@ -157,6 +161,7 @@ def test_too_few_steps_are_named():
     assert not np.any(np.isfinite(short.x[-1, 2:]))
 
 
+@pytest.mark.slow
 def test_its_failures_are_named():
     far = fm.simulate(soft_pendulum(2, held=False), [0.0, 1e5], form="chain", throw=False)
     assert fm.RESULTS(int(far.result)) == fm.RESULTS.ran_away

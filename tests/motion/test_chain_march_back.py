@@ -72,6 +72,7 @@ def slopes():
     return jax.grad(places)(AS_THEY_ARE)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_central_differences(slopes):
     step = 1e-3
     for i, slope in enumerate(slopes):
@@ -81,6 +82,7 @@ def test_derivatives_are_those_of_central_differences(slopes):
         np.testing.assert_allclose(slope, (beside[0] - beside[1]) / (2 * step), rtol=2e-4, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(slopes, monkeypatch):
     monkeypatch.setattr(tape, "KEPT", 3)
     # Newton's method ends elsewhere within its tolerance.
@@ -88,12 +90,14 @@ def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(slopes, monkeyp
     np.testing.assert_allclose(found, slopes, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_users_program_and_a_batch_have_the_same(slopes):
     together = jax.jit(jax.vmap(jax.grad(places)))(jnp.stack([AS_THEY_ARE, 1.01 * AS_THEY_ARE]))
     np.testing.assert_allclose(together[0], slopes, rtol=1e-5)
     np.testing.assert_allclose(together[1], jax.grad(places)(1.01 * AS_THEY_ARE), rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [arm, net])
 def test_derivatives_are_those_of_the_dense_form(kind):
     model = kind(2)

@@ -66,6 +66,7 @@ def hanging_rod() -> fm.Builder:
     return b
 
 
+@pytest.mark.slow
 def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
     """A rod that hangs from a crank of constant speed; the pin takes the mass along the rod from the first moment."""
     speed = 2.0
@@ -84,6 +85,7 @@ def test_a_mechanism_that_is_driven_from_its_start_moves_along_at_once():
     np.testing.assert_allclose(found.velocity("mass")[0], [0, speed], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_controller_sees_from_the_start_what_is_driven():
     """The first sample is that of the mass as the crank takes it along."""
     b = hanging_rod()

@@ -3,6 +3,7 @@
 import functools
 
 import numpy as np
+import pytest
 import scipy.linalg
 from scipy.integrate import simpson, solve_ivp
 
@@ -40,6 +41,7 @@ def alone(times):
     return solve_ivp(rates, (0, times[-1]), [1.0, 0, 0, 0, 0, 0], t_eval=times, **options).y[:3]
 
 
+@pytest.mark.slow
 def test_motion_is_that_of_its_own_equations():
     found, seen = motion()
     # Elements 1, 2 and 3 in the order of the file; a belt has its measured turn beside its elongation.
@@ -50,6 +52,7 @@ def test_motion_is_that_of_its_own_equations():
     np.testing.assert_allclose(seen.e[:, [2, 4]], np.stack([expected[0]] * 2, axis=1), rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_motion_looks_like_the_figure():
     _, seen = motion()
     turn, elongation = np.asarray(seen.e[:, 0]), 1e3 * np.asarray(seen.e[:, [1, 3]])
@@ -63,6 +66,7 @@ def test_motion_looks_like_the_figure():
     assert 0.5 < np.max(np.abs(elongation[-50:])) < 2
 
 
+@pytest.mark.slow
 def test_energy_changes_by_what_the_dampers_take():
     found, seen = motion()
     first = SPRING / 2
@@ -74,6 +78,7 @@ def test_energy_changes_by_what_the_dampers_take():
         np.testing.assert_allclose(seen.energy[end - 1], first + lost, rtol=0, atol=1e-4 * first)
 
 
+@pytest.mark.slow
 def test_frequencies_without_control_vary_with_the_belts():
     found, seen = motion()
     lin = fm.motion.linearize_motion(found)

@@ -52,6 +52,7 @@ def last(mass, event, **how):
     return found.t[np.isfinite(np.asarray(found.x)).all(axis=1)][-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("direction", "instant"), [(None, UP), (True, UP), (False, DOWN)])
 def test_a_crossing_and_its_return_within_one_step_are_seen(mass, direction, instant):
     # Of a free flight any step is exact, so that it spans both crossings.
@@ -59,11 +60,13 @@ def test_a_crossing_and_its_return_within_one_step_are_seen(mass, direction, ins
     assert last(mass, event) == pytest.approx(instant, abs=6e-4)
 
 
+@pytest.mark.slow
 def test_a_condition_that_holds_within_one_step_alone_ends_the_motion_while_it_holds(mass):
     event = diffrax.Event(lambda t, y, args, **_: height(t, y, args) > 0)
     assert UP < last(mass, event) < DOWN
 
 
+@pytest.mark.slow
 def test_of_two_conditions_within_one_step_the_first_in_time_ends_the_motion(mass):
     both = {"way down": height, "past": lambda t, y, args, **_: t > 0.9}
     event = diffrax.Event(both, optx.Newton(rtol=1e-8, atol=1e-8), {"way down": False, "past": None})
@@ -109,6 +112,7 @@ def test_a_root_finder_that_fails_is_named(mass):
     assert found.result == RESULTS.event_not_found
 
 
+@pytest.mark.slow
 def test_a_condition_that_leaves_zero_from_rest_is_told():
     b = fm.Builder()
     b.node("mass", (0.0, 0.0))

@@ -13,6 +13,7 @@ from flexmb import planar, spatial
 SOLVERS = {"alpha": fm.motion.GeneralizedAlpha(), "energy": fm.motion.EnergyKeeping()}
 
 
+@pytest.mark.slow
 def test_order_two():
     """REFERENCES M1, before chaos has grown: the error falls with the square of the step.
 
@@ -77,6 +78,7 @@ def test_steps_that_keep_energy_are_those_of_the_middle_rule(oscillator):
     np.testing.assert_allclose(found.at("mass")[:, 0] - 1.0, expected, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_parts_of_whole_steps(oscillator):
     times = np.linspace(0, 0.0314, 11)
     whole = fm.simulate(oscillator, times, **FEW)
@@ -86,6 +88,7 @@ def test_parts_of_whole_steps(oscillator):
     np.testing.assert_allclose(parts.x, whole.x, atol=1e-13)
 
 
+@pytest.mark.slow("0.0")
 @pytest.mark.parametrize("radius", [0.0, 0.8])
 def test_what_a_step_does_not_resolve_is_damped(oscillator, radius):
     """Steps of 160 periods: as the recursion of one coordinate, which dies out."""
@@ -96,6 +99,7 @@ def test_what_a_step_does_not_resolve_is_damped(oscillator, radius):
     assert np.max(np.abs(expected[25:])) < 0.25 * 1e-6
 
 
+@pytest.mark.slow
 def test_energy_is_kept_without_a_trend():
     """A flexible mechanism without losses: round-off alone, at steps that do not resolve its axial vibration.
 
@@ -124,6 +128,7 @@ def test_energy_is_kept_without_a_trend():
     assert np.max(np.abs(np.asarray(seen.e)[:, held]), initial=0.0) < 1e-12
 
 
+@pytest.mark.slow
 def test_too_large_a_step_is_named(oscillator):
     explicit = dict(solver=diffrax.Heun(), controller=diffrax.ConstantStepSize(), dt0=1.0)
     with pytest.raises(fm.AnalysisError, match="smaller dt0") as fault:
@@ -144,6 +149,7 @@ def test_what_fixed_steps_need(oscillator, options, expected):
         fm.simulate(oscillator, np.array([0.0, 1.0]), solver=fm.motion.EnergyKeeping(), **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "derivative", "adjoint"),
     [("alpha", jax.grad, diffrax.RecursiveCheckpointAdjoint()), ("energy", jax.jacfwd, diffrax.ForwardMode())],

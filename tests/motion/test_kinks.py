@@ -33,6 +33,7 @@ def cart(speed, mass):
     return b
 
 
+@pytest.mark.slow
 def test_derivatives_across_a_stop():
     """Flight, half a period on the spring of the stop, flight back; kinks are found to a millionth of a step."""
 
@@ -59,6 +60,7 @@ def thrown(gap, **how):
     return fm.simulate(thrown_at_a_stop(gap).build(), np.array([0.0, 2.0]), rtol=1e-7, **how).at("mass")[-1, 1]
 
 
+@pytest.mark.slow("reduced")
 @pytest.mark.parametrize("form", ["coordinates", "reduced"])
 def test_a_stop_that_is_met_and_left_within_a_step_throws_back(form):
     """Of a free flight any step is exact, so that its error tells nothing of a stop within it."""
@@ -66,6 +68,7 @@ def test_a_stop_that_is_met_and_left_within_a_step_throws_back(form):
     assert float(thrown(0.44, form=form)) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_derivatives_across_a_stop_that_is_met_within_a_step():
     value, slope = jax.value_and_grad(thrown)(jnp.asarray(0.44))
     assert float(value) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
@@ -86,6 +89,7 @@ def test_a_barrier_turns_back_what_cannot_pass_it():
         assert 0.45 < np.max(x) - 1 < 0.5
 
 
+@pytest.mark.slow
 def test_a_force_that_jumps_has_no_derivative_and_says_so():
     def place(force):
         b = cart(1.0, 2.0)

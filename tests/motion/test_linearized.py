@@ -10,6 +10,7 @@ import flexmb as fm
 from flexmb import planar
 
 
+@pytest.mark.slow
 def test_rotating_cantilever_stiffens():
     """REFERENCES C3: first lead-lag frequency; a linear beam on the hub would soften and diverge beyond 3.516."""
     model = motions.rotor().build()

@@ -53,6 +53,7 @@ def test_force_and_stress_by_feedback_of_places_and_rates():
     np.testing.assert_allclose(seen.energy, STIFFNESS * x**2 / 2 + MASS * v**2 / 2, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_inputs_as_functions_of_time_beside_a_controller():
     """Feedforward: the same constants from outside the controller, one as a table that jumps nowhere."""
 
@@ -118,6 +119,7 @@ def test_derivatives_of_what_is_measured():
     np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
 
 
+@pytest.mark.slow("0.0")
 @pytest.mark.parametrize("at", [0.0, 0.2, 0.4])
 def test_the_failure_of_any_interval_is_that_of_the_motion(at):
     """A load that no step is short enough for, in one of the intervals of a sampled controller."""
@@ -137,6 +139,7 @@ def lost(y):
     return jnp.where(y[:1] > 0, 0.0, jnp.nan)
 
 
+@pytest.mark.slow("state", "sampled")
 @pytest.mark.parametrize(
     ("controller", "what"),
     [
@@ -163,6 +166,7 @@ def test_a_controller_that_gives_no_number_is_named_with_the_time(controller, wh
     assert found == pytest.approx(expected, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_reference_that_gives_no_number_is_named():
     with pytest.raises(fm.AnalysisError, match=r"Argument `reference` is not finite at t = 0\.2"):
         fm.simulate(
@@ -200,6 +204,7 @@ def test_tangent_of_accelerations_and_reactions_fed_back_at_once():
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_accelerations_and_reactions_fed_back_at_once():
     """Through a controller with a state, against python-control's loop of the linear system, D of both in it."""
     model = shaken()

@@ -59,6 +59,7 @@ def test_states_and_steps_are_those_of_the_general_loop():
     np.testing.assert_array_equal(own.x[0], MODEL.parameters.reference)
 
 
+@pytest.mark.slow("-motion_unfinished")
 @pytest.mark.parametrize(
     ("options", "code"),
     [
@@ -76,6 +77,7 @@ def test_failures_are_those_of_the_general_loop(options, code):
     assert int(own.steps) == pytest.approx(int(other.steps), abs=60 if code == "ran_away" else 0)
 
 
+@pytest.mark.slow
 def test_motions_of_a_batch_end_each_at_its_own_time():
     ends = jnp.array([0.2, 1.0])
     rows = jax.vmap(lambda end: fm.simulate(MODEL, jnp.stack([jnp.zeros(()), end])).x[-1])(ends)

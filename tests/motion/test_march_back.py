@@ -114,6 +114,7 @@ def by_hand(p, rows=ROWS):
 P = jnp.array([0.7, 90.0, 0.4, 0.25, 2.25])
 
 
+@pytest.mark.slow("Oscillator")
 @pytest.mark.parametrize("kind", [Oscillator, Unsettled])
 def test_derivatives_by_numbers_start_and_times_are_those_by_hand(kind):
     slopes = jax.jit(jax.jacrev(functools.partial(place, kind=kind)))(P)
@@ -155,6 +156,7 @@ def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(monkeypatch):
         np.testing.assert_allclose(few, slopes, rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_batch_is_each_of_its_motions():
     every = P * jnp.array([[1.0], [1.3], [0.6]])
     together = jax.jit(jax.vmap(jax.jacrev(place)))(every)
@@ -162,6 +164,7 @@ def test_a_batch_is_each_of_its_motions():
     np.testing.assert_allclose(together, apart, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_stops_take_the_steps_behind_them_along():
     """Over the steps from a stop on, the derivative by all times at once is that of a shift, which changes nothing."""
 

@@ -5,6 +5,7 @@ import functools
 import diffrax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from cases import motions
 from jax.tree_util import Partial
 from references import motion_references as reference
@@ -19,6 +20,7 @@ def pendulum():
     return panels, fm.simulate(motions.pendulum().build(), panels.times, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_pendulum():
     """D5: place and rate over four swings; tension of the rod, which its constraint carries."""
     panels, found = pendulum()
@@ -32,6 +34,7 @@ def test_pendulum():
     np.testing.assert_allclose(sigma[:, 1], 0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_balances_of_the_pendulum():
     panels, found = pendulum()
     # Round-off over the step of the differences; the Gauss rule on panels of 0.1 s.
@@ -44,6 +47,7 @@ def double_pendulum():
     return panels, fm.simulate(motions.double_pendulum().build(), panels.times, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_double_pendulum():
     """Before chaos has grown: Runge-Kutta of order eight in the two angles, 1e-11."""
     panels, found = double_pendulum()
@@ -59,6 +63,7 @@ def test_double_pendulum():
     np.testing.assert_allclose(height, height[0], atol=1e-9 * np.max(seen.kinetic))
 
 
+@pytest.mark.slow
 def test_balances_of_the_double_pendulum():
     panels, found = double_pendulum()
     check_balances(found, panels, step=1e-3, differences=1e-11, integrated=1e-8)
@@ -74,6 +79,7 @@ def slider_crank():
     return panels, fm.simulate(motions.slider_crank().build(), panels.times, motion=motion, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_rigid_slider_crank():
     """Closed form, two turns; no degree of freedom is left, so that nothing is integrated."""
     panels, found = slider_crank()
@@ -94,6 +100,7 @@ def test_rigid_slider_crank():
         np.testing.assert_allclose(value, exact[key], atol=error * np.abs(exact[key]).max(), err_msg=key)
 
 
+@pytest.mark.slow
 def test_balances_of_the_rigid_slider_crank():
     """The drive's power is the change of energy."""
     panels, found = slider_crank()
@@ -109,6 +116,7 @@ def middle_axis():
     return panels, fm.simulate(model, panels.times, solver=diffrax.Dopri8(), rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_body_about_its_middle_axis():
     """The period to 1e-7 of it, by the time at which the middle rate first crosses zero; energy and momentum stay."""
     panels, found = middle_axis()
@@ -127,6 +135,7 @@ def test_body_about_its_middle_axis():
     )
 
 
+@pytest.mark.slow
 def test_balances_about_the_middle_axis():
     panels, found = middle_axis()
     # Differences of an energy of one over 2e-3 s are known to some 1e-12 of power.
@@ -141,6 +150,7 @@ def heavy_top():
     return panels, fm.simulate(model, panels.times, solver=diffrax.Dopri8(), rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_heavy_top_along_its_way():
     panels, found = heavy_top()
     exact = reference.heavy_top(panels.times[panels.wanted])
@@ -149,12 +159,14 @@ def test_heavy_top_along_its_way():
     np.testing.assert_allclose(motions.body_rates(found)[panels.wanted], exact["rates"], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_balances_of_the_heavy_top():
     """About its fixed point the weight turns it, and nothing else."""
     panels, found = heavy_top()
     check_balances(found, panels, step=1e-5, differences=1e-10, integrated=1e-7)
 
 
+@pytest.mark.slow
 def test_balances_of_four_bars():
     """One loop, through ten singular positions."""
     panels = Panels(np.linspace(0, 10, 401))

@@ -323,6 +323,7 @@ AGAIN = {
 }
 
 
+@pytest.mark.slow("slider-crank-smooth", "elbow", "spaghetti", "elbow-two-terms", "spaghetti-two-terms")
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_stored_rows_are_solved_anew(name):
     """The first times of each problem, on a coarser mesh; all of them by `motion_rod_cases.py`."""

@@ -5,6 +5,7 @@ import functools
 import diffrax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from cases import motions
 from jax.tree_util import Partial
 from references import motion_references as reference
@@ -20,6 +21,7 @@ def answers(name):
     return np.array(entry["times"]), {key: np.array(value) for key, value in entry["answer"].items()}, entry["error"]
 
 
+@pytest.mark.slow
 def test_spin_up():
     """A beam brought to speed: the tip lags by 0.56 m, and stretches in the end."""
     times, answer, error = answers("spin-up")
@@ -46,6 +48,7 @@ def flexible_slider_crank():
     return panels, fm.simulate(model, panels.times, motion=motion, rtol=3e-8, jumps=jnp.array([0.04]))
 
 
+@pytest.mark.slow
 def test_slider_crank_with_a_flexible_rod():
     """Brought to speed smoothly; torque of the drive and force of the guide."""
     panels, found = flexible_slider_crank()
@@ -62,6 +65,7 @@ def test_slider_crank_with_a_flexible_rod():
     np.testing.assert_allclose(seen.reactions[at, y], answer["guide"], atol=2e-3)
 
 
+@pytest.mark.slow
 def test_balances_of_the_flexible_slider_crank():
     panels, found = flexible_slider_crank()
     check_balances(found, panels, step=1e-5, differences=1e-10, integrated=1e-5)
@@ -83,6 +87,7 @@ def spaghetti():
     return panels, found
 
 
+@pytest.mark.slow
 def test_spaghetti():
     """D1, up to the peak of its load: two coefficients a strain, as apart from flexmb; it takes twenty for 3e-5."""
     panels, found = spaghetti()
@@ -93,6 +98,7 @@ def test_spaghetti():
     np.testing.assert_allclose(found.at("upper")[-1], answer["upper"][0], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_spaghetti_keeps_what_it_was_given():
     """Momentum is the impulse, energy what the load has put in."""
     panels, found = spaghetti()
@@ -108,6 +114,7 @@ def test_spaghetti_keeps_what_it_was_given():
     check_balances(found, panels, step=1e-3, differences=1e-9, integrated=3e-5, applied=applied)
 
 
+@pytest.mark.slow
 def test_whirl_of_a_spinning_shaft():
     """C4: forward and backward, two half waves; seen in the shaft the former is slower by its speed."""
     speed = 5000.0

@@ -42,6 +42,7 @@ def large(monkeypatch):
     monkeypatch.setattr("flexmb.motion.simulate.NET", 10)
 
 
+@pytest.mark.slow
 def test_a_net_moves_as_the_dense_form_has_it(monkeypatch):
     dense = fm.simulate(net(), TIMES, rtol=1e-8)
     assert dense.form != "chain"

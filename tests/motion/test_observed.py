@@ -60,6 +60,7 @@ def test_a_prestress_that_grows_stores_energy_in_what_is_strained():
     np.testing.assert_allclose(energy_rate(motion, 1e-3), seen.power, atol=1e-9 * np.max(np.abs(power)))
 
 
+@pytest.mark.slow
 def test_what_is_observed_of_an_oscillator(motion):
     seen, places = motion.observe(), {"xdd": "mass", "reactions": "foot"}
     for name, values in expected().items():

@@ -14,6 +14,7 @@ FORMS_OF_ENERGY: list[type[EnergyEquations]] = [CoordinatesForm]
 PAIRS = [(form, Equations) for form in FORMS] + [(form, EnergyEquations) for form in FORMS_OF_ENERGY]
 
 
+@pytest.mark.slow("CoordinatesForm-EnergyEquations")
 @pytest.mark.parametrize(("form", "protocol"), PAIRS, ids=lambda kind: kind.__name__)
 def test_a_form_takes_the_arguments_that_are_declared(form, protocol):
     """For methods that are compiled too, whose arguments a type checker does not see."""

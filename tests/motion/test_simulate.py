@@ -40,6 +40,7 @@ def swing(pendulum):
     return fm.simulate(pendulum, TIMES, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_pendulum_in_all_coordinates(swing):
     # Global error over four swings: some hundred times the tolerance of one step.
     np.testing.assert_allclose(swing.at("mass")[-1], PENDULUM, atol=2e-7)
@@ -69,12 +70,14 @@ def test_pendulum_by_an_explicit_solver(pendulum):
     assert found.solver == "Dopri8"
 
 
+@pytest.mark.slow
 def test_pendulum_by_an_implicit_solver_of_diffrax(pendulum):
     """Its root finder takes the tolerances of the steps."""
     found = fm.simulate(pendulum, np.array([0.0, 1.0]), rtol=1e-8, atol=1e-8, solver=diffrax.Kvaerno5())
     np.testing.assert_allclose(found.at("mass"), reference.pendulum([0.0, 1.0])["position"], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_order_of_the_default_solver(pendulum):
     """Fixed steps: the error falls with the fifth power of the step."""
     errors = []
@@ -97,6 +100,7 @@ def test_order_of_the_default_solver(pendulum):
 FOUR_BARS, ENERGY = (-30.179800860189, -1.506642181), 35.835
 
 
+@pytest.mark.slow
 def test_four_bars_pass_their_singular_position():
     """At theta = 0 and pi the constraints lose rank: both loops must stay on the branch of the parallelogram."""
     found = fm.simulate(motions.four_bars(2).build(), np.linspace(0, 10, 21), rtol=1e-11)
@@ -108,6 +112,7 @@ def test_four_bars_pass_their_singular_position():
     assert np.max(np.abs(seen.e)) < 1e-9
 
 
+@pytest.mark.slow
 def test_loads_as_functions_of_time():
     """A mass on a spring under a force that ramps up and stays: closed form, with the bend stepped onto."""
     b = fm.Builder()
@@ -150,6 +155,7 @@ def oscillator():
     return b.build()
 
 
+@pytest.mark.slow
 def test_plant_for_python_control():
     """Python-control's integration of the plant, against the equation of a driven pendulum."""
     b = motions.pendulum()
@@ -169,6 +175,7 @@ def test_plant_for_python_control():
     np.testing.assert_allclose(np.ravel(driven.outputs), exact.y[0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_motion_is_saved_whole(swing, tmp_path):
     for ending in ("npz", "mat"):
         fm.save_motion(swing, tmp_path / f"run.{ending}")
@@ -226,6 +233,7 @@ def guide():
     return model, fm.equilibrium(motions.pushed(model, "left2", 0, 0.945))
 
 
+@pytest.mark.slow
 def test_released_guide_against_an_explicit_integration(guide):
     """The bar of a guide with axial modes of 14 kHz, against diffrax's Dopri8 at small steps."""
     model, bent = guide
@@ -236,6 +244,7 @@ def test_released_guide_against_an_explicit_integration(guide):
     assert int(found.steps) < int(tight.steps)
 
 
+@pytest.mark.slow
 def test_damped_beams_beside_a_rigid_one_swing_as_one_mass_on_a_damped_spring():
     """The rigid bar has no damping, so that damping and deformations of the beams are not of the same block."""
     b = planar_guide(ratio=0.05)
@@ -279,6 +288,7 @@ def test_derivative_of_a_motion():
     np.testing.assert_allclose([found, forward], exact_place(9.0), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_of_a_batch_whose_motions_take_different_numbers_of_steps():
     """A batch is its members, one by one, each with steps of its own."""
     many = np.array([9.0, 900.0])
@@ -290,6 +300,7 @@ def test_derivatives_of_a_batch_whose_motions_take_different_numbers_of_steps():
     np.testing.assert_allclose(slopes, expected[1], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_turns_are_counted_past_full_ones_and_on_from_another_motion():
     """Steady turning of a wheel on a hinge in space, with a mass on its arm."""
     b = fm.Builder()
@@ -406,12 +417,14 @@ def indefinite():
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_negative_lumped_inertia_is_refused_by_name():
     with pytest.raises(fm.AnalysisError, match="reduced") as fault:
         fm.simulate(indefinite(), np.linspace(0, 2, 5), solver=diffrax.Dopri8())
     assert fault.value.code == "singular_mass"
 
 
+@pytest.mark.slow
 def test_a_negative_lumped_inertia_is_right_where_the_mass_of_all_motions_is_positive():
     """The inertia takes away what the upper mass has too much, and a driven load its weight: M1 is left."""
     model = indefinite()
@@ -424,6 +437,7 @@ def test_a_negative_lumped_inertia_is_right_where_the_mass_of_all_motions_is_pos
         np.testing.assert_allclose(found.at(name), exact[:, i], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_in_parts(pendulum):
     """What is watched is what is computed at once."""
     calls = []
@@ -433,6 +447,7 @@ def test_in_parts(pendulum):
     assert calls == [(i + 1, 50) for i in range(50)]
 
 
+@pytest.mark.slow
 def test_stopped_from_the_keyboard(pendulum):
     def interrupt(done, of):
         if done == of // 2:

@@ -33,6 +33,7 @@ def hub(element) -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_blade_begins_at_the_speed_of_its_hub():
     """Its degrees of freedom, which are deformations, begin at rest: it turns as a whole, at 10 rad/s."""
     found = fm.simulate(hub(planar.beam), [0.0, 0.01], motion={"o.rotation": lambda t: 10 * t})
@@ -93,12 +94,14 @@ def test_what_hangs_on_degrees_of_freedom_that_were_found_is_told():
     fm.simulate(shaken(), TIMES, loads={"spring.temperature": lambda t: 30.0 + t})
 
 
+@pytest.mark.slow
 def test_a_motion_without_a_velocity_is_named():
     """The root of time is finite and its rate is not, at the start."""
     with pytest.raises(fm.AnalysisError, match=r"Motion 'foot\.x' has a velocity .* not finite at t = 0 s: .* smooth"):
         fm.simulate(shaken("mass", "x"), TIMES, motion={"foot.x": lambda t: 1e-3 * jnp.sqrt(t)})
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:What is driven takes")
 def test_how_it_begins_is_the_same_in_every_frame():
     found = []
@@ -143,6 +146,7 @@ def pendulum() -> fm.Builder:
     return b
 
 
+@pytest.mark.slow
 def test_start_values_are_kept_whatever_is_driven():
     model = pendulum().build()
     for law in (lambda t: 0.3 * t, lambda t: 0.3 + 0 * t):
@@ -151,6 +155,7 @@ def test_start_values_are_kept_whatever_is_driven():
         np.testing.assert_allclose(found.velocity("r", "phi")[0], -0.2, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("derivative", [jax.jacfwd, jax.jacrev])
 def test_derivatives_by_where_a_law_begins(derivative):
     """All of a rigid pendulum that does not turn goes along with its point: by as much, and twice as fast."""
@@ -214,6 +219,7 @@ def test_where_it_cannot_be_assembled():
         fm.simulate(b.build(), [0.0, 0.1], motion={"q.x": lambda t: 0.5 + t})
 
 
+@pytest.mark.slow("3.0")
 @pytest.mark.parametrize("angle", [3.0, -4.0, 9.7])
 def test_an_arm_on_a_hub_that_is_held_turned_far(angle):
     """It lies along its hub, without a load; beyond some 3 rad its bending is zero at the opposite side too."""
@@ -259,6 +265,7 @@ def spectral_guide(prescribed=False, dof=False, element=planar.spectral_beam, do
     return b.build(dofs=["B.x", *dofs] if dofs else "auto")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "tolerance"),
     # Strips are stiffer than beams near their clamps, by 1 / (1 - nu^2) at most.
@@ -271,6 +278,7 @@ def test_leaf_springs_bend_where_their_stage_is_put(element, tolerance):
     assert model.q_labels == spectral_guide(element=element, dof=True).q_labels
 
 
+@pytest.mark.slow
 def test_leaf_springs_that_stretch_at_the_start_are_told():
     """Where the degrees of freedom are named so that a single coefficient of curvature is left to follow."""
     model = spectral_guide(dofs=STRETCHING)
@@ -317,6 +325,7 @@ def test_a_loop_that_is_turned_as_a_whole_holds_no_strain():
     assert float(plan.motion.at("K")[-1][0]) == pytest.approx(0.313 * np.cos(1.1) + 0.017 * np.sin(1.1), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_mass_without_any_element_follows_a_trajectory():
     b = fm.Builder()
     b.node("m", (0, 0))

@@ -74,6 +74,7 @@ def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
     return bool(keep), float(then - after), float(greatest)
 
 
+@pytest.mark.slow("errors0-settings0-True", "errors1-settings1-False", "errors13-settings13-False")
 @pytest.mark.parametrize(
     ("errors", "settings", "kept"),
     [
@@ -102,6 +103,7 @@ def test_what_is_kept(errors, settings, kept):
     assert after == (max(before, 1e-3) if kept else before)
 
 
+@pytest.mark.slow
 def test_parts_go_on_with_the_size_of_the_motion():
     """What has died out is not followed as closely as what there was: in parts as in the whole."""
     model = oscillator(damping=8.0)

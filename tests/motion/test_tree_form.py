@@ -89,6 +89,7 @@ def test_the_pose_that_a_beam_gives_closes_it(space, curved):
     np.testing.assert_allclose(found[-len(c) :], c, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_tree_moves_as_all_coordinates_do():
     model = planar_frame()
     tree = tree_of(model.topology)
@@ -129,6 +130,7 @@ def test_a_tree_in_space_is_accelerated_as_all_coordinates_are():
     np.testing.assert_allclose(found, other, rtol=0, atol=1e-9 * np.max(np.abs(other)))
 
 
+@pytest.mark.slow
 def test_a_tree_in_space_moves_as_all_coordinates_do():
     model = spatial_frame()
     other, found = (fm.simulate(model, TIMES, form=form, rtol=1e-9, atol=1e-12) for form in ("coordinates", "tree"))
@@ -139,6 +141,7 @@ def test_a_tree_in_space_moves_as_all_coordinates_do():
     assert np.max(np.abs(found.x[-1] - found.x[0])) > 1e-3
 
 
+@pytest.mark.slow
 def test_derivative_by_a_load():
     def place(force):
         return fm.simulate(planar_frame(force), TIMES[:2], rtol=1e-8, adjoint=diffrax.ForwardMode()).x[-1]

@@ -42,6 +42,7 @@ def test_path_of_the_flat_truss():
     np.testing.assert_allclose(path.reactions[:, path.labels.coordinates("left")[1]], load / 2, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_derivative_of_a_limit_load():
     """Forward mode; reverse for the beams below."""
 
@@ -61,6 +62,7 @@ def test_derivative_of_a_limit_load():
     assert abs(load_at(HIGHEST + 1e-6) - load_at(HIGHEST - 1e-6)) / 2e-6 < 1e-6
 
 
+@pytest.mark.slow
 def test_derivative_of_the_limit_load_of_beams():
     # Bending, rotations and deformations as degrees of freedom; moving the foot breaks the symmetry.
     def limit(p):
@@ -74,6 +76,7 @@ def test_derivative_of_the_limit_load_of_beams():
         assert float(found[k]) == pytest.approx(float(up - down) / (2 * step), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_snap_back_under_a_prescribed_displacement():
     # A spring k between the apex and the driven point: travel u = w + P(w)/k, closed form, turns back where
     # P' = -k. The bars alone fall by more than the spring is stiff.
@@ -104,6 +107,7 @@ def test_snap_back_under_a_prescribed_displacement():
     assert path.load_factor[-1] == 1.0
 
 
+@pytest.mark.slow
 def test_steep_truss_goes_sideways_first():
     # Lateral stiffness 2 EA/(L0 l^2) (b^2 + (1 - L0/l) y^2) = 0 with y^2 = l^2 - b^2: l^3 - L0 l^2 + L0 b^2 = 0. The
     # larger root comes first on the way down, the smaller one after the limit point l^3 = L0 b^2. Half that way down
@@ -136,6 +140,7 @@ def test_steep_truss_goes_sideways_first():
     np.testing.assert_allclose(sideways / np.max(np.abs(sideways)), [1, 0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_euler_column():
     path = fm.path(column(8, 1.3 * EULER))
     (found,) = path.critical_points
@@ -152,6 +157,7 @@ def test_euler_column():
     np.testing.assert_allclose(foretold, found.load_factor, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_post_buckling_by_both_branches():
     # A2, tip angle 40 degrees, closed form: half the column is the cantilever.
     ratio, shortened, lateral = 1.0636632664, 0.8812035117, 0.4222403401
@@ -167,6 +173,7 @@ def test_post_buckling_by_both_branches():
     np.testing.assert_allclose(end, [shortened, lateral], rtol=0.2)
 
 
+@pytest.mark.slow
 def test_no_jump_past_a_nearby_branch():
     # A bow of 1e-4: the path bends away just below the critical load and passes no critical point; the straight,
     # unstable branch is a millimetre away.
@@ -203,6 +210,7 @@ def cantilever(force=(0.0, 0.0), moment=0.0, beams=4):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [{"force": (0.0, 3.0)}, {"moment": 1.5}])
 def test_path_without_critical_points_ends_at_the_equilibrium(load):
     model = cantilever(**load)
@@ -220,6 +228,7 @@ def test_path_without_critical_points_ends_at_the_equilibrium(load):
         np.testing.assert_allclose(getattr(last, name), expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
+@pytest.mark.slow
 def test_hanging_body_gains_stiffness_with_its_load():
     # A rigid pendulum has none without load: omega^2 = P/(m a), closed form, also at the first state.
     b = fm.Builder()
@@ -286,6 +295,7 @@ def cosine_beam(arcs, order, *, half=False, height=5e-3, load=300.0, thickness=0
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("height", "load"), [(5e-3, 300.0), (8e-3, 300.0)])
 def test_a_cosine_beam_passes_all_its_bifurcations(height, load):
     """Beside some of them the corrector finds no state for a long way; half of the beam, of higher order, tells them.
@@ -329,6 +339,7 @@ def shallow_cosine_arch(thrust, ratio):
     return sorted((load, 1 - weights @ (of_thrust + load * of_load)) for load in loads)[::-1]
 
 
+@pytest.mark.slow
 def test_a_bistable_beam_snaps_by_its_third_mode():
     """A7-bistable: the beam of Qiu, Lang and Slocum, its second mode suppressed; h/t = 10 gives what they print."""
     height, thickness, most = 2e-3, 0.2e-3, 900.0
@@ -347,6 +358,7 @@ def test_a_bistable_beam_snaps_by_its_third_mode():
     np.testing.assert_allclose(found, expected, rtol=4e-3)
 
 
+@pytest.mark.slow
 def test_two_bifurcations_at_once():
     """Two steep trusses side by side: a branch leaves along one of them, or along both, but not along any sum."""
     section = fm.Rigidity(EA=1.0, mass=1.0)
@@ -373,6 +385,7 @@ def test_two_bifurcations_at_once():
     assert steepest[1] == pytest.approx(steepest[0], rel=1e-6) or steepest[1] < 1e-6
 
 
+@pytest.mark.slow
 def test_a_closed_branch_ends_where_it_began():
     # The sideways branch joins the two bifurcations at P and -P (closed form above) and comes back on the other side.
     l0 = np.hypot(1.0, 4.0)
@@ -393,6 +406,7 @@ def test_a_closed_branch_ends_where_it_began():
     assert np.min(apex[:, 0]) == pytest.approx(-np.max(apex[:, 0]), rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_closed_branch_points_to_an_imperfection():
     """A steep truss leaves sideways and comes back; bent by what the error says, it snaps through."""
     model = truss(1.0, 4.0, 1.0, load=1.0, sideways=True)
@@ -412,6 +426,7 @@ def test_a_closed_branch_points_to_an_imperfection():
         assert "imperfection" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_no_jump_to_a_branch_that_ends_in_a_fold():
     """A tower of trusses: beside the branch lies another, which a long step reaches; its fold is no critical point."""
     section = fm.Rigidity(EA=1e4, mass=1.0)
@@ -472,6 +487,7 @@ def test_a_round_bar_is_neutral_whatever_the_round_off():
             fm.path(round_bar(turn), switch=1)
 
 
+@pytest.mark.slow
 def test_ends_that_are_refused_by_name():
     with pytest.raises(fm.AnalysisError, match="max_steps") as caught:
         fm.path(truss(), max_steps=5)
@@ -493,6 +509,7 @@ def test_ends_that_are_refused_by_name():
         path.at("nowhere")
 
 
+@pytest.mark.slow
 def test_nothing_is_compiled_twice(compilations):
     models = column(8, 1.1 * EULER, bow=1e-3), column(8, 1.1 * EULER), column(3, 0.5 * EULER)
     fm.path(column(8, 1.05 * EULER), switch=1)
@@ -531,6 +548,7 @@ STEP = {"load_factor", "x", "stable", "eigenvalues", "frequencies_hz", "load_mul
 STEP |= {"m0", "c0", "d0", "k0", "n0", "g0", "compliance"}
 
 
+@pytest.mark.slow
 def test_command_line(tmp_path):
     model = tmp_path / "flat.dat"
     model.write_text(FLAT)
@@ -561,6 +579,7 @@ def test_command_line(tmp_path):
     assert "path (6 states)" in table.stdout
 
 
+@pytest.mark.slow
 def test_a_path_tells_how_far_it_is_and_keeps_what_it_has_when_it_is_stopped():
     told = []
 
@@ -593,6 +612,12 @@ def loose(what):
     return b.build(), "C.x" if what.startswith("a node") else "A.rotation.phi"
 
 
+@pytest.mark.slow(
+    "a rotation that is not clamped-ask2",
+    "a node that nothing joins-equilibrium",
+    "a node that nothing joins-path",
+    "a node that nothing joins-ask2",
+)
 @pytest.mark.parametrize("ask", [fm.equilibrium, fm.path, functools.partial(fm.path, sparse=True)])
 @pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
 def test_what_nothing_elastic_resists_is_named(what, ask):
@@ -606,6 +631,7 @@ def test_what_nothing_elastic_resists_is_named(what, ask):
         assert fm.path(model, throw=False).result in ends
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
 def test_a_limit_load_of_what_nothing_elastic_resists_is_refused_by_its_name(what):
     model, name = loose(what)

@@ -9,6 +9,7 @@ from cases.snapping import limit_of, toggle, truss
 import flexmb as fm
 
 
+@pytest.mark.slow
 def test_limit_load_of_a_truss_and_its_derivatives():
     """A7, closed form: proportional to EA; its slope by the height by central differences of that."""
 
@@ -42,6 +43,7 @@ def test_what_has_no_limit_point_says_so():
     assert np.isnan(fm.limit_load(truss(load=-5.0), max_steps=20, sparse=True, throw=False))
 
 
+@pytest.mark.slow
 def test_within_another_program(monkeypatch):
     """Where sparse factors were chosen by size, dense matrices stand in; where they are asked for, it is refused."""
 

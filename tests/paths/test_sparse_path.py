@@ -40,6 +40,7 @@ HALF = {"beams": 4, "released": (1, 2)}
 DRIVEN = {"beams": 4, "travel": -0.18}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [{}, {"released": (2, 3), "rise": 0.05}, {"preload": (0.5, -1.0)}, HALF, ASIDE, FOLLOWING, DRIVEN]
 )
@@ -100,6 +101,7 @@ def frame(bays, floors, load, sparse, **options):
     return b.build(check=not sparse)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{}, {"released": (2, 3)}])
 def test_a_frame_loses_its_stiffness_again_and_again(options):
     # More negative values than the path tells. Their number is that of the pivots; where columns cannot be shortened,
@@ -115,6 +117,7 @@ def test_a_frame_loses_its_stiffness_again_and_again(options):
     np.testing.assert_array_equal(sparse.stable, np.array(negative) == 0)
 
 
+@pytest.mark.slow
 def test_an_arch_begins_bent_and_without_stress():
     # Beams that cannot be shortened, whatever the size of the mode.
     how: dict = {"imperfection": {1: -0.02}, "stop": {"load_factor": 0.02}}
@@ -126,6 +129,7 @@ def test_an_arch_begins_bent_and_without_stress():
     assert np.max(np.abs(path.sigma[0])) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("imperfection", "at", "atol"), [({1: -0.05}, 0, 0.05**2), ({1: 1e-6, 2: -1e-6}, -1, 1e-10)])
 def test_a_frame_begins_bent_as_by_dense_matrices(imperfection, at, atol):
     # Which of the states next to the moved one is taken makes a difference of the square of the motion.
@@ -135,6 +139,7 @@ def test_a_frame_begins_bent_as_by_dense_matrices(imperfection, at, atol):
     np.testing.assert_allclose(sparse.x[at], dense.x[at], atol=atol)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [1, -1])
 def test_post_buckling(side):
     # A2, closed form, at a turn of the tip of 40 degrees; cubic beams converge with order two, 1e-2 (1/n)^2 measured.
@@ -158,6 +163,7 @@ def test_post_buckling(side):
     assert errors[1] < 2e-3
 
 
+@pytest.mark.slow
 def test_where_a_sparse_path_ends():
     model = arch(sparse=True)
     path = fm.path(model, sparse=True, stop={"n4.y": -0.05})
@@ -169,6 +175,7 @@ def test_where_a_sparse_path_ends():
     assert "bifurcation at 0.10299" in repr(caught.value.path)
 
 
+@pytest.mark.slow
 def test_what_a_sparse_path_refuses():
     with pytest.raises(fm.ModelError, match="has no shape, and so no stress"):
         fm.path(arch(sparse=True), sparse=True, stop={"stress": 1e6})
@@ -224,6 +231,7 @@ def strut(load, moment, sparse, beams=4):
     return b.build(check=not sparse)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "moment"), [(0.3 * np.pi**2, 0.0), (0.0, 4.0)])
 def test_divergence_and_flutter_are_those_of_dense_matrices(load, moment):
     """Weak axis at pi^2 EI/4 by the sign of the determinant; a pair that turns complex, which that does not tell."""

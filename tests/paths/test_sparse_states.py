@@ -59,6 +59,9 @@ QUESTIONS = {
 }
 
 
+@pytest.mark.slow(
+    "frequencies", "eigenvalues", "shapes", "compliance", "multipliers", "stress", "stress at all steps", "state space"
+)
 @pytest.mark.filterwarnings("ignore:The state space of 3")
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_answers_about_a_state_are_those_of_the_dense_path(paths, question):
@@ -68,6 +71,7 @@ def test_answers_about_a_state_are_those_of_the_dense_path(paths, question):
     np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.max(np.abs(wanted)))
 
 
+@pytest.mark.slow("stress", "frequency 2")
 @pytest.mark.parametrize("text", ["n1.y", "reaction n0.x", "stress", "frequency 2", "stiffness n1.y", "load factor"])
 def test_what_is_asked_along_the_path_is_as_along_the_dense_one(paths, text):
     wanted, found = (of.along(text) for of in paths)
@@ -103,6 +107,7 @@ def test_critical_states_have_the_loads_of_their_points():
     assert len(at.load_factor) == 2
 
 
+@pytest.mark.slow
 def test_pictures_and_critical_states():
     stop = {"critical_points": 2}
     wanted, found = (fm.path(arch(4, sparse=of), sparse=of, stop=stop) for of in (False, True))
@@ -141,6 +146,7 @@ def stayed(sparse):
     return b.build(check=not sparse)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:As they are, these loads")
 def test_laws_with_a_potential():
     dense, sparse = (fm.path(stayed(of), sparse=of, stop={"load_factor": 0.3}) for of in (False, True))
@@ -164,6 +170,7 @@ def test_loads_without_a_potential_are_refused_by_name():
         fm.buckling_loads(model, count=1, sparse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [3, 40])
 def test_a_square_column_buckles_to_both_sides_at_once(count):
     # Euler; two equal critical values, in motions normal to each other. 18 motions are found one and all, of 240
@@ -186,6 +193,7 @@ def test_a_square_column_buckles_to_both_sides_at_once(count):
     assert sorted(set(path.negative.tolist())) == [0, 2]
 
 
+@pytest.mark.slow
 def test_sparse_factors_are_chosen_by_size_and_left_where_they_do_not_serve():
     small, large = arch(4), arch(100, (0.0, -3.0))
     assert large.topology.n_x > 300
@@ -214,6 +222,7 @@ def test_a_hanging_body_is_left_to_dense_matrices(monkeypatch):
     assert float(path.at("bob")[-1, 1]) == pytest.approx(-1.001, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_multipliers_about_a_state_of_a_held_elongation():
     case = {"beams": 4, "released": (2, 3), "rise": 0.05}
     paths = [fm.path(arch(**case, sparse=of), sparse=of, stop={"load_factor": 0.02}) for of in (False, True)]
@@ -221,6 +230,7 @@ def test_multipliers_about_a_state_of_a_held_elongation():
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_path_ends_at_a_stress():
     models = strip(True, preload=False), strip(False, preload=False)
     stop = {"stress": 50e6}
@@ -247,6 +257,7 @@ def test_a_multiplier_has_its_derivative_where_held_and_free_deformations_are_co
     assert float(slope) == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_multipliers_of_incremental_loads_about_a_state_that_has_snapped_through():
     # Under the same loads there is an equilibrium that has not.
     case = {"beams": 4, "preload": (0.0, -1.0)}

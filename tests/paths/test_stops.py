@@ -194,6 +194,7 @@ def test_modes_of_an_imperfection_are_those_before_any_load():
     np.testing.assert_allclose(bent(10.0), expected, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_imperfection_has_its_side_in_every_unit():
     """A clamped column bows to the side where its top, not the angle there, grows."""
 
@@ -211,6 +212,7 @@ def test_an_imperfection_has_its_side_in_every_unit():
     np.testing.assert_allclose([top(1.0), top(1e-4), top(1e4)], 1e-3, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
     # The steep truss, its apex aside without stress, bars of the stiffness EA/l0: gradient and determinant of the
     # Hessian of the potential of two bars are zero, solved by scipy.

@@ -158,6 +158,7 @@ def test_bars_of_sensitivities():
     assert bars(ax)["f"] == [25, 75]
 
 
+@pytest.mark.slow("<lambda>")
 @pytest.mark.parametrize("draw", [plot.sensitivities, plot.tuning, lambda found: plot.sweep(found, "f")])
 def test_what_is_not_a_result_is_refused(draw):
     with pytest.raises(TypeError, match="found"):

@@ -78,6 +78,7 @@ def rolled():
 # Lines.
 
 
+@pytest.mark.slow
 def test_beam_is_the_cubic_of_a_cantilever_with_a_force_at_its_tip():
     model = cantilever(planar.beam, force=(0, 1e-4))
     points = at(model, fm.equilibrium(model))["leaf"].points
@@ -87,6 +88,7 @@ def test_beam_is_the_cubic_of_a_cantilever_with_a_force_at_its_tip():
     np.testing.assert_allclose(points[:, 1], exact, atol=1e-7 * exact[-1])
 
 
+@pytest.mark.slow
 def test_spatial_beam_is_the_same_cubic():
     b = fm.Builder()
     b.node("foot", (0, 0, 0))
@@ -101,6 +103,7 @@ def test_spatial_beam_is_the_same_cubic():
     np.testing.assert_allclose(points[:, 2], exact, atol=1e-7 * exact[-1])
 
 
+@pytest.mark.slow
 def test_spectral_beam_is_an_arc_under_a_moment(rolled):
     model, found = rolled
     points = at(model, found)["leaf"].points
@@ -110,6 +113,7 @@ def test_spectral_beam_is_an_arc_under_a_moment(rolled):
     np.testing.assert_allclose(points[-1], [radius, radius], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_spatial_spectral_beam_ends_at_its_nodes():
     b = fm.Builder()
     b.node("foot", (0, 0, 0))
@@ -236,6 +240,7 @@ def test_deformed_shape_over_a_ghost_with_a_factor(rolled):
     assert "↺ 0.6185 N m" in texts_of(ax)
 
 
+@pytest.mark.slow
 def test_moment_in_space_is_an_arrow_along_its_axis():
     b = fm.Builder()
     b.node("foot", (0, 0, 0))
@@ -272,6 +277,7 @@ def test_ticks_of_a_small_mechanism_lie_beside_each_other():
 # Results.
 
 
+@pytest.mark.slow
 def test_modes_have_their_frequency_in_the_title(guide):
     found = fm.modes(guide)
     figure = plot.modes(found, amplitude=0.2)
@@ -314,6 +320,7 @@ def ends_of(ax, label):
     return np.asarray(points)[[0, -1]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("amplitude", [plot.modes.__kwdefaults__["amplitude"], 0.5])
 def test_spectral_beams_stay_on_their_bodies_in_a_mode(tailed, amplitude):
     """Displacements are as many times those of the mode at the end of a beam as at its node."""
@@ -327,6 +334,7 @@ def test_spectral_beams_stay_on_their_bodies_in_a_mode(tailed, amplitude):
         np.testing.assert_allclose(ends_of(ax, "rigid"), [tip, end], atol=1e-6 * LENGTH)
 
 
+@pytest.mark.slow
 def test_a_mode_moves_every_point_in_proportion(tailed):
     small, large = (plot.modes(tailed, which=3, amplitude=share).axes[0] for share in (0.1, 0.4))
     still, little, much = (
@@ -338,6 +346,7 @@ def test_a_mode_moves_every_point_in_proportion(tailed):
     np.testing.assert_allclose(much - still, 4 * (little - still), atol=1e-6 * LENGTH)
 
 
+@pytest.mark.slow
 def test_a_mode_of_torsion_is_not_blown_up(tailed):
     """The axis of a beam that twists stays where it is: what turns limits the amplitude, to a radian at the default."""
     view = fm.view(tailed)
@@ -349,6 +358,7 @@ def test_a_mode_of_torsion_is_not_blown_up(tailed):
         assert moved > 0.999 * view.amplitude * 2 * LENGTH or turned > 0.999
 
 
+@pytest.mark.slow
 def test_spectral_beams_stay_on_their_bodies_in_a_scaled_state(tailed):
     lin = tailed.lin
     model, reference = lin.model, np.asarray(lin.model.parameters.reference)
@@ -443,6 +453,7 @@ def snapping():
     return fm.path(b.build())
 
 
+@pytest.mark.slow
 def test_path_is_dashed_where_it_is_unstable(snapping):
     ax = plot.path(snapping)
     stable, unstable = (next(x for x in ax.lines if x.get_label() == name) for name in ("stable", "unstable"))
@@ -483,6 +494,7 @@ def swinging():
     return fm.simulate(b.build(), np.linspace(0, 1, 11), rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_time_history_energies_and_frequency_of_a_motion(swinging):
     ax = plot.history(swinging, "cart.x")
     # 100 N/m and 4 kg: 5 rad/s.
@@ -499,6 +511,7 @@ def test_time_history_energies_and_frequency_of_a_motion(swinging):
     assert beam[-1, 0] == pytest.approx(1 + 0.01 * np.cos(2.5), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_any_two_quantities_of_a_path_or_a_motion(snapping, swinging):
     ax = plot.path(snapping, x="displacement top.y", y="force top.y")
     assert ax.get_xlabel() == "displacement top.y [mm]"
@@ -582,6 +595,7 @@ def test_bode_plot_of_many_poles_agrees_with_python_control(monkeypatch):
 # Refusals.
 
 
+@pytest.mark.slow("<lambda>-ValueError-must be one of")
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
@@ -624,6 +638,7 @@ def test_coordinates_and_times_that_are_not_there(snapping, swinging):
 # The command line.
 
 
+@pytest.mark.slow("pf1dtrx-9-png-None")
 @pytest.mark.parametrize(
     ("name", "mode", "suffix", "words"),
     [
@@ -644,6 +659,7 @@ def test_plot_on_the_command_line(tmp_path, name, mode, suffix, words):
     assert suffix == "svg" or content.startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_path_and_motion_are_drawn_beside_where_they_end(snapping, swinging):
     for found, words in ((snapping, "load factor [-]"), (swinging, "time [s]")):
         answer = Answer({}, 0, found.model, found=found)
@@ -664,6 +680,7 @@ def test_demo_leaves_a_picture_and_says_where(tmp_path, monkeypatch):
     assert (tmp_path / "pf1dtrx.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["picture.gif", "nowhere/picture.png"])
 def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target):
     monkeypatch.chdir(tmp_path)
@@ -673,6 +690,7 @@ def test_plot_refuses_before_anything_is_computed(tmp_path, monkeypatch, target)
     assert result.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_sections_are_drawn_as_wide_as_they_are():
     """In space the width along local y, turned with a tip that turns by 60 degrees; in the plane the thickness."""
     b = fm.Builder()

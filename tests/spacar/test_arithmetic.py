@@ -150,6 +150,7 @@ def test_numbers_may_be_traced():
     assert jax.grad(lambda a: value_of("a**3/2 + b", {"a": a, "b": 1.0}))(2.0) == pytest.approx(6.0)
 
 
+@pytest.mark.slow
 def test_a_file_names_the_line_and_says_no_more_than_a_line():
     text = "PLBEAM 1 1 2 3 4\nX 1 {" + "1+" * 10**5 + "} 0\nX 3 {t\x07} 0\nEND\nEND\n"
     with pytest.raises(fm.SpacarError) as raised:

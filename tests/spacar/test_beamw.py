@@ -48,6 +48,7 @@ LOADED = STRIP.format(fixed="\nFIX 9", free="6 1", more="XF 6 0.01\n")
 LOOSE = FREE.replace("FIX 3\n", "DYNE 1 7\n")
 
 
+@pytest.mark.slow("one", "both")
 @pytest.mark.parametrize(("text", "ends"), [(LOOSE, 0), (FREE, 1), (CLAMPED, 2)], ids=["none", "one", "both"])
 def test_twist_by_the_closed_form(text, ends):
     """REFERENCES.md T7-torsion, (2.10)."""
@@ -76,6 +77,7 @@ def by_hand():
     return b
 
 
+@pytest.mark.slow
 def test_the_same_by_hand_and_after_a_round_trip(tmp_path):
     read = fm.read_spacar(LOADED)
     fm.write_spacar(read, tmp_path / "again.dat")
@@ -136,6 +138,7 @@ def test_wrong_lines_are_named(old, new, expected):
     assert found[0].partition(":")[2].partition(": ")[2].startswith(expected)
 
 
+@pytest.mark.slow("7", "8", "10")
 @pytest.mark.parametrize("mode", [0, 7, 8, 10])
 def test_the_command_line_answers(mode, tmp_path):
     (tmp_path / "strip.dat").write_text(LOADED)
@@ -154,6 +157,7 @@ def test_the_command_line_answers(mode, tmp_path):
         np.testing.assert_allclose([found["reactions"][n][0] for n in ("3", "9")], [-held, -held], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_leaf_spring_shares_the_warping_of_a_beam(tmp_path):
     """The second half of the strip as LEAF: it takes node 6 from BEAMW, and keeps it when it is written."""
     sized = "SECTION 2 0.018 0.5e-3 210e9 80e9 7800\n"

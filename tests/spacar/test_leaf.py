@@ -95,6 +95,7 @@ def plane() -> fm.Builder:
     return b
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "build"), [(CHAIN, chain), (PLANE, plane)])
 def test_a_file_is_the_mechanism_of_python_and_survives_round_trips(text, build, tmp_path):
     read = fm.read_spacar(text)
@@ -120,6 +121,7 @@ def run(tmp_path, text, mode, *options):
     return json.loads(result.stdout)
 
 
+@pytest.mark.slow
 def test_answers_of_the_command_line(tmp_path):
     data, log = run(tmp_path, CHAIN, 8, "--log", tmp_path / "a.log"), (tmp_path / "a.log").read_text()
     assert "closure 1 to 6, warping 7 and 8, elongation 9 to 10, torsion 11 to 12, bending about y 13 to 14" in log
@@ -154,6 +156,7 @@ def roles(text, *nodes):
     return [found[f"{node}.warping"] for node in nodes]
 
 
+@pytest.mark.slow
 def test_what_restrains_warping_in_a_file(tmp_path):
     assert roles(CHAIN, 2, 4, 6) == [Role.FIXED, Role.DEPENDENT, Role.DEPENDENT]
     # Three Euler parameters hold the fourth.
@@ -180,6 +183,7 @@ def test_what_restrains_warping_in_a_file(tmp_path):
     assert_same(fm.read_spacar(tmp_path / "again.dat").builder, fm.read_spacar(said).builder)
 
 
+@pytest.mark.slow
 def test_numbers_of_a_section_may_be_traced():
     text = PLANE.replace("RLSE 1 1 2 3", "DYNE 1 1 2").replace("0.018 0.5e-3", "{w} {t}")
 
@@ -199,6 +203,7 @@ def test_a_rigid_leaf_spring_is_pointed_out():
     )
 
 
+@pytest.mark.slow
 def test_no_deformation_of_a_rigid_leaf_spring_is_proposed_for_release():
     text = (
         CHAIN.replace("LEAF 2 3 4 5 6", "LEAF 2 1 2 3 4")
@@ -300,6 +305,7 @@ INEXPRESSIBLE = {
 }
 
 
+@pytest.mark.slow("Element 'last' (leaf_spring) has a role, a load or an input at its warping, deformations 7 and 8")
 @pytest.mark.parametrize("message", INEXPRESSIBLE)
 def test_what_the_format_cannot_express_is_refused(message, tmp_path):
     b = chain()

@@ -59,6 +59,7 @@ def run_guide():
     return fm.spacar.spacar_light(*guide())
 
 
+@pytest.mark.slow
 def test_frequency_of_a_guide_is_its_closed_form():
     out = run_guide()
     assert out.ndof == 1
@@ -73,6 +74,7 @@ def test_frequency_of_a_guide_is_its_closed_form():
     assert fm.spacar.spacar_light(*guide(calccompl=False)).node(3).CMloc is None
 
 
+@pytest.mark.slow
 def test_derivative_through_the_script():
     # Releases are found inside the trace, from the geometry alone.
     def frequency(t):
@@ -85,6 +87,7 @@ def test_derivative_through_the_script():
     assert slope == pytest.approx(difference, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_traced_nodes_need_named_releases():
     nodes, elements, nprops, eprops, _ = guide()
     releases = run_guide().overconstraints
@@ -108,6 +111,7 @@ def stroke(x, beams):
     return fm.spacar.spacar_light(*GUIDE, nprops, sets, {"loadsteps": 2, "gravity": [0, 0, 0]})
 
 
+@pytest.mark.slow
 def test_support_stiffness_falls_with_the_stroke():
     # B1, independent: shooting. EI/L^3 times 959994 at 1e-4 of L, 752990 at 0.02, 352530 at 0.05.
     bending = 210e9 * 50e-3 * 0.5e-3**3 / 12
@@ -185,6 +189,7 @@ def run_cross():
     return fm.spacar.spacar_light(*cross_flexure(calcbuck=True))
 
 
+@pytest.mark.slow
 def test_cross_flexure_is_that_built_by_hand():
     out, by_hand = run_cross(), cross_by_hand()
     # Unloaded, initial loads, all loads.
@@ -198,6 +203,7 @@ def test_cross_flexure_is_that_built_by_hand():
         np.testing.assert_allclose(out.freq[:5, i], poles[:5], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_stiff_deformations_may_be_released():
     # In-plane bending, 6e4 times stiffer than the other: where its stress came from D(x), no equilibrium was found.
     releases = ((4, 6), (2, 3, 4, 6)), ((1, 2, 3, 4, 5, 6), ()), ((2, 3, 4), (2, 4, 6))
@@ -208,6 +214,7 @@ def test_stiff_deformations_may_be_released():
         np.testing.assert_allclose(lin.matrices.x[lin.labels.known("n3")], run_cross().node(3).p[:, 2], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_named_releases_are_those_found():
     out = run_cross()
     assert sum(len(numbers) for numbers in out.overconstraints.values()) == 6
@@ -218,6 +225,7 @@ def test_named_releases_are_those_found():
     assert again.freq.shape == (34, 0)
 
 
+@pytest.mark.slow
 def test_supports_carry_the_loads():
     out = run_cross()
     gravity = 9.81 * (0.1 + 3000 * 50e-3 * 10e-3 * 0.1 + 2 * 7800 * 50e-3 * 0.2e-3 * np.sqrt(0.02))
@@ -291,6 +299,7 @@ def test_state_space_with_a_damping_ratio():
     assert system.dcgain()[0, 0] == pytest.approx(out.node(3).CMglob[0, 0, 0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_slider_crank_turns_past_half_a_turn():
     nodes = [[0, 0, 0], [1, 1, 0], [1, 1, 0], [3, 0, 0]]
     elements = [[1, 2], [2, 3], [3, 4]]
@@ -355,6 +364,7 @@ def test_local_axes_are_those_of_the_script():
 HINGED = [[0, 0, 0], [-0.1, 0.1, 0], [0, 0.2, 0], [0, 0.2, 0], [0, 0.2, 0], [0.1, 0.2, 0], [0.1, 0.2, 0]]
 
 
+@pytest.mark.slow
 def test_universal_joint():
     elements = [[1, 2], [2, 3], [3, 4], [4, 5], [5, 6], [6, 7]]
     sets = [{"elems": 1, **leaf(0.2e-3, nbeams=2)}, {"elems": [3, 6], "type": "hinge", "orien": UP}]
@@ -503,6 +513,7 @@ def test_all_faults_are_told_at_once():
     assert [line.split(":")[0] for line in lines] == ["eprops(1).emod", "Node 3", "Node 3"]
 
 
+@pytest.mark.slow
 def test_constraints_are_told_by_element_and_node():
     nodes, elements, nprops, eprops, opt = changed(sets={2: {"flex": [2, 3, 4]}})
     stuck = r"(?s)\(1 times\).*elements 1, 2, 3, 4 hold each other: add one of \[5, 6\] to flex of element 1; or add"
@@ -561,6 +572,7 @@ def restrained(ends: int) -> float:
     return git / (0.1 * np.sqrt(2)) / (1 - ends * np.tanh(al / ends) / al)
 
 
+@pytest.mark.slow("free", "body")
 @pytest.mark.parametrize(
     ("script", "ends"),
     [
@@ -576,6 +588,7 @@ def test_leaf_springs_in_a_row_share_their_warping(script, ends):
     assert 1 / float(fm.compliance(model, "n3")[3, 3]) == pytest.approx(restrained(ends), rel=1e-10)
 
 
+@pytest.mark.slow
 def test_warping_as_by_the_builder_and_by_the_closed_form():
     out = fm.spacar.spacar_light(*twisted([1], {2: {"fix_warp": True}}))
     # Of the six deformations and two warpings of a beam, one beam, whose warping is held.
@@ -617,6 +630,7 @@ def test_a_script_in_one_struct():
     assert fm.spacar.spacar_light(as_struct()).ndof == 1
 
 
+@pytest.mark.slow("arguments4-nprops, eprops: are not given", "arguments5-elements, nprops, eprops: are not given")
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -476,6 +476,7 @@ def test_many_faults_take_little_memory(line):
     assert most < 20_000 * 350 + 2**20
 
 
+@pytest.mark.slow
 def test_a_file_of_another_kind_is_answered_shortly():
     found = faults("\n".join(f"word{i} \x07{'y' * 10**4} z" for i in range(10 * MOST_FAULTS)))
     assert len(found) == MOST_FAULTS + 1
@@ -491,6 +492,7 @@ def test_a_name_of_a_file_that_is_no_text(tmp_path):
     assert str(info.value).startswith(r"a\nb\udcff.dat:1: QQQ: unknown keyword")
 
 
+@pytest.mark.slow
 def test_many_lines_that_draw_are_one_short_warning():
     (warning,) = fm.read_spacar(TRUSS + "VISUALIZATION\n" + "COLOR 1 0 0\n" * 20000).warnings
     assert warning.endswith("COLOR (line 33), 19981 more")

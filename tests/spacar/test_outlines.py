@@ -129,6 +129,7 @@ def test_sizes_that_are_none_are_refused(lines, told):
     assert told in str(info.value)
 
 
+@pytest.mark.slow
 def test_the_command_line_answers_and_draws_it(tmp_path):
     (tmp_path / "a.dat").write_text(drawn("BEAMPROPS 1 3\nCROSSTYPE rect\nCROSSDIM 0.0005 0.018"))
     result = command("run", tmp_path / "a.dat", "--mode", 7, "--json", "-", "--plot", tmp_path / "a.svg")

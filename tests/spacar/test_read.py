@@ -309,6 +309,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_screw(tmp_path):
     read = fm.read_spacar(
         SPINDLE.replace("RLSE 1 2", "INPUTE 1 2").replace("END\nEND", "END\nHALT\nINPUTE 1 2 1.5\nEND\nEND")
@@ -463,6 +464,7 @@ def named_guide():
     return b
 
 
+@pytest.mark.slow
 def test_named_mechanism_of_python(tmp_path):
     fm.write_spacar(named_guide(), tmp_path / "guide.dat")
     assert "% node 2: top\n" in (tmp_path / "guide.dat").read_text()
@@ -749,6 +751,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_components_of_a_spatial_rotation_keep_their_meaning_with_a_warning():
     read = fm.read_spacar(SIGNALS.format(input="4 2", output="4 2"))
     assert [text.split(": ")[1:3] for text in read.warnings] == [
@@ -767,6 +770,7 @@ def test_an_input_on_what_a_file_holds():
         fm.read_spacar(SIGNALS.format(input="1 2", output="3 2"))
 
 
+@pytest.mark.slow
 def test_signals_about_axes_have_no_keyword(tmp_path):
     builder = fm.read_spacar(SIGNALS.format(input="3 2", output="3 2")).builder
     builder.output("4", "rx", name="roll", local=True)

@@ -48,6 +48,7 @@ def exact_frequency():
     return np.sqrt(bend / mass) * beta**2 / (2 * np.pi)
 
 
+@pytest.mark.slow
 def test_guide_with_one_spectral_beam_a_leaf_spring(tmp_path):
     # A curvature that is linear along the leaf spring is a cubic beam: closed form of the tutorial's model.
     cubic = run(guide(tmp_path, 2), 7)
@@ -68,6 +69,7 @@ def test_guide_with_one_spectral_beam_a_leaf_spring(tmp_path):
     assert (check["status"], check["underconstraints"], check["dofs"]) == ("ok", 0, usual["dofs"])
 
 
+@pytest.mark.slow
 def test_buckling_load_of_the_guide(tmp_path):
     data = run(guide(tmp_path, 6, "pf2db"), 8)
     bend, length = 0.039375, 0.1
@@ -99,6 +101,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_path_of_a_cantilever_through_its_buckling_load(tmp_path):
     path = tmp_path / "column.dat"
     path.write_text(COLUMN)
@@ -129,6 +132,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_lateral_buckling_by_one_beam_of_the_usual_order(tmp_path):
     path, log = tmp_path / "lateral.dat", tmp_path / "lateral.log"
     path.write_text(LATERAL)
@@ -170,6 +174,7 @@ def test_numbers_of_the_beam_stand_for_whole_fields(keyword, numbers, expected):
     assert roles(LATERAL.replace("DYNE 1 1 2 3 5", f"{keyword} 1 {numbers}")) == list(expected)
 
 
+@pytest.mark.slow
 def test_shear_is_counted_where_it_is_given(tmp_path):
     text = LATERAL.replace("1e9 1 1e6 1", "1e9 1 1e6 1 0.02 0.01").replace("1 0\n", "1 0 3\n", 1)
     assert member(text).element is spatial.spectral_beam(3, shear=True)
@@ -194,6 +199,7 @@ def stressed_and_strained(count, keyword, which):
     return "\n".join(" ".join([one, "1", *map(str, numbers)]) for one, numbers in values.items())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keyword", ["ESIG", "EINIT"])
 @pytest.mark.parametrize("which", range(6))
 def test_prestress_and_strain_mean_what_they_mean_for_a_beam(keyword, which):
@@ -212,6 +218,7 @@ def test_prestress_and_strain_mean_what_they_mean_for_a_beam(keyword, which):
     assert np.max(np.abs(np.asarray(found.at("3")) - [2, 0, 0])) + np.max(np.abs(found.at("4")[1:])) > 1e-8
 
 
+@pytest.mark.slow("0-ESIG", "0-EINIT", "1-ESIG", "1-EINIT", "2-EINIT")
 @pytest.mark.parametrize("keyword", ["ESIG", "EINIT"])
 @pytest.mark.parametrize("which", range(3))
 def test_prestress_and_strain_in_the_plane(keyword, which):
@@ -293,6 +300,7 @@ def named(**extra):
     return b
 
 
+@pytest.mark.slow
 def test_named_mechanism_of_python(tmp_path):
     fm.write_spacar(named(), tmp_path / "guide.dat")
     text = (tmp_path / "guide.dat").read_text()
@@ -385,6 +393,7 @@ def test_one_fault_in_the_plane(old, new, expected):
     assert fault.startswith("text:" + expected)
 
 
+@pytest.mark.slow
 def test_a_leaf_spring_too_many_is_released_by_a_coefficient(tmp_path):
     text = mechanism_path("pf3dover").read_text()
     for ends in ("1 1 2 3 4", "3 5 6 7 8"):

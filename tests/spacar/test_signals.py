@@ -38,6 +38,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_a_base_that_moves_and_forces_that_are_transmitted(tmp_path):
     """Newton's equations of the masses, of the second one and of the base, without any state space."""
     read = fm.read_spacar(MASSES)

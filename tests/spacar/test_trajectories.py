@@ -125,6 +125,7 @@ def test_one_fault(block, lines, expected):
     assert fault.startswith("text:" + expected.format(K=K, D=D, D1=D + 1, S=S, S1=S + 1))
 
 
+@pytest.mark.slow("INTEGRAL-ERROR absolute")
 @pytest.mark.parametrize(
     ("keyword", "way"),
     [("TROT", "TRAJX node coordinate start end value"), ("TIMENORM", "times [s]"), ("INTEGRAL", "ERROR absolute")],

@@ -19,6 +19,7 @@ def test_truss_guide(dof):
     np.testing.assert_allclose(lin.M0, [[0.206 + 2 * 0.007065 - 2 / 3 * 0.007065]], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_truss_guide_printed_numbers():
     b = fm.Builder()
     b.node("1", (0, 0))
@@ -74,11 +75,13 @@ def test_planar_guide_buckling_sign_and_mode():
     np.testing.assert_allclose(np.asarray(found.shapes)[ends, 0], [1, 0, 1, 0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_planar_guide_without_the_elongation_term_buckles_too_late():
     model = mechanisms.planar_guide(force=(0, -1.0), second_order=False).build()
     assert fm.buckling_loads(model)[0] == pytest.approx(94.5, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_planar_guide_with_three_degrees_of_freedom():
     inertia = -0.206 * 0.1**2 / 12
     lin = fm.linearize(mechanisms.planar_guide(elongation=True, inertia=inertia).build())
@@ -102,6 +105,7 @@ def test_planar_guide_with_three_degrees_of_freedom():
     assert fm.frequencies(printed)[2] == pytest.approx(3583.3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_spatial_guide():
     # One bending of the right leaf spring released in its stiff plane, as if cut partly (T5).
     model = mechanisms.spatial_guide(extra=(5,), ratio=0.005).build()
@@ -150,6 +154,7 @@ def test_release_on_request_removes_the_overconstraint():
     assert fm.frequencies(model)[0] == pytest.approx(10.646359, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_refined_guide_approaches_the_continuum():
     # 10.644743 Hz: continuum with inextensible leaf springs, no rotary inertia, bar in translation (T, independent).
     found = [float(fm.frequencies(mechanisms.planar_guide(beams=n, dofs=False).build())[0]) for n in (1, 2, 4)]
@@ -160,6 +165,7 @@ def test_refined_guide_approaches_the_continuum():
     assert errors[2] < 1e-7
 
 
+@pytest.mark.slow
 def test_compliance_of_the_planar_guide():
     model = mechanisms.planar_guide().build()
     matrix = fm.compliance(model, "left1")
@@ -167,6 +173,7 @@ def test_compliance_of_the_planar_guide():
     assert jnp.all(jnp.isfinite(matrix))
 
 
+@pytest.mark.slow
 def test_the_lowest_frequencies_alone():
     """As among all of them, of some forty degrees of freedom."""
     model = mechanisms.spatial_guide(beams=4, released=(1, 2, 3, 4, 5, 6), dofs=False).build()

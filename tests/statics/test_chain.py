@@ -26,6 +26,7 @@ def on_the_host(monkeypatch, model):
         return fm.equilibrium(model, sparse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("in_order_alone")
 def test_elastica():
     """Mattiasson 1981, Numerical results from large deflection beam and frame problems, table 1: P L^2 = 2 EI."""
@@ -66,6 +67,7 @@ def arm():
     return b.build(check=False)
 
 
+@pytest.mark.slow
 def test_rigid_pieces_and_what_is_prescribed(monkeypatch, in_order_alone):
     model = arm()
     found = fm.equilibrium(model, sparse=True)
@@ -80,6 +82,7 @@ def test_rigid_pieces_and_what_is_prescribed(monkeypatch, in_order_alone):
     np.testing.assert_allclose(held, (-0.3, -0.5 * mass, 9.81 * mass), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_motion_without_stiffness_is_named(monkeypatch):
     b = fm.Builder()
     for i in range(4):
@@ -97,6 +100,7 @@ def test_a_motion_without_stiffness_is_named(monkeypatch):
         fm.equilibrium(b.build(check=False), sparse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("in_order_alone")
 def test_bars_between_beams_far_apart_along_the_chain():
     """A loop of beams whose two sides a bar joins; dense matrices know of no order."""

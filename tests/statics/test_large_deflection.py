@@ -26,6 +26,7 @@ def cantilever(beams, force=(0.0, 0.0), moment=0.0, foot=0.0, tip=1.0, dofs=()):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("load", "deflection", "shortening", "most"),
     [(1.0, 0.3017207738, 0.0564332363, 60), (5.0, 0.7137915236, 0.3876283607, 160)],
@@ -56,6 +57,7 @@ def test_turns_on_the_way_end_where_little_is_left():
     assert ends(1e-10, 1.0)
 
 
+@pytest.mark.slow
 def test_roll_up_converges_with_order_two_and_is_refused_where_it_cannot_be():
     # A4: M = 2 pi EI/L closes the circle; 8 SPACAR beams cannot carry that moment.
     gaps = [float(np.hypot(*fm.equilibrium(cantilever(n, moment=2 * np.pi)).at(str(n)))) for n in (16, 32)]
@@ -65,6 +67,7 @@ def test_roll_up_converges_with_order_two_and_is_refused_where_it_cannot_be():
         fm.equilibrium(cantilever(8, moment=2 * np.pi))
 
 
+@pytest.mark.slow
 def test_derivative_by_positions_under_load():
     def tip(foot, end):
         model = cantilever(2, force=(0.2, 1.0), foot=foot, tip=end, dofs=(0, 1))
@@ -81,6 +84,7 @@ def test_derivative_by_positions_under_load():
         np.testing.assert_allclose(found, difference, rtol=2e-6, atol=2e-6)
 
 
+@pytest.mark.slow
 def test_zero_and_small_loads_converge():
     guide = [mechanisms.planar_guide(force=(f, 0.0)).build() for f in (0.0, 1e-3, 9.5)]
     moved = [float(fm.equilibrium(g).at("left1")[0]) for g in guide]
@@ -90,6 +94,7 @@ def test_zero_and_small_loads_converge():
     assert 0.009 < moved[2] < 0.0101
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "count", "squared"), [(planar.beam, 16, 1.01**2), (planar.spectral_beam, 1, 1.0)])
 def test_a_stretched_strip_bends_as_theory_says(kind, count, squared):
     """THEORY.md 2: cubic beams project onto the stretched axis, so that EI counts by (1 + strain)^2."""

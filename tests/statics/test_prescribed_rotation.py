@@ -39,6 +39,7 @@ def deformation(model, values, name):
     return values[[str(entry) for entry in model.labels.e].index(name)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [1.0, np.pi, 2 * np.pi, 2.5 * np.pi, -7 * np.pi])
 def test_a_body_turned_at_its_clamp_moves_rigidly(angle):
     model = cantilever("A", SKEW, angle, "fixed")
@@ -54,6 +55,7 @@ def test_a_body_turned_at_its_clamp_moves_rigidly(angle):
     assert deformation(model, found.e, "turn of A.e1") == pytest.approx(angle, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [2 * np.pi, 2.5 * np.pi])
 def test_roll_up_by_the_angle_of_the_tip_in_space(angle):
     # A4: constant curvature theta/L; leaf along a skew direction, turned about an axis across it.
@@ -71,6 +73,7 @@ def test_roll_up_by_the_angle_of_the_tip_in_space(angle):
     assert moment == pytest.approx(SECTION.EIy * angle / LENGTH, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [2 * np.pi, 2.5 * np.pi])
 def test_roll_up_by_the_angle_of_the_tip_in_the_plane(angle):
     b = fm.Builder()
@@ -86,6 +89,7 @@ def test_roll_up_by_the_angle_of_the_tip_in_the_plane(angle):
     assert found.reactions[b.build().labels.known("B.rotation")[0]] == pytest.approx(angle / LENGTH, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_free_tilt_takes_no_moment():
     # Linear unsymmetric bending: principal axes at 0.5 rad from the axis turned about.
     alpha, small = 0.5, 1e-4
@@ -101,6 +105,7 @@ def test_a_free_tilt_takes_no_moment():
         assert moment / small == pytest.approx(expected, rel=1e-6), tilt
 
 
+@pytest.mark.slow
 def test_the_opposite_of_the_stress_resultant_put_on_the_node_turns_it_as_far():
     """As Builder.prescribe says: what is prescribed by an angle, and the same held there by a moment."""
     axis, angle = np.array([0.0, 0.0, 1.0]), 0.3
@@ -147,6 +152,7 @@ def cross_pivot_in_space(angle):
     return b.build()
 
 
+@pytest.mark.slow
 def test_cross_pivot_in_space():
     for degrees, stiffness, shift in ((5, 2.00253510, 8.96862e-4), (10, 2.01010020, 3.579963e-3)):
         angle = np.radians(degrees)
@@ -168,6 +174,7 @@ def test_cross_pivot_in_space():
         np.testing.assert_allclose(found[2], 0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_derivative_by_the_angle():
     model = cantilever("B", SKEW, 2.0, "fixed")
 
@@ -182,11 +189,13 @@ def test_derivative_by_the_angle():
     assert fm.jit(jax.grad(moment))(jnp.array(2.0)) == pytest.approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_initial_and_incremental_angles_add_up():
     found = fm.equilibrium(cantilever("A", SKEW, -np.pi, "fixed", increment=5 * np.pi), increment=0.7)
     np.testing.assert_allclose(found.at("A.rotation"), np.r_[np.cos(1.25 * np.pi), np.sin(1.25 * np.pi) * SKEW])
 
 
+@pytest.mark.slow
 def test_wrong_descriptions():
     def started():
         b = fm.Builder()
@@ -255,6 +264,7 @@ def test_the_moment_that_turns_a_shaft(turn):
     np.testing.assert_allclose(found.reaction("A", "rx"), -MOMENT, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_moment_that_turns_a_shaft_in_other_results():
     """Of a linearisation, a path and a stroke; GI_t times the angle over the length of a beam that is exact."""
     exact = shaft(spatial.spectral_beam(2))
@@ -271,6 +281,7 @@ def test_the_moment_that_turns_a_shaft_in_other_results():
         assert path.along(text).values[-1] == pytest.approx(MOMENT, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_moment_that_turns_a_shaft_in_motion():
     """The acceleration of the law times the inertia, and the moment of the shaft."""
     b = shaft()
@@ -345,6 +356,7 @@ def test_a_rotation_is_held_about_global_axes():
         b.prescribe("B", "rx", 0.1, axis=(1, 0, 0))
 
 
+@pytest.mark.slow
 def test_an_angle_about_a_global_axis_is_a_degree_of_freedom():
     """A body on a shaft that is turned and let go, or pushed by a moment, moves as one degree of freedom."""
     b = fm.Builder()

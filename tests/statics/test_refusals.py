@@ -33,6 +33,7 @@ def truss(load, base=10.0, height=1.0):
 LIMIT = 3.8108719042
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.0001, 1.01, 1.5, 4.0, 100.0])
 def test_beyond_a_limit_load_there_is_a_refusal_and_no_jump(share):
     # The snapped side carries any of these loads: an iteration that leaves the path would find it.
@@ -63,6 +64,7 @@ def apex(load):
 CLOSED_LIMIT = 2e4 * (1 - (10 / np.hypot(10, 1)) ** (2 / 3)) ** 1.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("below", "result"),
     [
@@ -92,6 +94,7 @@ def test_a_derivative_near_a_limit_load_comes_with_its_code(below, result):
         assert -slope == pytest.approx(1 / stiffness, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_the_derivative_of_the_limit_load_itself_exists():
     # 3.8108719042 is rounded up: nothing carries it.
     with pytest.raises(fm.AnalysisError, match="limit load"):
@@ -99,6 +102,7 @@ def test_the_derivative_of_the_limit_load_itself_exists():
     assert LIMIT * fm.limit_load(truss(LIMIT)) == pytest.approx(CLOSED_LIMIT, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_batch_tells_its_critical_states_apart():
     loads = CLOSED_LIMIT * jnp.array([0.5, 1 - 1e-10, 1.5])
     codes = jax.vmap(lambda load: apex(load)[1])(loads)
@@ -115,6 +119,7 @@ def column(load, aside=0.0, **options):
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_straight_column_beyond_its_buckling_load_is_called_unstable():
     model = column(3.0)
     with pytest.warns(fm.FlexmbWarning, match="The equilibrium is not stable"):
@@ -154,6 +159,7 @@ def test_at_a_bifurcation_the_state_is_found_and_called_critical():
     assert {code for off, code in codes.items() if off not in near} == {fm.RESULTS.successful}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slenderness", [1e5, 1e7, 1e9])
 def test_a_slender_beam_is_not_critical_whatever_the_degrees_of_freedom(slenderness):
     # EA L^2/EI, and coordinates in which stretching and bending mix.
@@ -168,6 +174,7 @@ def test_a_slender_beam_is_not_critical_whatever_the_degrees_of_freedom(slendern
     assert named(fm.equilibrium(b.build())) is fm.RESULTS.successful
 
 
+@pytest.mark.slow
 def test_what_has_no_elastic_stiffness_is_not_critical():
     b = fm.Builder()
     b.node("joint", (0, 0))
@@ -178,6 +185,7 @@ def test_what_has_no_elastic_stiffness_is_not_critical():
     assert named(fm.equilibrium(b.build())) is fm.RESULTS.successful
 
 
+@pytest.mark.slow
 def test_a_force_that_follows_its_column_has_no_static_buckling_load():
     # Beck's column flutters: statics finds no load, from the straight state or below any load.
     model = column(1.0, follower=True)
@@ -190,6 +198,7 @@ def test_a_force_that_follows_its_column_has_no_static_buckling_load():
     assert np.max(np.real(fm.poles(column(20.2, follower=True)))) > 0.1
 
 
+@pytest.mark.slow
 def test_a_load_on_a_support_moves_nothing():
     b = fm.Builder()
     b.node("foot", (0, 0))
@@ -214,6 +223,7 @@ def test_a_huge_first_step_ends_on_the_branch(load):
         assert fm.RESULTS(int(found.result)) is fm.RESULTS.not_converged
 
 
+@pytest.mark.slow
 def test_a_foil_of_one_ten_thousandth_of_its_length():
     # A1 at P L^2/EI = 1: EA L^2/EI = 12e8.
     material = fm.Material(E=210e9, G=80e9)
@@ -229,6 +239,7 @@ def test_a_foil_of_one_ten_thousandth_of_its_length():
     assert named(found) is fm.RESULTS.successful
 
 
+@pytest.mark.slow("0.001", "1.0")
 @pytest.mark.parametrize("load", [1e-3, 1.0, 10.0])
 def test_two_bars_in_line_have_no_stiffness_across_until_they_are_stretched(load):
     flat = truss(load, height=0.0)
@@ -279,6 +290,7 @@ def crank(dof, force):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dof", [("joint", "phi"), ("body", "x")])
 @pytest.mark.parametrize("force", [0.5, np.pi / 4, 0.9, 1.2, 3.0])
 def test_a_degree_of_freedom_that_comes_to_a_dead_point(dof, force):
@@ -311,6 +323,7 @@ def three_leaf_guide(lean, released=None):
     return b
 
 
+@pytest.mark.slow("0.0", "1e-09", "1e-06")
 @pytest.mark.parametrize("lean", [0.0, 1e-9, 1e-6, 1e-3])
 def test_a_third_leaf_spring_that_is_almost_parallel(lean):
     # Stiffness of the stage, assembled by hand from beams of length l: EA/l, 12, 6, 4 EI/l^3, /l^2, /l.
@@ -348,6 +361,7 @@ def test_a_third_leaf_spring_that_cannot_stretch_is_refused_by_name(lean, code, 
     assert info.value.code == code
 
 
+@pytest.mark.slow
 def test_modes_under_a_trace():
     with pytest.raises(TypeError, match="frequencies"):
         jax.grad(lambda load: fm.modes(side_loaded(1, load, lengthwise=-1.0)).frequencies[0])(1.0)
@@ -364,6 +378,7 @@ def side_loaded(beams, load, released=None, lengthwise=0.0):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("released", [None, (2, 3)])
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 0.1])
 def test_what_round_off_would_buckle_is_unbounded(released, load):
@@ -375,6 +390,7 @@ def test_what_round_off_would_buckle_is_unbounded(released, load):
         assert not np.any(np.isfinite(fm.path(model).multipliers[1:]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [1e-5, 1e-3, 1.0])
 def test_a_lengthwise_load_buckles_at_any_scale(load):
     # Smaller and larger root of det(K0 + P G0) = 0 of one cubic beam, P L^2/EI = 2.486 and 32.18 (textbooks).
@@ -385,6 +401,7 @@ def test_a_lengthwise_load_buckles_at_any_scale(load):
     assert not np.isfinite(found[2])
 
 
+@pytest.mark.slow
 def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     def first(thickness):
         b = fm.Builder()
@@ -402,6 +419,7 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     assert np.all(np.isfinite(found[:2]))
 
 
+@pytest.mark.slow("equilibrium", "linearize", "ask4")
 @pytest.mark.parametrize(
     "ask",
     [fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads, functools.partial(fm.linearize, sparse=True)],
@@ -421,6 +439,7 @@ def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found(ask):
         ask(b.build(check=not isinstance(ask, functools.partial)))
 
 
+@pytest.mark.slow("120.0")
 @pytest.mark.parametrize("turn", [120.0, 240.0, -90.0])
 def test_a_crank_that_is_driven_beyond_its_reach_is_refused(turn):
     """A rigid four-bar of ground 1, crank 1, coupler 0.8, rocker 0.5, the crank drawn at 60 degrees.

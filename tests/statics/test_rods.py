@@ -186,6 +186,7 @@ def test_buckling_in_the_plane(rod, force, expected):
     np.testing.assert_allclose(critical, expected, rtol=1e-8)
 
 
+@pytest.mark.slow("distributed--0.16666666666666666-6.0")
 @pytest.mark.parametrize(("kind", "order", "factor"), [("tip", -1 / 4, 2.0), ("distributed", -1 / 6, 6.0)])
 def test_lateral_buckling(kind, order, factor):
     """Narrow strip: P L^2/sqrt(EIz GJ) is twice the first zero of J_(-1/4), q L^3/sqrt(EIz GJ) six of J_(-1/6)."""
@@ -199,6 +200,7 @@ def test_lateral_buckling(kind, order, factor):
             np.testing.assert_allclose(row[-1], stored[-1], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_frame_leaves_its_plane():
     (row,) = rod_cases.frame_lateral(PROBLEMS["frame-lateral"] | {"cases": [(2.16, 1.0)]})
     np.testing.assert_allclose(row[-1], 1.0875184, atol=6e-8)
@@ -257,6 +259,7 @@ def test_rod_in_space_equals_rod_in_the_plane():
     np.testing.assert_allclose(tip, [x, y, 0.0, np.cos(phi / 2), 0.0, 0.0, np.sin(phi / 2)], atol=1e-11)
 
 
+@pytest.mark.slow
 def test_prescribed_pose_in_space_needs_the_load_that_causes_it():
     rod = SpatialRod(1.0, 0.7, 2.0, 1.0, 200.0, 90.0, 80.0)
     force, moment = np.array([0.3, 0.5, -0.8]), np.array([0.2, -0.3, 0.4])
@@ -315,6 +318,7 @@ def numbers(value):
 SLOW = ("lee-frame", "lateral", "frame-lateral")  # their first rows are solved above
 
 
+@pytest.mark.slow("cross-pivot", "guide-planar", "guide-spatial")
 @pytest.mark.parametrize("name", [name for name in PROBLEMS if name not in SLOW])
 def test_stored_rows_are_solved_anew(name):
     """The first case of each problem; all of them by `rod_cases.py`."""

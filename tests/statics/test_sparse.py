@@ -45,6 +45,7 @@ def arm(thickness=1e-3):
     return b
 
 
+@pytest.mark.slow
 def test_answers_are_those_of_the_dense_path():
     dense, sparse = arm().build(), arm().build(check=False)
     one, other = fm.equilibrium(dense), fm.equilibrium(sparse, sparse=True)
@@ -57,6 +58,7 @@ def test_answers_are_those_of_the_dense_path():
     np.testing.assert_allclose(found, fm.frequencies(dense)[:3], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_central_differences():
     start = 1e-3
 
@@ -90,6 +92,7 @@ def test_a_thousand_beams_against_the_closed_form():
     np.testing.assert_allclose(fm.frequencies(model, count=3, sparse=True), exact, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_load_beyond_one_step():
     """The dense path's answer where load steps are needed: a strip bent to some forty degrees."""
     section = fm.Rectangle(0.018, 5e-4, STEEL)
@@ -104,6 +107,7 @@ def test_a_load_beyond_one_step():
     np.testing.assert_allclose(sparse.x, dense.x, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_what_is_refused():
     b = fm.Builder()
     b.node("a", (0, 0))
@@ -117,6 +121,7 @@ def test_what_is_refused():
         fm.frequencies(arm().build(check=False), sparse=True)
 
 
+@pytest.mark.slow
 def test_a_rigid_motion_has_no_frequency():
     b = fm.Builder()
     for i in range(4):
@@ -164,6 +169,7 @@ def end(numbers):
     return fm.equilibrium(pulled(numbers).build(check=False), sparse=True).at("d")[0]
 
 
+@pytest.mark.slow
 def test_laws_and_loads_that_follow():
     b = pulled(NUMBERS)
     dense, sparse = fm.equilibrium(b.build(), sparse=False), fm.equilibrium(b.build(check=False), sparse=True)
@@ -173,6 +179,7 @@ def test_laws_and_loads_that_follow():
     np.testing.assert_allclose(sparse.reactions, dense.reactions, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_derivatives_under_jit_are_those_of_central_differences():
     h = 1e-4
     found = jax.jit(jax.grad(end))(NUMBERS)
@@ -194,6 +201,7 @@ def test_equations_of_compiled_code_are_solved_in_one_thread(monkeypatch):
     assert int(found[0]) == on_host_thread(threading.get_ident)
 
 
+@pytest.mark.slow
 def test_sweep_and_tune_against_the_closed_form():
     def cantilever(EI):
         b = fm.Builder()
@@ -213,6 +221,7 @@ def test_sweep_and_tune_against_the_closed_form():
     assert float(tuned.dimensions["EI"]) == pytest.approx(1.5, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_moments_about_fixed_axes():
     b = fm.Builder()
     b.node("a", (0, 0, 0))
@@ -225,6 +234,7 @@ def test_moments_about_fixed_axes():
     np.testing.assert_allclose(sparse.x, dense.x, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_failure_is_a_code_where_it_is_not_raised():
     b = fm.Builder()
     for i in range(3):
@@ -241,6 +251,7 @@ def test_a_failure_is_a_code_where_it_is_not_raised():
         fm.equilibrium(b.build(check=False), sparse=True)
 
 
+@pytest.mark.slow("ac bc ac-singular_configuration")
 @pytest.mark.parametrize(("bars", "why"), [("ac bc ac", "singular_configuration"), ("ac", "singular_stiffness")])
 def test_bars_that_hold_the_same_twice_and_too_few_are_told_apart(bars, why):
     b = fm.Builder()
@@ -257,6 +268,7 @@ def test_bars_that_hold_the_same_twice_and_too_few_are_told_apart(bars, why):
     assert info.value.code == why
 
 
+@pytest.mark.slow("answers about a state")
 @pytest.mark.parametrize("ask", ["answers about a state", "equilibrium"])
 def test_memory_that_does_not_suffice_is_named(monkeypatch, ask):
     def full(*_, **__):
@@ -364,6 +376,7 @@ def test_units_make_nothing_singular():
     np.testing.assert_allclose(micrometres, metres, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
     b = arm()
     monkeypatch.setattr("flexmb.statics.choice.LARGE", 10)
@@ -374,6 +387,7 @@ def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
         fm.equilibrium(b.build(check=False))
 
 
+@pytest.mark.slow
 def test_factors_of_a_chain_of_held_elongations_stay_sparse(monkeypatch):
     made, original = [], SparseFactors.__init__
 
@@ -396,6 +410,7 @@ def test_factors_of_a_chain_of_held_elongations_stay_sparse(monkeypatch):
     assert max(made[1:]) < 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [7.0, -13.0])
 def test_turns_are_counted(angle):
     """A spring in a hinge in space that is turned by its body beyond full turns, a leaf spring carried along."""
@@ -421,6 +436,7 @@ def test_turns_are_counted(angle):
     assert jax.grad(lambda k: turned(k).sigma[place])(0.05) == pytest.approx(angle, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_rope_of_rigid_links_hangs():
     """Nothing but weight resists it; Bernoulli: frequencies by the zeros of J0, j/(4 pi) sqrt(g/l), of a heavy rope."""
     b = fm.Builder()

@@ -86,6 +86,31 @@ def told(model, **how):
     return [str(w.message) for w in heard]
 
 
+@pytest.mark.slow(
+    "0.99-False-dense",
+    "0.99-False-chain",
+    "0.99-False-chain without stretch",
+    "0.99-False-chain with rigid pieces",
+    "0.99-False-chain of columns",
+    "0.99-False-sparse",
+    "-5.0-False-dense",
+    "-5.0-False-chain without stretch",
+    "-5.0-False-chain with rigid pieces",
+    "-5.0-False-chain of columns",
+    "-5.0-False-sparse",
+    "1.01-True-dense",
+    "1.01-True-chain without stretch",
+    "1.01-True-chain with rigid pieces",
+    "1.01-True-chain of columns",
+    "1.01-True-sparse",
+    "2.0-True-dense",
+    "2.0-True-chain without stretch",
+    "2.0-True-chain with rigid pieces",
+    "2.0-True-chain of columns",
+    "8.0-True-dense",
+    "8.0-True-chain with rigid pieces",
+    "8.0-True-chain of columns",
+)
 @pytest.mark.parametrize("way", WAYS)
 # Columns of three cubic beams buckle 3e-4 late; at twice the first load no motion is soft.
 @pytest.mark.parametrize(("share", "unstable"), [(0.99, False), (-5.0, False), (1.01, True), (2.0, True), (8.0, True)])
@@ -97,6 +122,7 @@ def test_straight_columns(way, share, unstable):
     assert all("The equilibrium is not stable: its stiffness is negative" in text for text in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 60])
 @pytest.mark.parametrize(("share", "unstable"), [(0.99, False), (3.0, True)])
 def test_a_leaf_spring_that_is_warmed_between_walls(count, share, unstable):
@@ -114,6 +140,7 @@ def test_a_leaf_spring_that_is_warmed_between_walls(count, share, unstable):
     assert any("not stable" in text for text in heard) == unstable
 
 
+@pytest.mark.slow
 def test_no_pivot_is_lost_where_metres_and_radians_differ_much():
     """A girder of 200 m that is pulled along itself; in space rotations are four numbers of the order of one."""
     b = fm.Builder()
@@ -157,6 +184,7 @@ def test_motions_are_counted_and_named():
     assert "in 2 motions (" in told(column(6, 9.1 * EULER, EIy=1.0))[0]
 
 
+@pytest.mark.slow
 def test_a_column_that_buckles_both_ways_at_once_is_told():
     """An even number of negative ones, which no determinant shows."""
     square = column(4, 1.1 * EULER, spatial, EIy=1.0, EIz=1.0, GIt=1.0)
@@ -201,6 +229,7 @@ def test_signs_of_a_stiffness(stiffness, structural, symmetric, count):
         assert found[:, 0] @ k @ found[:, 0] < 0
 
 
+@pytest.mark.slow("80.0-80.0")
 @pytest.mark.parametrize(("first", "second"), [(80.0, 80.0), (60.0, -40.0)])
 def test_a_double_pendulum_hangs_down_from_wherever_it_is_drawn(first, second):
     """Nothing is elastic, so that no smaller load leads there by smaller steps; two equal masses, sqrt(2 -+ sqrt 2)."""

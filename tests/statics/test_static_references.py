@@ -32,6 +32,11 @@ def leaf(points, section, order=6, element=planar.spectral_beam, **properties):
     return b
 
 
+@pytest.mark.slow(
+    "(1.0, inf, inf, 0.935645669481, 0.320641994675, 0.495884642423)",
+    "(1.0, 1000.0, inf, 0.935498689697, 0.320580777022, 0.495844850206)",
+    "(3.0, inf, inf, 0.551664738974, 0.726684950036, 1.39865581259)",
+)
 @pytest.mark.parametrize("row", rows("follower-force", lambda r: np.isinf(r[2])), ids=str)
 def test_follower_force(row):
     load, ea, _, *expected = row
@@ -51,6 +56,7 @@ def sections(key, shear):
     return fm.Rigidity(EA=e * a, EIy=bend, EIz=bend, GIt=g * data["J"], shear_y=compliance, shear_z=compliance)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("follower-arc"), ids=lambda r: str(r[0]))
 def test_follower_force_on_an_arc_in_space(row):
     load, *expected = row
@@ -72,6 +78,7 @@ def turned(vector):
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("moment-space"), ids=lambda r: f"{r[3]} {r[0]}")
 def test_moments_about_fixed_and_following_axes(row):
     *moment, kind, x, y, z = row[:7]
@@ -83,6 +90,7 @@ def test_moments_about_fixed_and_following_axes(row):
     np.testing.assert_allclose(found.at("1"), [x, y, z], atol=2e-6)
 
 
+@pytest.mark.slow("0.0 2.0", "0.0 10.0", "0.0 -10.0")
 @pytest.mark.parametrize("row", rows("distributed"), ids=lambda r: f"{r[0]} {r[1]}")
 def test_distributed_load_as_weight(row):
     degrees, load, x, y, angle, _ = row
@@ -94,6 +102,7 @@ def test_distributed_load_as_weight(row):
     assert a + found.at("1.rotation")[0] == pytest.approx(angle, abs=1e-7)
 
 
+@pytest.mark.slow("(0.0, 0.0) (0.0, -0.5)", "(0.0, 0.0) (0.0, -1.0)", "(0.0, 0.0) (0.0, -2.0)")
 @pytest.mark.parametrize("row", rows("right-angle-frame", lambda r: np.isinf(r[0])), ids=lambda r: f"{r[1]} {r[2]}")
 def test_right_angle_frame(row):
     _, at_corner, at_tip, corner, tip = row
@@ -105,6 +114,11 @@ def test_right_angle_frame(row):
     np.testing.assert_allclose(found.at("2"), tip[:2], atol=1e-6)
 
 
+@pytest.mark.slow(
+    "(inf, 0.5, -2.0, 5.0, 0.215255884257, -3.91746101822e-05, 0.00087375960494)",
+    "(inf, 0.5, -2.0, 30.0, 1.30890655621, -0.00818970549874, 0.0296744001716)",
+    "(inf, 0.5, 0.0, 5.0, 0.174754154575, -3.91205595241e-05, 0.000896008123463)",
+)
 @pytest.mark.parametrize("row", rows("cross-pivot", lambda r: np.isinf(r[0]) and r[3] in (5.0, 30.0)), ids=str)
 def test_cross_pivot_under_load(row):
     _, fraction, force, degrees, moment, x, y = row
@@ -136,6 +150,7 @@ def guide(space):
     return b
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("guide-planar"), ids=lambda r: f"{r[0]:.2f} {r[1]}")
 def test_guide_in_the_plane(row):
     fx, fy, x, y, phi, drive, support = row
@@ -151,6 +166,7 @@ def test_guide_in_the_plane(row):
     assert 1 / (c[1, 1] - c[0, 1] ** 2 / c[0, 0]) == pytest.approx(support, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("guide-spatial", lambda r: np.isinf(r[0])), ids=lambda r: str(r[1]))
 def test_guide_in_space(row):
     _, force, moved, drive, support_y, support_z = row
@@ -166,6 +182,7 @@ def test_guide_in_space(row):
         assert 1 / (c[k, k] - c[0, k] ** 2 / c[0, 0]) == pytest.approx(support, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "row", rows("lateral", lambda r: r[0] == "distributed" and r[1] == 20.0 and r[2] == 0.0), ids=str
 )
@@ -183,6 +200,7 @@ def test_lateral_buckling_with_the_bending_before_it(row):
     assert lowest(abs(critical) * (1 - 1e-4)) > 0 > lowest(abs(critical) * (1 + 1e-4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("frame-lateral", lambda r: r[0] == 2.16), ids=str)
 def test_frame_leaves_its_plane(row):
     torsion, sign, critical = row
@@ -201,6 +219,7 @@ def test_frame_leaves_its_plane(row):
     assert lowest(abs(critical) * (1 - 1e-4)) > 0 > lowest(abs(critical) * (1 + 1e-4))
 
 
+@pytest.mark.slow
 def test_a_frame_that_snaps_through_and_back():
     """Lee's frame: the load rises, falls below zero and rises again, with its point of attack moving to and fro."""
     data = REFERENCE["lee-frame"]

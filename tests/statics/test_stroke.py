@@ -68,6 +68,7 @@ def test_a_truss_is_pushed_through():
     assert "Equilibria: 7 states, drive.y moves most" in repr(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("differentiate", [jax.jacfwd, jax.jacrev])
 def test_derivatives_along_a_stroke(differentiate):
     slopes = differentiate(lambda bars: force(pushed(bars)))(EA)
@@ -109,6 +110,7 @@ def test_a_law_that_may_hold_the_search_up_is_named():
         fm.equilibrium(b.build())
 
 
+@pytest.mark.slow("given4-must be numbers")
 @pytest.mark.parametrize(
     ("given", "words"),
     [

@@ -50,6 +50,7 @@ def test_input_is_that_of_fouriers_integral(model, matrices):
     np.testing.assert_allclose(found.u[:, 0], u[start : start + len(TIMES)], rtol=0, atol=1e-8 * np.max(np.abs(u)))
 
 
+@pytest.mark.slow
 def test_linear_arm_follows_to_1e_8(matrices, found):
     """From rest under the input as a function of time, by the exponential of the matrix and a cubic between times."""
     a, b, c, _ = matrices
@@ -75,6 +76,7 @@ def test_collocated_output_needs_nothing_beforehand(model):
     np.testing.assert_array_equal(found.u[TIMES < 0.1 - STEP / 2], 0.0)
 
 
+@pytest.mark.slow
 def test_nonlinear_arm_follows_nearly(model, found):
     """10 mm at 0.5 m turn by 0.02 rad, whose sine is 0.02²/6 less: 0.67 µm, and what bending adds or takes, 0.1 µm."""
     motion = fm.simulate(model, TIMES[::20], loads={"0.rotation.phi": found.inputs["torque"]}, rtol=1e-8)

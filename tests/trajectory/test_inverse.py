@@ -35,6 +35,7 @@ def pendulum(length=0.8, mass=1.5, prescribed=False):
     return b.build()
 
 
+@pytest.mark.slow
 def test_torque_of_a_pendulum():
     """m l² φ'' + m g l cos φ, and the place and acceleration of its tip, to round-off."""
     law = fm.trajectory.quintic(0.0, 2.0, 0.05)
@@ -50,6 +51,7 @@ def test_torque_of_a_pendulum():
     np.testing.assert_allclose(found.motion.acceleration("tip", "x"), a, rtol=0, atol=1e-10 * np.max(np.abs(a)))
 
 
+@pytest.mark.slow
 def test_reactions_and_sensors_of_a_pendulum():
     """m (g + y'') at the pivot, and a sum of coordinates, to round-off."""
     b = fm.Builder()
@@ -75,6 +77,7 @@ def _rates(law, t):
     return fm.trajectory.rates(law, t)
 
 
+@pytest.mark.slow
 def test_guide_under_its_nominal_input_follows():
     """5 mm in 50 ms: open loop, ten times the tolerance of the simulation, 1e-10 of 0.1 m, and a part for samples."""
     model = planar_guide(ratio=0.01).build()
@@ -85,6 +88,7 @@ def test_guide_under_its_nominal_input_follows():
     np.testing.assert_allclose(found.y0[:, 2], jax.vmap(law)(jnp.asarray(TIMES)), rtol=0, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_torque_of_what_is_prescribed_is_its_reaction():
     """The same pendulum, whose angle is PRESCRIBED: nothing is driven, and the moment is its reaction."""
     law, times = fm.trajectory.quintic(0.0, 2.0, 0.05), TIMES[::40]
@@ -95,6 +99,7 @@ def test_torque_of_what_is_prescribed_is_its_reaction():
     np.testing.assert_allclose(moment, torque, rtol=0, atol=1e-10 * np.max(np.abs(torque)))
 
 
+@pytest.mark.slow
 def test_second_derivative_of_a_torque():
     """That of a massless slider-crank's, which is mass times acceleration times the slope of the slider's place."""
     law = fm.trajectory.septic(0.1, 1.3, 0.6)
@@ -122,6 +127,7 @@ def test_second_derivative_of_a_torque():
     assert found == pytest.approx(expected, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_flexible_deformations_are_held():
     """The torque of the rigid arm, (J + m L² + rho A L³/3 + rho I L) φ'', and a motion of the whole model."""
     model, law, times = arm(), fm.trajectory.septic(0.0, 0.5, 0.1), np.linspace(0, 0.1, 6)
@@ -181,6 +187,7 @@ def test_wrong_inputs_are_refused():
         fm.trajectory.inverse_dynamics(pendulum(), {"pivot.phi": law, "tip.y": law}, TIMES)
 
 
+@pytest.mark.slow
 def test_start_values_say_which_way_an_elbow_is_bent():
     """An arm of two links is drawn straight, where it has no inverse, and begins bent."""
     b = fm.Builder()

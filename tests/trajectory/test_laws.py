@@ -39,6 +39,7 @@ def test_polynomials_have_their_limits(make, peaks):
         assert float(make(-1.0, 1.0, **{name: limit}).duration) == pytest.approx(0.5, rel=1e-7)
 
 
+@pytest.mark.slow("10.0-limits0-5.75", "10.0-limits1-5.707106781186548")
 @pytest.mark.parametrize(
     ("way", "limits", "duration"),
     [
@@ -118,6 +119,7 @@ def test_a_law_that_goes_nowhere_stays():
     assert [float(of) for of in fm.trajectory.rates(law, 0.5)] == [0.3, 0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_wrong_laws_are_refused():
     with pytest.raises(ValueError, match="not both"):
         law.quintic(0.0, 1.0, 1.0, velocity=1.0)

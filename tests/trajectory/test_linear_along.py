@@ -42,6 +42,7 @@ def forces(state):
     return jnp.concatenate([moment[None], -(EA * e + EDA * ed) / lengths])
 
 
+@pytest.mark.slow("3", "9")
 @pytest.mark.parametrize("count", [2, 3, 4, 9])
 def test_spline_is_that_of_scipy(count):
     # One test would do for all counts but that the ends of short ones are special.
@@ -69,6 +70,7 @@ def test_steps_are_of_order_five_against_a_closed_form():
     assert np.all(errors[-1] < 1e-8)
 
 
+@pytest.mark.slow
 def test_elevator_at_the_begin(elevator):
     # By hand: the belts are slack, so that nothing but their own stiffness holds the weights.
     stiffness = np.diag([MOTOR, EA / (FREE + RADIUS), EA / (FREE - RADIUS)])
@@ -80,6 +82,7 @@ def test_elevator_at_the_begin(elevator):
     np.testing.assert_allclose(elevator.z0, [1, 0, 0, 0, 0, 0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_response_of_the_elevator_against_an_integration_by_scipy(elevator):
     """Motion and what is linear about it, both by hand, driven by a moment that is linear between the times."""
     moment = np.sin(7 * TIMES)
@@ -102,6 +105,7 @@ def test_response_of_the_elevator_against_an_integration_by_scipy(elevator):
     np.testing.assert_allclose(found.outputs, exact[:3], atol=1e-6 * np.max(np.abs(exact[:3])))
 
 
+@pytest.mark.slow
 def test_response_of_a_system_that_stays_is_that_of_control(elevator):
     times, u = np.linspace(0.0, 0.5, 26), np.cos(9 * np.linspace(0.0, 0.5, 26))
     # All of it as it is in one moment.
@@ -114,6 +118,7 @@ def test_response_of_a_system_that_stays_is_that_of_control(elevator):
     np.testing.assert_allclose(found.outputs, exact, atol=1e-8 * np.max(np.abs(exact)))
 
 
+@pytest.mark.slow
 def test_reduction(elevator):
     whole = elevator.reduced(3)
     np.testing.assert_allclose(whole.frequencies(), elevator.frequencies(), rtol=1e-9)
@@ -145,6 +150,7 @@ def test_file_has_the_names_of_spacar(elevator, tmp_path, ending):
         assert str(file["inputs"] if ending == "mat" else file["inputs"][0]) == "stress 1.1"
 
 
+@pytest.mark.slow
 def test_an_input_that_moves_a_support():
     """A mass on a spring whose foot is accelerated: its states and those of the foot, by hand."""
     b = fm.Builder()

@@ -53,6 +53,7 @@ def of_bessel(gravity):
     return length * (a * jv(1, u) + b * yv(1, u)) / u
 
 
+@pytest.mark.slow
 def test_pendulum_that_is_let_down_against_bessel_functions(let_down):
     found = fm.trajectory.perturbation(let_down, q=[1e-3], rtol=1e-9)
     # Splines through matrices 50 ms apart: h^4/384 of their fourth derivatives.
@@ -68,6 +69,7 @@ def test_linearised_under_what_a_controller_gave(let_down):
     np.testing.assert_allclose(found, (0.7 * 9.81 + 3) / (1 + SPEED * DROP), rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_gradient_by_gravity(let_down):
     def deviation(gravity):
         # It hangs straight at any gravity.
@@ -112,6 +114,7 @@ def swung():
     return turned(arm(), 0.5)
 
 
+@pytest.mark.slow
 def test_vibrations_on_a_trajectory_against_the_nonlinear_motion(swung):
     """What held the arm straight is let go; the error falls with the square of the amplitude at least."""
     errors, sizes = [], []
@@ -133,6 +136,7 @@ def test_vibrations_on_a_trajectory_against_the_nonlinear_motion(swung):
     np.testing.assert_allclose(seen.acceleration("tip", "y")[5:-5], rate[5:-5], atol=0.05 * np.max(np.abs(rate)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controlled", [False, True])
 def test_inputs_of_a_motion_are_those_of_functions_and_of_a_controller(controlled):
     """Which of them drives a motion does not matter to what its inputs are."""
@@ -142,6 +146,7 @@ def test_inputs_of_a_motion_are_those_of_functions_and_of_a_controller(controlle
     np.testing.assert_allclose(fm.trajectory.time_varying(found).u0[:, 0], wanted, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_few_modes_and_what_is_left_out_at_rest(swung):
     whole, few = fm.trajectory.perturbation(swung, rtol=1e-8), fm.trajectory.perturbation(swung, modes=3, rtol=1e-8)
     size = jnp.max(jnp.abs(whole.q), axis=0)
@@ -179,6 +184,7 @@ def test_a_stiff_servo_holds_what_it_drives(swung):
     np.testing.assert_allclose(both.acceleration("hub.rotation"), led, rtol=0, atol=5e-3 * np.max(np.abs(led)))
 
 
+@pytest.mark.slow
 def test_error_falls_with_the_square_of_the_amplitude():
     """The elevator released beside where it was, against what the nonlinear motion changes by."""
     model = fm.read_spacar(mechanism_path("elevator")).builder.build(dofs="named")
@@ -198,6 +204,7 @@ def test_error_falls_with_the_square_of_the_amplitude():
     assert np.log10(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_asked_says_so(swung):
     for keywords, fault, said in (
         ({"q": [0.0]}, ValueError, "each of the 5 degrees of freedom"),

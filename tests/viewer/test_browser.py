@@ -80,6 +80,7 @@ def swung(view, mode, amplitude, phase):
     return view.lines.base + amplitude * np.sin(2 * np.pi * phase) * view.lines.states[mode]
 
 
+@pytest.mark.slow
 def test_the_page_loads_without_a_network_and_without_a_fault(page):
     until(page, "Boolean(v && v.project)")
     press(page, "t", "n", "m")
@@ -156,6 +157,7 @@ def pages(modes):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PAGES)
 def test_every_kind_of_page_is_drawn(browser, pages, name, tmp_path):
     page = opened(browser, pages[name], tmp_path)
@@ -310,6 +312,7 @@ def test_the_saved_picture_shows_the_mechanism(page):
     assert middle == pytest.approx([107, 111, 115, 255], abs=3)
 
 
+@pytest.mark.slow
 def test_every_control_has_a_name_for_a_screen_reader(page):
     nodes = page.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
     roles = {"button", "slider", "checkbox", "combobox", "searchbox", "application"}
@@ -342,6 +345,7 @@ def swing(model):
     return fm.simulate(model, np.array([0, 0.1, 0.3, 1.0]), rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_motion_plays_its_states(browser, tmp_path):
     model = cart().build()
     motion = swing(model)
@@ -363,6 +367,7 @@ def test_a_motion_plays_its_states(browser, tmp_path):
     assert points(page)[-1, 0] == pytest.approx(1 + 3 * ((x[1] + x[2]) / 2 - 1), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_it_in_a_frame(browser, view, tmp_path):
     (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset='utf-8'>{view._repr_html_()}")
     browser.get_log("browser")
@@ -377,6 +382,7 @@ def test_a_notebook_shows_it_in_a_frame(browser, view, tmp_path):
         browser.switch_to.default_content()
 
 
+@pytest.mark.slow
 def test_two_thousand_beams_are_played(browser, tmp_path):
     """That they play; how fast depends on who draws (README)."""
     b = fm.Builder()

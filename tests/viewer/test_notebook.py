@@ -57,6 +57,7 @@ def shown(result):
     return {html.unescape(name): html.unescape(value) for name, value in cells}
 
 
+@pytest.mark.slow
 def test_model_linearization_and_modes(cart):
     rows = shown(cart)
     assert rows == {
@@ -73,6 +74,7 @@ def test_model_linearization_and_modes(cart):
     assert rows == {"mode 1": f"{5 / (2 * np.pi):.5g} Hz, moves cart.x most", "stable": "yes"}
 
 
+@pytest.mark.slow
 def test_path_and_motion(cart):
     found = fm.path(cart)
     rows = shown(found)
@@ -84,6 +86,7 @@ def test_path_and_motion(cart):
     assert rows["steps"] == str(int(motion.steps))
 
 
+@pytest.mark.slow
 def test_sweep():
     found = fm.sweep(
         spring, {"f": lambda m: fm.frequencies(m)[0]}, fm.design.grid(stiffness=[100.0, 400.0]), units={"f": "Hz"}
@@ -109,11 +112,13 @@ def test_a_card_leaves_pictures_to_the_user(cart):
         matplotlib.use(before)
 
 
+@pytest.mark.slow
 def test_buckling():
     found = fm.buckling(planar_guide(force=(0, -1.0)).build())
     assert shown(found)["mode 1"].startswith("load multiplier 78.75")
 
 
+@pytest.mark.slow
 def test_traced_and_stacked_results_keep_their_text(cart):
     seen = []
 

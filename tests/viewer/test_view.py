@@ -129,6 +129,7 @@ def test_modes_move_as_their_shape(guide, modes):
     np.testing.assert_allclose(view.lines.states[0][:, :2], ((ends[1] - ends[0]) / 2e-3)[places], atol=1e-4 * LENGTH)
 
 
+@pytest.mark.slow
 def test_a_single_state_moves_from_the_undeformed_one():
     model, lin = bent(planar.spectral_beam(4), (0, 0.5))
     view = fm.view(lin)
@@ -192,6 +193,7 @@ def bent_by_hand(axis, angle, *, y, section):
     return fm.view(model, at=SimpleNamespace(x=x))
 
 
+@pytest.mark.slow
 def test_width_of_a_ribbon_stays_across_an_arc():
     # Local y along the axis of bending: it stays there.
     view = bent_by_hand(2, np.pi / 2, y=(0, 0, 1), section=leaf())
@@ -203,6 +205,7 @@ def test_width_of_a_ribbon_stays_across_an_arc():
     np.testing.assert_allclose(view.lines.across_states[0], expected, atol=5e-3)
 
 
+@pytest.mark.slow
 def test_a_twisted_ribbon_shares_its_twist_evenly():
     view = bent_by_hand(0, 0.5, y=(0, 0, 1), section=leaf())
     across = view.lines.across_states[0]
@@ -215,6 +218,7 @@ def test_a_twisted_ribbon_shares_its_twist_evenly():
 # Colours.
 
 
+@pytest.mark.slow
 def test_colours_of_a_cantilever():
     _, lin = bent(planar.beam, (0, 0.01))
     view = fm.view(lin, fm.stress(lin.model, at=lin))
@@ -238,6 +242,7 @@ def test_rigid_elements_have_no_colour(guide):
         assert np.all(np.isnan(values)) == (part.name == "bar")
 
 
+@pytest.mark.slow
 def test_colours_along_a_path(pressed):
     stresses = [fm.stress(pressed.model, at=pressed.linearization(i)) for i in range(len(pressed.load_factor))]
     view = fm.view(pressed, stresses, "sigma_x")
@@ -334,6 +339,7 @@ def test_bad_calls(guide, call, kind, words):
         call(guide, fm.stress(guide))
 
 
+@pytest.mark.slow
 def test_a_path_takes_one_stress_for_each_state(pressed):
     with pytest.raises(ValueError, match=f"one for each of the {len(pressed.load_factor)} states, but there are 1"):
         fm.view(pressed, fm.stress(pressed.model, at=pressed.linearization()))
@@ -342,6 +348,7 @@ def test_a_path_takes_one_stress_for_each_state(pressed):
 # The command line.
 
 
+@pytest.mark.slow("pf2db-8-buckling mode 1: ", 'pf1dtrx-9-"kind":"state"')
 @pytest.mark.parametrize(
     ("name", "mode", "words"),
     [
@@ -359,6 +366,7 @@ def test_plot_on_the_command_line(tmp_path, name, mode, words):
     assert words in target.read_text()
 
 
+@pytest.mark.slow
 def test_path_and_motion_of_an_answer(pressed, swinging):
     for found, kind in ((pressed, "path"), (swinging, "motion")):
         assert f'"kind":"{kind}"' in page(Answer({}, 0, found.model, found=found)).decode()

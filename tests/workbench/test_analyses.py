@@ -48,6 +48,7 @@ def floats(text):
     return np.frombuffer(base64.b64decode(text), "<f4")
 
 
+@pytest.mark.slow
 def test_what_a_building_block_carries_may_be_driven():
     things = [
         ("Material", "steel", {"E": "210e9", "G": "80e9", "rho": "7850"}),
@@ -117,6 +118,7 @@ def test_a_document_with_problems_names_them():
         ran(document, "frequencies")
 
 
+@pytest.mark.slow
 def test_frequencies_and_buckling_are_those_of_the_tutorial():
     found = ran(planar_guide(), "frequencies")
     assert found["status"] == "done"
@@ -128,6 +130,7 @@ def test_frequencies_and_buckling_are_those_of_the_tutorial():
     assert "78.7" in ran(down, "buckling")["text"]
 
 
+@pytest.mark.slow
 def test_a_motion_plays_with_its_stress_and_reports_how_far_it_is():
     job = Job()
     found = ran(having(FORCE), "simulate", job, end="0.2", steps="50")
@@ -145,6 +148,7 @@ def test_a_motion_plays_with_its_stress_and_reports_how_far_it_is():
     assert len(fractions) > 10
 
 
+@pytest.mark.slow
 def test_a_motion_and_a_path_that_are_stopped_keep_what_they_have():
     found = ran(having(FORCE), "simulate", Job(patience=10), end="0.2", steps="50")
     assert found["status"] == "failed"
@@ -154,6 +158,7 @@ def test_a_motion_and_a_path_that_are_stopped_keep_what_they_have():
     assert 0 < len(floats(found["view"]["along"])) < 11
 
 
+@pytest.mark.slow
 def test_a_path_reaches_its_load_with_the_displacement_of_the_equilibrium():
     found = ran(having(FORCE), "path")
     names = found["view"]["nodes"]["names"]
@@ -162,6 +167,7 @@ def test_a_path_reaches_its_load_with_the_displacement_of_the_equilibrium():
     assert last[names.index("left1"), 0] == pytest.approx(float(own.at("left1")[0]), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_bode_plot_in_a_range_of_frequencies():
     document = having(INPUT, OUTPUT)
     found = ran(document, "statespace")
@@ -172,6 +178,7 @@ def test_a_bode_plot_in_a_range_of_frequencies():
         ran(document, "statespace", low="100", high="1")
 
 
+@pytest.mark.slow
 def test_a_coordinate_is_led_by_the_input_there_is():
     """The input holds the guide against its stiffness at the end: 24 E I/L^3 times the way, to terms of its cube."""
     found = ran(having(INPUT, OUTPUT), "inverse", by="1e-3", duration="0.5", end="1", steps="20")
@@ -181,6 +188,7 @@ def test_a_coordinate_is_led_by_the_input_there_is():
     assert float(line.split()[-1]) == pytest.approx(stiffness * 1e-3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_stroke_tells_the_stress_along_it():
     found = ran(planar_guide(), "stroke", to="2e-3", steps="2")
     own = fm.verdict(mechanisms.planar_guide().build(), {"left1.x": 2e-3}, steps=2)
@@ -192,6 +200,7 @@ def test_the_stroke_tells_the_stress_along_it():
         ran(planar_guide(), "stroke", Job(patience=3))
 
 
+@pytest.mark.slow
 def test_answers_over_a_dimension():
     found = ran(having(FORCE), "sweep", name="t", low="0.4e-3", high="0.6e-3", points="5")
     assert [row["t"] for row in found["rows"]] == pytest.approx(np.linspace(0.4e-3, 0.6e-3, 5))
@@ -203,6 +212,7 @@ def test_answers_over_a_dimension():
         ran(planar_guide(), "sweep", name="t", low="1", high="0.5")
 
 
+@pytest.mark.slow
 def test_in_space_and_of_what_is_over_constrained():
     found = ran(spatial_guide(), "frequencies")
     assert found["view"]["dimension"] == 3

@@ -30,6 +30,7 @@ def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
     assert frequency(built.model()) == pytest.approx(frequency(theirs), rel=1e-13)
 
 
+@pytest.mark.slow
 def test_derivatives_by_fields_and_by_names_agree_with_differences():
     document = documents.planar_guide()
     model = build(document).model()
@@ -80,6 +81,7 @@ def test_structure_differs_where_the_compiled_function_does_and_not_by_numbers()
         assert after(change, arithmetic=False) != plain, change
 
 
+@pytest.mark.slow
 def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
     document = documents.drawn(
         2,
@@ -116,6 +118,7 @@ def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
         assert float(slopes[name]) == pytest.approx((up - down) / (2 * step), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_done_to_a_builder_is_not_seen_by_the_next_who_asks():
     document = documents.planar_guide()
     build(document).builder.force("left1", (1.0, 0.0))

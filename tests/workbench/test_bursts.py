@@ -54,6 +54,7 @@ def frequency(client: Client) -> float:
     return float(fm.frequencies(build(document).model())[0])
 
 
+@pytest.mark.slow
 def test_after_a_burst_the_last_value_is_answered_and_nothing_comes_twice(client):
     revision = client.ask("edit", ops=guide(), label="Guide")["revision"]
     current(client, revision)
@@ -78,6 +79,7 @@ def test_after_a_burst_the_last_value_is_answered_and_nothing_comes_twice(client
     client.until(lambda: client.told["document"]["document"]["names"]["t"]["value"] == repr(THICKNESS))
 
 
+@pytest.mark.slow
 def test_a_new_structure_is_counted_before_it_is_answered(client):
     begin = len(client.heard)
     ops = [

@@ -107,6 +107,7 @@ def area_of(points):
     return abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2
 
 
+@pytest.mark.slow
 def test_a_drawing_in_the_plane(dxf_reader):
     model, x = loaded(GUIDES["planar"])
     drawing = dxf_reader(cad.dxf(model))
@@ -126,6 +127,7 @@ def test_a_drawing_in_the_plane(dxf_reader):
         np.testing.assert_allclose(np.array(points)[:, :2], 1e3 * np.array(expected), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_drawing_in_space(dxf_reader):
     model, x = loaded(GUIDES["spatial"])
     space = dxf_reader(cad.dxf(model, x)).modelspace()
@@ -168,6 +170,7 @@ def test_names_are_text(step_reader, dxf_reader, tmp_path):
     assert len(drawing.modelspace().query("TEXT")) == 2
 
 
+@pytest.mark.slow("dxf-ezdxf")
 @pytest.mark.parametrize(("function", "library"), [(cad.step, "build123d"), (cad.dxf, "ezdxf")])
 def test_a_missing_library_is_named(function, library, monkeypatch):
     monkeypatch.setitem(sys.modules, library, None)

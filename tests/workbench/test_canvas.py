@@ -195,6 +195,7 @@ def test_a_hinge_is_drawn_by_its_node_and_the_element_that_turns_there(page):
     until(page, "s.state.count.revision === s.state.revision && s.state.count.ndof === 2")
 
 
+@pytest.mark.slow
 def test_one_finger_moves_a_node_and_two_move_the_page(page):
     edit(page, PLAIN_GUIDE)
     page.execute_script("window.workbench.canvas.fit();")
@@ -225,6 +226,7 @@ def test_one_finger_moves_a_node_and_two_move_the_page(page):
     assert nodes(page) == moved
 
 
+@pytest.mark.slow
 def test_names_stay_text_however_long_they_are(page):
     script = "<script>document.title = 'taken'</script>"
     edit(
@@ -244,6 +246,7 @@ def test_names_stay_text_however_long_they_are(page):
     assert ask(page, "document.querySelectorAll('#stage img, #stage script').length") == 0
 
 
+@pytest.mark.slow
 def test_two_hundred_elements_stay_fluid(page):
     """At least 20 pictures a second in software, while the mode swings and a node is pulled about."""
     b, ops = fm.Builder(), []
@@ -287,6 +290,7 @@ def test_two_hundred_elements_stay_fluid(page):
     assert rate >= 20
 
 
+@pytest.mark.slow
 def test_a_new_scene_keeps_eye_and_phase_and_the_sign_of_a_mode(page):
     edit(page, PLAIN_GUIDE)
     answer(page, "frequency 1")

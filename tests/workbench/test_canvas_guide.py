@@ -49,6 +49,7 @@ def guide(corner=(0.1, 0.1), force=(0, -1)):
     return b
 
 
+@pytest.mark.slow
 def test_the_guide_of_the_tutorial_from_an_empty_page_by_mouse(page):
     """Section 3.1: its frequency, and the load under which it buckles; the mouse draws, the keyboard writes numbers."""
     from selenium.webdriver import Keys
@@ -91,6 +92,7 @@ def test_the_guide_of_the_tutorial_from_an_empty_page_by_mouse(page):
     assert answer(page, "frequency 1") == pytest.approx(float(frequency), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_guide_by_keyboard_alone(page):
     from selenium.webdriver import Keys
 
@@ -156,6 +158,7 @@ def leaf_by_keys(page):
     write(page, "thickness", "0.5e-3")
 
 
+@pytest.mark.slow
 def test_a_node_that_is_dragged_takes_the_frequencies_along_and_undo_brings_all_back(page):
     nothing, blank_picture = ask(page, "JSON.stringify(s.state.document)"), shown(page)
     steps_before = len(ask(page, "s.state.undo"))

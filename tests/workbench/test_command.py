@@ -35,12 +35,14 @@ def called(*arguments, code=2, **options):
     return run.stderr
 
 
+@pytest.mark.slow
 def test_the_first_line_is_the_address(tmp_path):
     with served(state=tmp_path) as own:
         assert re.fullmatch(r"http://127\.0\.0\.1:\d+/[\w-]{32}/", own.address)
         assert own.end() == (0, "", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_it_ends_cleanly_while_something_is_computed(how, tmp_path):
     own = Process(state=tmp_path)
@@ -55,6 +57,7 @@ def test_it_ends_cleanly_while_something_is_computed(how, tmp_path):
         pass
 
 
+@pytest.mark.slow
 def test_a_port_that_is_taken_is_said_so(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
@@ -62,6 +65,7 @@ def test_a_port_that_is_taken_is_said_so(tmp_path):
     assert re.fullmatch(rf"flexmb edit: port {port} is taken: .*; --port 0 takes any that is free.\n", told)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_open_is_said_to_be(tmp_path):
     path = tmp_path / "guide.json"
     path.write_text('{"format": "flexmb workbench 1", "dimension": 2}')
@@ -72,6 +76,7 @@ def test_a_file_that_is_open_is_said_to_be(tmp_path):
             assert told == f"flexmb edit: 'guide.json' is open in another workbench already: {own.address}\n"
 
 
+@pytest.mark.slow
 def test_wrong_files_are_refused(tmp_path):
     wrong = tmp_path / "wrong.dat"
     wrong.write_text("PLBEAN 1 1 2 3 4\n")
@@ -94,6 +99,7 @@ def test_without_websockets_the_extra_is_named(tmp_path):
     assert told == "flexmb edit: the workbench needs the package websockets: pip install 'flexmb[workbench]'.\n"
 
 
+@pytest.mark.slow
 def test_another_start_after_a_clean_end_has_the_same_address(tmp_path):
     path = tmp_path / "guide.json"
     path.write_text('{"format": "flexmb workbench 1", "dimension": 2}')
@@ -104,6 +110,7 @@ def test_another_start_after_a_clean_end_has_the_same_address(tmp_path):
     assert addresses[0] == addresses[1]
 
 
+@pytest.mark.slow
 def test_journals_are_for_their_user_alone(tmp_path):
     with served(state=tmp_path / "state") as own:
         client = Client(own.address)
@@ -126,6 +133,7 @@ def guide():
     return b
 
 
+@pytest.mark.slow
 def test_a_builder_is_opened_and_taken_back():
     b = guide()
     with fm.edit(b, browser=False) as own:
@@ -156,6 +164,7 @@ def test_a_document_that_cannot_be_built_says_why():
             own.builder()
 
 
+@pytest.mark.slow
 def test_it_is_saved_from_python(tmp_path):
     with fm.edit(guide(), browser=False) as own:
         own.save(tmp_path / "guide.json")
@@ -190,6 +199,7 @@ def test_a_notebook_shows_the_page_in_a_frame(monkeypatch):
         assert "JupyterHub" in own._repr_html_()
 
 
+@pytest.mark.slow
 def test_two_at_once():
     with fm.edit(guide(), browser=False) as one, fm.edit(browser=False) as other:
         assert one.address != other.address

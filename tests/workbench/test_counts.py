@@ -86,6 +86,7 @@ def test_the_advice_makes_an_over_constrained_guide_exactly_constrained():
     assert own["ops"] == [{"op": "set", "address": "4/released", "to": "2 3 4 5"}]
 
 
+@pytest.mark.slow
 def test_too_few_degrees_of_freedom_are_named_or_fixed_by_the_advice():
     guide = mechanisms.spatial_guide(beams=2, extra=(6,))
     found = count(guide)
@@ -100,6 +101,7 @@ def test_too_few_degrees_of_freedom_are_named_or_fixed_by_the_advice():
     assert count(done(planar_guide, given["Fix"])).status == "ok"
 
 
+@pytest.mark.slow
 def test_mass_is_advised_where_none_is():
     b = fm.Builder()
     b.node("A", (0, 0))
@@ -116,6 +118,7 @@ def test_mass_is_advised_where_none_is():
     )
 
 
+@pytest.mark.slow
 def test_what_the_builder_refuses_is_told_and_counted():
     b = a_leaf()
     b.input("foot", "x")

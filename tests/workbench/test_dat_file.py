@@ -38,6 +38,7 @@ def edited(document: Document, **names: str) -> Document:
     return apply(document, [{"op": "set", "address": f"names/{n}/value", "to": v} for n, v in names.items()])[0]
 
 
+@pytest.mark.slow
 def test_names_and_arithmetic_of_a_file_become_names_and_fields(guide):
     document, notes = open_dat(guide)
     assert cannot_hold(document) == []
@@ -81,6 +82,7 @@ def test_what_was_saved_is_opened_and_run_as_it_was(guide, tmp_path):
     assert study.values == {"t": 0.5e-3}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drawn", [documents.planar_guide, documents.spatial_guide])
 def test_drawings_keep_their_frequencies_and_names(drawn, tmp_path):
     document = drawn()
@@ -104,6 +106,7 @@ def test_drawings_keep_their_frequencies_and_names(drawn, tmp_path):
         np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_mechanism(name, tmp_path):
     shutil.copy(mechanism_path(name), tmp_path)
@@ -118,6 +121,7 @@ def test_shipped_mechanism(name, tmp_path):
     check_same(before.builder, rebuilt(open_dat(path)[0]), release="auto")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("built", ["planar_guide", "spatial_guide", "truss_guide"])
 def test_tutorial_systems(built, tmp_path):
     builder = getattr(mechanisms, built)()
@@ -131,6 +135,7 @@ def test_tutorial_systems(built, tmp_path):
     assert [s.name for s in own["input"] + own["output"]] == signals
 
 
+@pytest.mark.slow
 def test_what_a_file_cannot_hold_is_listed_all_at_once(tmp_path):
     document, _ = document_of(mechanisms.planar_guide())
     a, b, *_ = [thing["name"] for thing in document.things if thing["call"] == "node"]
@@ -159,6 +164,7 @@ def test_what_a_file_cannot_hold_is_listed_all_at_once(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_numbers_that_are_no_arithmetic_are_told(tmp_path):
     names = {"t": "1e-3", "twice": "2*t"}
     things = [
@@ -182,6 +188,7 @@ def test_numbers_that_are_no_arithmetic_are_told(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_a_study_that_is_there_keeps_what_is_not_about_names(guide):
     document, _ = open_dat(guide)
     (guide.parent / "study.toml").rename(guide.with_suffix(".toml"))
@@ -198,6 +205,7 @@ def test_a_study_that_is_there_keeps_what_is_not_about_names(guide):
         save_dat(document, guide)
 
 
+@pytest.mark.slow
 def test_leaf_springs_keep_their_sizes_as_names(tmp_path):
     names = {"t": "0.5e-3"}
     things = [
@@ -219,6 +227,7 @@ def test_leaf_springs_keep_their_sizes_as_names(tmp_path):
     check_same(rebuilt(document), rebuilt(again))
 
 
+@pytest.mark.slow
 def test_a_wrong_file_is_told_by_line(tmp_path):
     (tmp_path / "wrong.dat").write_text("PLBEAM 1 1 2 3\nEND\nHALT\nEND\nEND\n")
     with pytest.raises(fm.SpacarError, match=r"wrong.dat:1: PLBEAM"):
@@ -227,6 +236,7 @@ def test_a_wrong_file_is_told_by_line(tmp_path):
         open_dat(tmp_path / "nowhere.dat")
 
 
+@pytest.mark.slow
 def test_commands_take_what_was_saved(guide):
     document, _ = open_dat(guide)
     save_dat(document, guide)

@@ -174,6 +174,7 @@ def test_what_refers_to_what_is_deleted_goes_along():
     assert apply(GUIDE, [{"op": "delete", "ids": ["1"]}])[1].also == ["2", "5", "9"]
 
 
+@pytest.mark.slow
 def test_a_copy_stands_beside_its_original_and_refers_to_its_own():
     ids = [t["id"] for t in GUIDE.things]
     document, report = apply(GUIDE, [{"op": "copy", "ids": ids, "by": ["3*d", "0"], "count": 2}])
@@ -223,6 +224,7 @@ def test_a_joined_node_gives_all_it_has():
     assert report.also == ["11"]
 
 
+@pytest.mark.slow
 def test_a_split_element_is_two_that_act_as_one():
     elastic = edited(
         GUIDE,
@@ -241,6 +243,7 @@ def test_a_split_element_is_two_that_act_as_one():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("name", ["parallel_guide", "notch_hinge", "wire_flexure"])
 def test_an_exploded_block_is_the_same_mechanism(name, dimension):
@@ -322,6 +325,7 @@ def test_a_circle_of_names_is_told_and_a_long_chain_is_none():
     assert numbers_of(edited(Document.empty(), *ops))["names/n0/value"] == 7
 
 
+@pytest.mark.slow
 def test_things_are_built_after_what_they_need_in_whatever_order_they_stand():
     document = GUIDE
     for thing_ in GUIDE.things:
@@ -364,6 +368,7 @@ OPS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.lists(OPS, max_size=8))
 def test_undo_gives_the_text_back_after_any_edits(ops):

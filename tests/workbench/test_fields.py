@@ -55,6 +55,7 @@ def test_each_argument_of_a_call_is_a_field():
         assert not docs, (name, docs)
 
 
+@pytest.mark.slow
 def test_fields_are_what_signatures_say():
     found = {name: call.fields for name, call in calls().items()}
     assert found["Rectangle"]["thickness"]["unit"] == "m"

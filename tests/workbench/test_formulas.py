@@ -52,6 +52,7 @@ def test_texts_of_numbers_read_back(value):
     assert float({"pi": np.pi}.get(text_of(value), text_of(value))) == value
 
 
+@pytest.mark.slow
 def test_texts_of_numbers_are_short():
     assert list(map(text_of, (210e9, 0.5e-3, 7850.0, 80.77e9, -3e-12, 1000.0))) == [
         "210e9",

@@ -44,6 +44,7 @@ def check_same(builder, other, release="none") -> None:
         np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-12 * np.max(np.abs(found[0])))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_mechanism(name):
     read = fm.read_spacar(mechanism_path(name))
@@ -65,6 +66,7 @@ def test_rotations_of_a_file_belong_to_positions():
     assert sum(thing["call"] == "rotation" for thing in elevator.things) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("built", ["planar_guide", "spatial_guide", "truss_guide"])
 def test_tutorial_systems(built):
     builder = getattr(mechanisms, built)()
@@ -159,6 +161,7 @@ def test_every_feature_in_space():
     assert again.things == document.things
 
 
+@pytest.mark.slow
 def test_rotation_prescribed_in_space():
     b = fm.Builder()
     b.node("A", (0, 0, 0))
@@ -175,6 +178,7 @@ def test_rotation_prescribed_in_space():
     check_same(b, rebuilt(document))
 
 
+@pytest.mark.slow
 def test_what_a_document_cannot_hold_is_told():
     def own(p: fm.Point2, q: fm.Point2, *, ref):
         return jnp.stack([p[0] - q[0] - ref.p[0] + ref.q[0]])
@@ -204,6 +208,7 @@ def guide(t=0.5e-3, w=0.018, length=0.1, leaves=2):
     return b.build()
 
 
+@pytest.mark.slow
 def test_names_of_a_function_are_kept_with_its_arithmetic():
     given = {"t": (0.5e-3, 0.1e-3, 2e-3), "w": 0.018, "length": 0.1, "leaves": 2}
     document, left_out = document_of(guide, given)
@@ -239,6 +244,7 @@ def test_arithmetic_that_fields_do_not_know_is_told():
     assert float(document.things[1]["args"]["position"][0]) == 0.1 * np.cos(0.3)
 
 
+@pytest.mark.slow
 def test_a_function_that_asks_for_values_is_told():
     def thick(t=1e-3):
         return guide(t if t > 0.5e-3 else 0.5e-3)
@@ -249,6 +255,7 @@ def test_a_function_that_asks_for_values_is_told():
     assert next(t for t in document.things if t["call"] == "Rectangle")["args"]["thickness"] == "0.001"
 
 
+@pytest.mark.slow
 def test_wrong_sources_are_refused():
     with pytest.raises(TypeError, match="A Builder is wanted"):
         document_of("guide.dat")

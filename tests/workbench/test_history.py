@@ -85,6 +85,7 @@ def test_what_is_no_journal_is_told(tmp_path):
         recover(tmp_path / "j.jsonl")
 
 
+@pytest.mark.slow
 def test_a_killed_process_leaves_its_journal_and_a_living_one_is_not_offered(tmp_path):
     code = (
         "import sys, time\n"

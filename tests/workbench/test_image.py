@@ -46,6 +46,7 @@ def member_of(name, **more):
     return member, [np.asarray(b.nodes[node].start, float) for node in member.nodes], kinds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_every_element_has_an_image_across_every_axis(name):
     member, references, kinds = member_of(name)
@@ -85,6 +86,15 @@ def test_signs_are_those_of_geometry(name, axis, flips, signs):
         assert found[1].tolist() == signs
 
 
+@pytest.mark.slow(
+    "False-spectral_beam-flexmb.elements.spatial-3",
+    "False-leaf_spring-flexmb.elements.planar-2",
+    "False-leaf_spring-flexmb.elements.spatial-3",
+    "True-spectral_beam-flexmb.elements.planar-2",
+    "True-spectral_beam-flexmb.elements.spatial-3",
+    "True-leaf_spring-flexmb.elements.planar-2",
+    "True-leaf_spring-flexmb.elements.spatial-3",
+)
 @pytest.mark.parametrize(("room", "d"), [(planar, 2), (spatial, 3)])
 @pytest.mark.parametrize("kind", ["spectral_beam", "leaf_spring"])
 @pytest.mark.parametrize("y_turns", [False, True])

@@ -56,6 +56,7 @@ def guide(thickness=5e-4):
     return mechanisms.planar_guide(thickness, force=(0, -1.0))
 
 
+@pytest.mark.slow
 def test_counts_come_first_then_answers_then_the_scene(page):
     page.show(guide())
     told = page.show(guide(4e-4))
@@ -81,6 +82,7 @@ def test_answers_are_those_of_the_public_functions(page):
     assert values["multiplier 1"]["value"] == pytest.approx(78.75, abs=0.005)
 
 
+@pytest.mark.slow
 def test_a_new_structure_is_counted_at_once_and_told_to_be_computing(page):
     told = page.show(mechanisms.spatial_guide(extra=(6,), force=(0, 0, -1.0)))
     assert [one["status"] for one in told if one["tell"] == "count"] == ["counting", "ok"]
@@ -117,6 +119,7 @@ def test_a_document_with_problems_shows_no_number_of_the_rest(page):
     assert (told["status"], told["message"], told["stale"]) == ("failed", "Must be positive.", True)
 
 
+@pytest.mark.slow
 def test_unstable_and_loose_mechanisms_are_named(page):
     values = last(page.show(mechanisms.planar_guide(force=(0, -100.0))), "answers")["values"]
     # Beyond the buckling load the square of the frequency is negative.
@@ -137,6 +140,7 @@ def test_an_empty_drawing_keeps_no_answer_of_the_last_mechanism(page):
     assert last(page.show(fm.Builder()), "answers")["values"] == {}
 
 
+@pytest.mark.slow
 def test_loads_that_are_zero_yet_are_none(page):
     # A motion that is prescribed and not given yet moves nothing: round-off is no displacement, stress or multiplier.
     for value, there in ((0.0, False), (1e-3, True)):
@@ -205,6 +209,7 @@ def test_modes_do_not_turn_over_while_dimensions_change(page):
         assert shape(page.show(guide(size))) @ first > 0
 
 
+@pytest.mark.slow
 def test_wants_that_there_are_not_are_refused():
     assert Wants().changed({"mode": 2, "support_node": "A"}) == Wants(mode=2, support_node="A")
     with pytest.raises(ValueError, match="no want 'modus'"):

@@ -122,6 +122,7 @@ def loaded(document):
 
 
 # Across y the default y of two beams in space is turned round, across x it is not; each axis compiles anew.
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["x", "y"])
 @pytest.mark.parametrize("arm", [skew_arm_in_the_plane, skew_arm_in_space])
 def test_a_mirrored_arm_has_the_same_frequencies(arm, axis):
@@ -170,12 +171,14 @@ def frequencies(document):
     return np.asarray(fm.frequencies(built.model()))[:6]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BLOCKS)
 def test_a_mirrored_block_in_the_plane_has_the_same_frequencies(name):
     document = with_block(2, name)
     assert frequencies(mirrored(document, "x")) == pytest.approx(frequencies(document), rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "more"), [("cross_pivot", {"apart": "0.02"}), ("folded_leaf_spring", {})])
 @pytest.mark.parametrize("axis", "xz")
 def test_a_mirrored_block_in_space_has_the_same_frequencies(name, more, axis):
@@ -183,6 +186,7 @@ def test_a_mirrored_block_in_space_has_the_same_frequencies(name, more, axis):
     assert frequencies(mirrored(document, axis)) == pytest.approx(frequencies(document), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_named():
     document = with_block(2, "cross_pivot")
     ids = [thing["id"] for thing in document.things]
@@ -198,6 +202,7 @@ def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_nam
     assert frequencies(there) == pytest.approx(frequencies(parts), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_what_has_no_mirror_image_is_told():
     document = documents.drawn(
         3,

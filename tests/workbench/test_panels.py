@@ -134,6 +134,7 @@ def write(box, text):
     box.send_keys(Keys.NULL, text)
 
 
+@pytest.mark.slow
 def test_a_slider_moves_the_numbers_of_the_public_function(page):
     edit(page, *GUIDE)
     shown = answered(page)
@@ -157,6 +158,7 @@ def test_a_slider_moves_the_numbers_of_the_public_function(page):
     until(page, f"document.querySelector('[aria-label=\"Value of t\"]').value === '{THICKNESS}'")
 
 
+@pytest.mark.slow
 def test_bad_input_is_marked_at_its_field_and_the_last_good_answers_are_greyed(page):
     edit(page, *GUIDE)
     good = answered(page)
@@ -186,6 +188,7 @@ def test_bad_input_is_marked_at_its_field_and_the_last_good_answers_are_greyed(p
     assert kept == pytest.approx(good["frequency 1"], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_unit_behind_a_number_is_told_and_makes_no_name(page):
     edit(page, *GUIDE)
     answered(page)
@@ -197,6 +200,7 @@ def test_a_unit_behind_a_number_is_told_and_makes_no_name(page):
     assert not page.find_elements("css selector", "#inspector .problem button")
 
 
+@pytest.mark.slow
 def test_an_unknown_name_becomes_one(page):
     edit(page, *GUIDE)
     answered(page)
@@ -210,6 +214,7 @@ def test_an_unknown_name_becomes_one(page):
     assert page.find_element("css selector", "input[type=range][data-name=half]").is_displayed()
 
 
+@pytest.mark.slow
 def test_texts_of_others_stay_texts(page):
     long = "a" * 100
     edit(page, add("node", SCRIPT, position=["0", "0"]), add("node", long, position=["0.1", "0"]), name("b" * 100, "1"))
@@ -230,6 +235,7 @@ def test_texts_of_others_stay_texts(page):
     edit(page, {"op": "title", "to": "guide"})
 
 
+@pytest.mark.slow
 def test_undo_all_gives_texts_back(page):
     before = ask(page, "s.state.document")
     steps = len(ask(page, "s.state.undo"))
@@ -277,6 +283,7 @@ SPATIAL = [
 ]
 
 
+@pytest.mark.slow
 def test_a_button_of_the_advice_makes_a_spatial_guide_exactly_constrained(page):
     edit(page, *SPATIAL)
     until(page, "s.state.count?.status === 'overconstrained'")
@@ -319,6 +326,7 @@ def closed(page):
     until(page, "!document.querySelector('dialog[open]')")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["json", "dat"])
 def test_a_file_that_was_saved_opens_as_the_same_mechanism(page, folder, ending):
     # A .dat file knows no rigid bodies: a beam that does not deform stands in its place.
@@ -350,6 +358,7 @@ def test_a_file_that_was_saved_opens_as_the_same_mechanism(page, folder, ending)
         document[0].click()
 
 
+@pytest.mark.slow
 def test_a_script_that_was_saved_builds_the_same_mechanism(page, folder):
     edit(page, *GUIDE)
     shown = answered(page)
@@ -362,6 +371,7 @@ def test_a_script_that_was_saved_builds_the_same_mechanism(page, folder):
     np.testing.assert_allclose(np.asarray(fm.frequencies(model))[0], shown["frequency 1"], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_dialogs_copy_mirror_split_and_join(page):
     edit(page, *GUIDE)
     count = "s.state.document.things.length"
@@ -387,6 +397,7 @@ def test_dialogs_copy_mirror_split_and_join(page):
     closed(page)
 
 
+@pytest.mark.slow
 def test_the_keyboard_alone_reaches_everything(page):
     from selenium.webdriver.common.keys import Keys
 
@@ -420,6 +431,7 @@ def test_the_keyboard_alone_reaches_everything(page):
     closed(page)
 
 
+@pytest.mark.slow
 def test_typing_keeps_its_place_while_others_edit(page):
     edit(page, *GUIDE)
     select(page, "leaf")
@@ -433,6 +445,7 @@ def test_typing_keeps_its_place_while_others_edit(page):
     assert ask(page, "document.activeElement.value") == "0.019"
 
 
+@pytest.mark.slow
 def test_two_pages_show_the_same(page, workbench):
     edit(page, *GUIDE)
     first = page.current_window_handle
@@ -449,6 +462,7 @@ def test_two_pages_show_the_same(page, workbench):
     until(page, "document.querySelector('[aria-label=\"Value of t\"]').value === '0.4e-3'")
 
 
+@pytest.mark.slow
 def test_a_target_is_met_at_a_click(page):
     edit(page, *GUIDE)
     answered(page)
@@ -472,6 +486,7 @@ def test_a_target_is_met_at_a_click(page):
     until(page, "s.state.document.names.t.value === '0.0005'")
 
 
+@pytest.mark.slow
 def test_a_pinned_design_stands_beside_this_one(page):
     edit(page, *GUIDE)
     shown = answered(page)
@@ -489,6 +504,7 @@ def test_a_pinned_design_stands_beside_this_one(page):
     until(page, "!s.state.pinned?.differences")
 
 
+@pytest.mark.slow
 def test_an_analysis_runs_and_shows_its_picture(page):
     edit(page, *GUIDE)
     answered(page)
@@ -506,6 +522,7 @@ def test_an_analysis_runs_and_shows_its_picture(page):
     assert "78.7" in ask(page, "document.querySelector('#analysis .job').textContent")
 
 
+@pytest.mark.slow
 def test_a_file_that_another_program_changed_is_offered(page, folder):
     edit(page, *GUIDE)
     assert wait_for(page, "s.ask('save', {path: 'watched.json'})")["saved"]

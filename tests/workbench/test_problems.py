@@ -43,6 +43,7 @@ def surrounded(dimension) -> Document:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", calls())
 def test_no_field_of_a_call_breaks_the_building(name):
     call = calls()[name]
@@ -83,6 +84,7 @@ FORMAT = {"format": "flexmb workbench 1", "dimension": 2}
 NODE = {"id": "1", "call": "node", "args": {}}
 
 
+@pytest.mark.slow("data12")
 @pytest.mark.parametrize(
     "data",
     [

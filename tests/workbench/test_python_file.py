@@ -54,6 +54,7 @@ def test_every_feature_in_space():
     check_same_contents(function_of(python_of(document))(), build(document).builder)
 
 
+@pytest.mark.slow
 def test_building_blocks_and_derived_names():
     document = documents.drawn(
         2,
@@ -78,6 +79,7 @@ def test_building_blocks_and_derived_names():
     check_same_contents(function_of(script)(), build(document).builder)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_built_stands_in_a_comment_and_nothing_is_run():
     evil = 'x"""\nimport os; os.abort()\n"""'
     data = documents.planar_guide().data

@@ -41,6 +41,7 @@ def names(page):
     return ask(page, "s.state.document.things.map((one) => one.name)")
 
 
+@pytest.mark.slow
 def test_a_killed_server_is_found_again_with_all_edits(browser, tmp_path):
     first = Process(state=tmp_path / "state")
     page = opened(browser, first.address)
@@ -74,6 +75,7 @@ def test_a_killed_server_is_found_again_with_all_edits(browser, tmp_path):
         assert second.end()[0] == 0
 
 
+@pytest.mark.slow
 def test_an_edit_that_was_done_but_not_answered_is_not_done_twice(browser, tmp_path):
     first = Process(state=tmp_path / "state")
     page = opened(browser, first.address)
@@ -93,6 +95,7 @@ def test_an_edit_that_was_done_but_not_answered_is_not_done_twice(browser, tmp_p
         assert names(page) == ["A"]
 
 
+@pytest.mark.slow
 def test_a_hiccup_of_the_connection_loses_nothing(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -109,6 +112,7 @@ def test_a_hiccup_of_the_connection_loses_nothing(browser, tmp_path):
         assert names(page) == [f"N{k}" for k in range(40)]
 
 
+@pytest.mark.slow
 def test_of_a_burst_the_last_counts(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -132,6 +136,7 @@ def test_of_a_burst_the_last_counts(browser, tmp_path):
         assert ask(page, "s.state.undo.length") == 2
 
 
+@pytest.mark.slow
 def test_an_undo_comes_after_what_waits(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -146,6 +151,7 @@ def test_an_undo_comes_after_what_waits(browser, tmp_path):
         assert ask(page, "s.state.undo") == ["first"]
 
 
+@pytest.mark.slow
 def test_two_pages_and_no_request_elsewhere(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -177,6 +183,7 @@ def test_two_pages_and_no_request_elsewhere(browser, tmp_path):
         page.switch_to.window(first)
 
 
+@pytest.mark.slow
 def test_a_message_that_is_too_long_is_refused_by_name(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -185,6 +192,7 @@ def test_a_message_that_is_too_long_is_refused_by_name(browser, tmp_path):
         assert wait_for(page, f"s.edit([{node('A')}])")["ids"]
 
 
+@pytest.mark.slow
 def test_the_page_says_when_the_server_has_ended(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         page = opened(browser, own.address)
@@ -194,6 +202,7 @@ def test_the_page_says_when_the_server_has_ended(browser, tmp_path):
         assert "ended" in page.find_element("id", "disconnected").text
 
 
+@pytest.mark.slow
 def test_a_notebook_holds_the_page_in_a_frame(browser, tmp_path, monkeypatch):
     """As a cell of a notebook does: in a page of another server, whose origin is another."""
     monkeypatch.setenv("FLEXMB_STATE", str(tmp_path / "state"))
@@ -215,6 +224,7 @@ def test_a_notebook_holds_the_page_in_a_frame(browser, tmp_path, monkeypatch):
                 notebook.shutdown()
 
 
+@pytest.mark.slow
 def test_the_command_shows_in_no_frame(browser, tmp_path):
     with served(state=tmp_path / "state") as own:
         (tmp_path / "evil.html").write_text(f"<!doctype html><iframe src='{own.address}'></iframe>")

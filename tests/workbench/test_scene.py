@@ -35,6 +35,7 @@ def numbers(text: str) -> np.ndarray:
     return np.frombuffer(base64.b64decode(text), "<f4")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [0, 1])
 def test_the_chosen_mode_alone_is_sent_as_the_viewer_has_it(found, mode):
     scene = Scenes().of_answers(wanting(found, mode=mode))
@@ -42,10 +43,12 @@ def test_the_chosen_mode_alone_is_sent_as_the_viewer_has_it(found, mode):
     assert scene["view"] == page_data(fm.view(fm.modes(found.model), which=[mode]))
 
 
+@pytest.mark.slow
 def test_a_mode_that_there_is_not_is_the_last(found):
     assert Scenes().of_answers(wanting(found, mode=7))["mode"] == 2
 
 
+@pytest.mark.slow
 def test_states_are_those_of_the_public_functions(found):
     scene = Scenes().of_answers(wanting(found, state="equilibrium"))
     assert scene["view"] == page_data(fm.view(fm.linearize(found.model)))

@@ -301,6 +301,7 @@ def test_a_port_that_is_taken_is_refused(server):
         Server(Session(), port=server.port)
 
 
+@pytest.mark.slow
 def test_the_command_ends_cleanly():
     with served() as own:
         client = Client(own.address)
@@ -308,6 +309,7 @@ def test_the_command_ends_cleanly():
         assert own.end() == (0, "", "")
 
 
+@pytest.mark.slow
 def test_messages_are_json_for_any_text(client):
     name = "</script><script>alert(1)</script>" + "n" * 100 + "\u2028\x00é"
     client.ask("edit", ops=[], label=name)

@@ -70,6 +70,7 @@ def things(told):
     return [one.get("name", one["call"]) for one in told.newest["document"]["document"]["things"]]
 
 
+@pytest.mark.slow
 def test_answers_follow_an_edit(opened):
     session, told = opened()
     reply = session.ask("edit", {"ops": cantilever()})
@@ -89,6 +90,7 @@ def test_answers_follow_an_edit(opened):
     )
 
 
+@pytest.mark.slow
 def test_a_wrong_field_is_told_at_its_address_and_the_last_good_answer_stays(opened):
     session, told = opened()
     ids = session.ask("edit", {"ops": cantilever()})["ids"]
@@ -105,6 +107,7 @@ def test_a_wrong_field_is_told_at_its_address_and_the_last_good_answer_stays(ope
         session.builder()
 
 
+@pytest.mark.slow
 def test_a_refused_edit_changes_nothing(opened):
     session, told = opened()
     session.ask("edit", {"ops": cantilever()})
@@ -164,6 +167,7 @@ def test_a_text_from_the_page_is_opened(opened):
         session.ask("open", {})
 
 
+@pytest.mark.slow
 def test_a_killed_process_comes_back(opened, tmp_path):
     session, told = opened(session_of_new())
     session.ask("edit", {"ops": cantilever(), "label": "all"})
@@ -190,6 +194,7 @@ def test_a_killed_process_comes_back(opened, tmp_path):
     assert not list((tmp_path / "state").glob("*"))
 
 
+@pytest.mark.slow
 def test_a_killed_process_comes_back_with_its_file(opened, tmp_path):
     path = tmp_path / "guide.json"
     path.write_text(Document.empty().text)
@@ -349,6 +354,7 @@ def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path, mon
     assert "file" not in told.newest
 
 
+@pytest.mark.slow
 def test_a_target_is_one_step_that_is_seen_as_it_goes(opened):
     session, told = opened()
     session.ask("edit", {"ops": cantilever(), "label": "all"})
@@ -424,6 +430,7 @@ def test_a_path_of_a_home_is_understood(opened, monkeypatch, tmp_path):
     assert Path(tmp_path / "guide.json").exists()
 
 
+@pytest.mark.slow
 def test_a_journal_that_cannot_be_written_refuses_the_edit(opened, monkeypatch):
     session, told = opened(session_of_new())
     session.ask("edit", {"ops": cantilever()})
@@ -444,6 +451,7 @@ def test_a_journal_that_cannot_be_written_refuses_the_edit(opened, monkeypatch):
     assert "C" not in things(told)
 
 
+@pytest.mark.slow
 def test_a_file_that_an_undone_step_brings_back_is_watched_again(opened, tmp_path):
     paths = [tmp_path / "one.json", tmp_path / "two.json"]
     for path in paths:

@@ -52,6 +52,7 @@ def frequency(document):
     return float(fm.frequencies(build(document).builder.build())[0])
 
 
+@pytest.mark.slow
 def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
     document, job = bounded(t=("0.1e-3", "2e-3")), Job()
     found = targets.meet(document, [want("frequency 1", "20 Hz")], ["t"], job)
@@ -70,12 +71,14 @@ def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
     assert all(0 <= one["fraction"] < 1 for one in job.told)
 
 
+@pytest.mark.slow
 def test_twice_the_buckling_load_takes_the_cube_root_of_two_in_thickness():
     """The load multiplier of a leaf spring in its stiff plane goes as its moment of inertia."""
     found = targets.meet(loaded(bounded(t=("0.1e-3", "2e-3"))), [want("multiplier 1", "2*78.75/5")], ["t"], Job())
     assert found["design"]["t"] == pytest.approx(0.5e-3 * 2 ** (1 / 3), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_nearest_design_is_found_and_limits_are_kept():
     """At least twice the frequency by thickness and length together: the least sum of squared relative changes."""
     document = bounded(t=("0.1e-3", "2e-3"), L=("0.02", "0.3"))
@@ -98,6 +101,7 @@ def test_the_nearest_design_is_found_and_limits_are_kept():
     assert best <= min(size(found["design"]["t"] * side) for side in (0.99, 1.01))
 
 
+@pytest.mark.slow
 def test_what_is_so_already_changes_nothing():
     found = targets.meet(planar_guide(), [want("frequency 1", "5", "least")], ["t"], Job())
     assert found["met"]
@@ -105,6 +109,7 @@ def test_what_is_so_already_changes_nothing():
     assert "so already" in found["text"]
 
 
+@pytest.mark.slow
 def test_what_cannot_be_reached_says_how_near_it_comes_and_what_limits_it():
     document = bounded(t=("0.1e-3", "0.6e-3"))
     found = targets.meet(document, [want("frequency 1", "20")], ["t"], Job())
@@ -120,6 +125,7 @@ def test_what_cannot_be_reached_says_how_near_it_comes_and_what_limits_it():
     assert "against each other" in found["text"]
 
 
+@pytest.mark.slow
 def test_a_stop_keeps_the_best_design_so_far():
     document = bounded(t=("0.1e-3", "2e-3"))
     found = targets.meet(document, [want("frequency 1", "20")], ["t"], Job(patience=4))
@@ -129,6 +135,7 @@ def test_a_stop_keeps_the_best_design_so_far():
     assert frequency(targets.applied(document, found)) == pytest.approx(found["values"]["frequency 1"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_name_without_bounds_gets_some_and_it_is_told():
     found = targets.meet(planar_guide(), [want("frequency 1", "20")], ["t"], Job())
     assert found["met"]
@@ -136,6 +143,7 @@ def test_a_name_without_bounds_gets_some_and_it_is_told():
     assert "'t' has no bounds: 0.0001 to 0.0025 were taken" in found["text"]
 
 
+@pytest.mark.slow
 def test_a_second_search_traces_nothing_and_other_numbers_share_it(monkeypatch):
     document = bounded(t=("0.1e-3", "2e-3"))
     targets.meet(document, [want("frequency 1", "20")], ["t"], Job())
@@ -154,6 +162,7 @@ def test_a_second_search_traces_nothing_and_other_numbers_share_it(monkeypatch):
     assert targets.meet(moved, [want("frequency 1", "21")], ["t"], Job())["met"]
 
 
+@pytest.mark.slow
 def test_derivatives_agree_with_differences():
     document = loaded(planar_guide(), "1")
     keys = ["frequency 1", "multiplier 1", "stress", "mass", "stiffness x", "displacement", "displacement x"]
@@ -189,6 +198,7 @@ def test_values_with_and_without_units(text, unit, value):
     assert wants.value_in("it", text, unit, {"f": 13.0}) == pytest.approx(value)
 
 
+@pytest.mark.slow("given12-free12-has no effect on it")
 @pytest.mark.parametrize(
     ("given", "free", "said"),
     [
@@ -213,6 +223,7 @@ def test_what_cannot_be_asked_is_told_by_name(given, free, said):
         targets.meet(document, given, free, Job())
 
 
+@pytest.mark.slow
 def test_numbers_are_written_as_they_were():
     assert wants.number_like("0.5e-3", 0.00076919, 12) == "0.76919e-3"
     assert wants.number_like("0.1", 1 / 3, 12) == "0.333333333333"

@@ -90,6 +90,7 @@ def test_a_file_that_is_being_written_is_waited_for(monkeypatch, watch, told, tm
     assert until(lambda: told == [path])
 
 
+@pytest.mark.slow
 def test_a_file_that_goes_or_comes_is_told(looks, watch, told, tmp_path):
     here, there = tmp_path / "guide.dat", tmp_path / "guide.toml"
     here.write_text("one")

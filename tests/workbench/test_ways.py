@@ -52,6 +52,7 @@ STEP = 1e-3
 KEYS = ["frequency 1", "multiplier 1", "stress", "mass", "stiffness x", "displacement", "displacement x"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", KEYS)
 def test_slopes_are_central_differences(key):
     # Were the leaf upright, the stress would be the same at both of its ends.
@@ -109,6 +110,7 @@ def test_powers_of_dimensions_are_relative_slopes():
     assert told["by_element"] == pytest.approx({"left": 1.0, "right": 1.0, "bar": 0.0}, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_it_is_compiled_once_for_all_numbers(monkeypatch):
     from flexmb.workbench import ways
 
@@ -123,6 +125,7 @@ def test_it_is_compiled_once_for_all_numbers(monkeypatch):
     assert len(count) == 1
 
 
+@pytest.mark.slow
 def test_what_has_no_meaning_is_said():
     document = guide()
     found = Ways(lambda: None)
@@ -153,6 +156,7 @@ def test_fields_are_numbers_and_not_what_chooses_code():
     assert not [address for address in numeric_fields(document) if address.startswith(("names/", "15/"))]
 
 
+@pytest.mark.slow
 def test_live_tells_them_before_the_scene_that_they_colour():
     heard: list[dict] = []
     live = Live(heard.append)
