@@ -49,17 +49,6 @@ jax.config.update("jax_traceback_in_locations_limit", 0)
 # Silent promotion is how a float32 gets into a model. (Rank promotion is left as it is: the package relies on it.)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
-# A relative tolerance that stands alone is one: pytest's own absolute 1e-12 beside it passes any number below that.
-_approx = pytest.approx
-
-
-def approx(expected, rel=None, abs=None, nan_ok=False):
-    """As pytest's, without an absolute tolerance where only a relative one is given."""
-    return _approx(expected, rel, 0.0 if abs is None and rel is not None else abs, nan_ok)
-
-
-pytest.approx = approx
-
 # The same examples in every run, few of them; the first call compiles, so that no deadline holds. Explaining a failure
 # runs it a hundred times more.
 phases = tuple(phase for phase in hypothesis.Phase if phase is not hypothesis.Phase.explain)
@@ -116,9 +105,7 @@ def pytest_terminal_summary(terminalreporter, config):
     if late:
         terminalreporter.write_line("\n".join([f"Left out, since it was too late to begin them: {len(late)}", *late]))
     if slow_ones(config) == "out":
-        terminalreporter.write_line(
-            "Left out: tests marked as slow. --slow=in runs these too, --slow=only these alone."
-        )
+        terminalreporter.write_line("Left out: tests marked as slow. --slow=in runs them too, --slow=only them alone.")
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -149,9 +150,9 @@ def test_an_answer_without_the_incremental_loads_says_so(name):
 def test_an_answer_that_is_meant_without_them_says_nothing():
     model = cart(increment=True).build()
     found = fm.equilibrium(model, increment=0.0)
-    assert found.at("2")[0] == pytest.approx(0.2)
+    assert found.at("2")[0] == approx(0.2)
     # A force of 1 N stretches two springs of 100 N/m.
-    assert fm.equilibrium(model, increment=1.0).at("2")[0] == pytest.approx(0.22)
+    assert fm.equilibrium(model, increment=1.0).at("2")[0] == approx(0.22)
     lin = fm.linearize(model, increment=0.0)
     fm.frequencies(lin), fm.modes(lin), fm.compliance(lin, "1")
     # These are about the incremental loads.
@@ -505,7 +506,7 @@ def test_other_arguments(case):
 
 def test_the_sides_of_a_rectangle_are_exchanged_by_either_torsion_constant():
     for function in (fm.sections.torsion_series, fm.sections.torsion_approximate):
-        assert function(0.018, 5e-4) == pytest.approx(float(function(5e-4, 0.018)), rel=1e-12)
+        assert function(0.018, 5e-4) == approx(float(function(5e-4, 0.018)), rel=1e-12)
 
 
 @pytest.mark.parametrize(

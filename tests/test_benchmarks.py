@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from cases.tolerances import approx
 
 PLACE = Path(__file__).parents[1] / "benchmarks"
 
@@ -100,9 +101,9 @@ def test_what_is_slower_than_an_older_package_is_named(pairs, told):
 
 def test_a_summary_of_pairs_is_that_of_their_rounds():
     row = against.summary([pair([1.0, 1.0, 1.0], [0.5, 0.6, 0.7]), pair([2.0, 2.0, 2.0], [1.2, 1.2, 1.2])])
-    assert row["ratio"] == pytest.approx(0.6)
-    assert row["of_pairs"] == pytest.approx([0.6, 0.6])
-    assert row["quartiles"] == pytest.approx([0.6, 0.6])
+    assert row["ratio"] == approx(0.6)
+    assert row["of_pairs"] == approx([0.6, 0.6])
+    assert row["quartiles"] == approx([0.6, 0.6])
     assert (row["then"]["time"], row["now"]["first"]) == (1.5, 1.0)
     assert "0.60" in against.shown({"row": row})
 

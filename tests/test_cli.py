@@ -14,6 +14,7 @@ import scipy.io
 from cases.commands import command as call
 from cases.disk import full, not_regular
 from cases.files import arrays_of
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import cli
@@ -128,8 +129,8 @@ def test_json_of_a_motion(mode, swing):
     np.testing.assert_allclose([float(word) for word in end], [expected[-1], 0], atol=2e-6)
     (total,) = (line for line in lines if line.startswith("energy [J] at start and end: "))
     start, end = (float(word) for word in total.rpartition(": ")[2].split(", "))
-    assert start == pytest.approx(k * 0.01**2 / 2, rel=1e-5, abs=0)
-    assert end == pytest.approx((k * x[-1] ** 2 + m * velocity[-1] ** 2) / 2, rel=2e-4, abs=0)
+    assert start == approx(k * 0.01**2 / 2, rel=1e-5, abs=0)
+    assert end == approx((k * x[-1] ** 2 + m * velocity[-1] ** 2) / 2, rel=2e-4, abs=0)
     hertz = [line.rpartition(": ")[2] for line in lines if line.startswith("frequencies [Hz] at ")]
     np.testing.assert_allclose([float(word) for word in hertz], [10.6584] * (2 if mode == 4 else 0), atol=5e-5)
     if mode == 4:
@@ -178,7 +179,7 @@ def test_printed_numbers(name, key, values, tolerance):
     _, data = answer(name, 8 if key == "load_multipliers" else 7)
     for found, printed in zip(data[key], values, strict=False):
         if printed is not None:
-            assert found == pytest.approx(printed, abs=tolerance, rel=5e-5 if name == "pf3d19dof" else 0)
+            assert found == approx(printed, abs=tolerance, rel=5e-5 if name == "pf3d19dof" else 0)
 
 
 # Rows of A and B that the tutorial prints, half a unit of the last digit.
@@ -194,13 +195,13 @@ STATE_SPACE = [
 @pytest.mark.parametrize(("name", "a21", "a22", "b2", "c"), STATE_SPACE)
 def test_printed_state_space(name, a21, a22, b2, c):
     _, data = answer(name, 9)
-    assert data["A"][1][0] == pytest.approx(a21[0], abs=a21[1])
-    assert data["A"][1][1] == pytest.approx(a22[0], abs=a22[1])
-    assert abs(data["B"][1][0]) == pytest.approx(b2[0], abs=b2[1])
+    assert data["A"][1][0] == approx(a21[0], abs=a21[1])
+    assert data["A"][1][1] == approx(a22[0], abs=a22[1])
+    assert abs(data["B"][1][0]) == approx(b2[0], abs=b2[1])
     np.testing.assert_allclose(data["C"], c, atol=1e-9)
     np.testing.assert_allclose(data["D"], np.zeros((len(c), 1)), atol=1e-12)
     # One oscillator: the poles follow from A.
-    assert np.hypot(*data["poles"][0]) ** 2 == pytest.approx(-data["A"][1][0], rel=1e-9)
+    assert np.hypot(*data["poles"][0]) ** 2 == approx(-data["A"][1][0], rel=1e-9)
     # It is damped, so that frequencies come with poles too.
     np.testing.assert_allclose(answer(name, 7)[1]["poles"], data["poles"], rtol=1e-9)
 
@@ -217,7 +218,7 @@ def test_overconstrained_guide_is_reported_refused_and_released_on_request(tmp_p
     assert advice is not None
     result, data = answer("pf3dover", 7, "--release", "auto")
     assert result.exit_code == 0
-    assert data["frequencies_hz"][0] == pytest.approx(10.6464, abs=5e-5)
+    assert data["frequencies_hz"][0] == approx(10.6464, abs=5e-5)
     # The advice is a line that the file takes.
     path = tmp_path / "released.dat"
     path.write_text(mechanism_path("pf3dover").read_text().replace("\nDYNX", f"\n{advice[1]}\nDYNX", 1))
@@ -229,7 +230,7 @@ def test_load_up_buckles_the_other_way(tmp_path):
     path = tmp_path / "up.dat"
     path.write_text(re.sub(r"(?m)^XF 3 .*$", "XF 3 0 1", text))
     result = call("run", path, "--mode", "8", "--json", "-")
-    assert json.loads(result.stdout)["load_multipliers"][0] == pytest.approx(-78.75, abs=5e-5)
+    assert json.loads(result.stdout)["load_multipliers"][0] == approx(-78.75, abs=5e-5)
 
 
 TRUSS = """PLTRUSS 1 1 2
@@ -260,7 +261,7 @@ def test_right_count_but_a_degree_of_freedom_without_stiffness(tmp_path):
     assert result.exit_code == 0
     assert data["stable"] is False
     assert any("2.y" in warning for warning in data["warnings"])
-    assert data["eigenvalues"][0] == pytest.approx(0, abs=1e-9)
+    assert data["eigenvalues"][0] == approx(0, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -440,10 +441,10 @@ def test_a_verdict_is_that_of_the_package(tmp_path):
     data = json.loads(result.stdout)
     # 24 EI/L^3 less what the load of 1 N takes, 6/5 of it over the length.
     stiffness = 24 * 0.039375 / 0.1**3 - 1.2 / 0.1
-    assert data["curves"]["drive stiffness"][4] == pytest.approx(stiffness, rel=1e-6)
+    assert data["curves"]["drive stiffness"][4] == approx(stiffness, rel=1e-6)
     assert data["limits"][0]["name"] == "force"
-    assert abs(data["limits"][0]["stroke"]) == pytest.approx(0.5 / stiffness, rel=1e-4)
-    assert data["sensitivities"]["force"]["EI"] == pytest.approx(945 / stiffness, rel=1e-4)
+    assert abs(data["limits"][0]["stroke"]) == approx(0.5 / stiffness, rel=1e-4)
+    assert data["sensitivities"]["force"]["EI"] == approx(945 / stiffness, rel=1e-4)
     assert (data["status"], data["good"]) == ("ok", False)
     assert "stress" in data["unanswered"]
     assert (tmp_path / "page.svg").read_text().startswith("<?xml")
@@ -677,7 +678,7 @@ def test_every_name_and_comment_in_every_locale(tmp_path):
         assert (found.returncode, found.stderr) == (0, b"")
         assert b"10.65844" in found.stdout
         assert json.loads((tmp_path / (name + ".json")).read_bytes())["model"] == model
-        assert scipy.io.loadmat(tmp_path / (name + ".mat"))["frequencies_hz"] == pytest.approx(10.65844, rel=1e-6)
+        assert scipy.io.loadmat(tmp_path / (name + ".mat"))["frequencies_hz"] == approx(10.65844, rel=1e-6)
         assert b"NDOF 1" in (tmp_path / (name + ".log")).read_bytes()
         assert (tmp_path / (name + ".svg")).read_bytes().startswith(b"<?xml")
 

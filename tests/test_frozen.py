@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 import shipped
+from cases.tolerances import approx
 from frozen import apart, compared
 from recorded import TIGHT, Recorder, collect
 
@@ -23,7 +24,7 @@ def test_a_changed_number_is_found(factor, wrong):
     loose, worst, differ = compared(told(), {"a": OLD}, {"a": new})
     assert loose == 0
     assert bool(differ) is wrong
-    assert worst == pytest.approx(abs(factor - 1), rel=1e-5) or not np.isfinite(factor)
+    assert worst == approx(abs(factor - 1), rel=1e-5) or not np.isfinite(factor)
 
 
 def test_an_answer_that_is_gone_or_has_another_shape_is_found():

@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from cases.commands import command
+from cases.tolerances import approx
 from scipy.optimize import brentq
 
 import flexmb as fm
@@ -58,15 +59,15 @@ def test_folded_flexure_in_micrometres():
     # Eight beams, two pairs in a row at each end: 24 EI/L^3, less what stretching beams let the trusses turn.
     length, inertia = 200 * MICRO, 25 * MICRO * width**3 / 12
     stiffness = 24 * 169e9 * inertia / length**3
-    assert float(moved) == pytest.approx(1e-6 / stiffness, rel=3e-3)
-    assert float(state.force_needed("left shuttle", "x")) == pytest.approx(1e-6, rel=1e-9)
+    assert float(moved) == approx(1e-6 / stiffness, rel=3e-3)
+    assert float(state.force_needed("left shuttle", "x")) == approx(1e-6, rel=1e-9)
     feet = state.reaction("left anchor", "x") + state.reaction("right anchor", "x")
-    assert float(feet) == pytest.approx(-1e-6, rel=1e-9)
+    assert float(feet) == approx(-1e-6, rel=1e-9)
     # Rayleigh's quotient: trusses go half as far, and beams count 12/35; its error is of second order in their mass.
     beams = 8 * 2330 * width * 25 * MICRO * length
     mass = 4e-9 + 8e-13 / 4 + 12 / 35 * beams
     expected = np.sqrt(1e-6 / float(moved) / mass) / 2 / np.pi
-    assert float(fm.frequencies(model, count=1)[0]) == pytest.approx(expected, rel=2e-4)
+    assert float(fm.frequencies(model, count=1)[0]) == approx(expected, rel=2e-4)
 
 
 @pytest.mark.slow
@@ -243,8 +244,8 @@ def test_youngs_modulus_and_thickness_identified_from_frequencies():
     )
     # The beam stretches and turns as it vibrates, which the equation leaves out: (t/L)^2 of the frequencies, which the
     # second one's lead on the first multiplies.
-    assert found.dimensions["t"] == pytest.approx(0.52e-3, rel=2e-3)
-    assert found.dimensions["E"] == pytest.approx(195e9, rel=5e-3)
+    assert found.dimensions["t"] == approx(0.52e-3, rel=2e-3)
+    assert found.dimensions["E"] == approx(195e9, rel=5e-3)
 
 
 def guide(t, length):

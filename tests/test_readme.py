@@ -18,6 +18,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import pytest
 from cases.commands import command
+from cases.tolerances import approx
 
 from flexmb.setup import cache_folder
 from flexmb.spacar.keywords import DRAWN, REFUSED, ROWS
@@ -87,7 +88,7 @@ def check_guide(scope):
     # Mass of the stage 0.2 kg instead of the tutorial's 0.206: 945 N/m less 12 N/m under the load of 1 N.
     mass = 0.2 + 26 / 35 * 7850 * 0.018 * 0.0005 * 0.1
     expected = ((945 - 12) / mass) ** 0.5 / (2 * math.pi)
-    assert float(scope["fm"].frequencies(scope["model"])[0]) == pytest.approx(expected, rel=1e-6)
+    assert float(scope["fm"].frequencies(scope["model"])[0]) == approx(expected, rel=1e-6)
 
 
 def check_python(scope):
@@ -104,13 +105,13 @@ def check_light(scope):
     # Driven from -5 to 5 mm: the support stiffness is largest in between, near that of two leaf springs in tension.
     stiffness = 1 / scope["out"].node(3).CMglob[1, 1]
     assert stiffness.argmax() == 0
-    assert stiffness[0] == pytest.approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
+    assert stiffness[0] == approx(210e9 * 50e-3 * 0.5e-3 / 0.1, rel=0.01)
     assert scope["out"].load_factors.shape == (2, 7)
     # A leaf spring bent by 1 N at the end of a bar: the moment at its foot is as large as that end is far. The
     # clamp bends the middle of its width 1 + 0.65 nu times as much, and adds nu times that across: THEORY.md (2.28).
     bent, nu = scope["bent"], 210 / 80.77 / 2 - 1
     clamp = (1 + 0.65 * nu) * (1 - nu + nu**2) ** 0.5
-    assert bent["stress"]["maximum"] == pytest.approx(clamp * bent["x"]["5"][0] / (0.018 * 0.5e-3**2 / 6), rel=1e-6)
+    assert bent["stress"]["maximum"] == approx(clamp * bent["x"]["5"][0] / (0.018 * 0.5e-3**2 / 6), rel=1e-6)
 
 
 def check_workbench(scope):

@@ -10,6 +10,7 @@ import diffrax
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -104,7 +105,7 @@ def test_stiffness_ratio(ratio, sparse):
     np.testing.assert_allclose(found, exact, rtol=1e-12)
     pushed = crossed(ratio, 1e-3)
     at = fm.equilibrium(pushed.build(check=not sparse), sparse=sparse).at("mass")
-    assert float(at[0]) == pytest.approx(1e-5, rel=1e-5)  # second order: force over EA
+    assert float(at[0]) == approx(1e-5, rel=1e-5)  # second order: force over EA
 
 
 @pytest.mark.slow
@@ -130,9 +131,9 @@ def test_stiffness_ratio_in_motion(ratio):
 def test_slenderness(slenderness):
     model = cantilever(slenderness).build()
     # Closed forms: small deflection to order (load)^2; frequency with the rotary inertia of a thick strip left aside.
-    assert float(fm.equilibrium(model).at("n4")[1]) == pytest.approx(0.02 / 3, rel=2e-4)
+    assert float(fm.equilibrium(model).at("n4")[1]) == approx(0.02 / 3, rel=2e-4)
     omega = WAVE**2 * np.sqrt(2e11 / 8000.0 / 12) / slenderness
-    expected = pytest.approx(omega / (2 * np.pi), rel=1e-3 + 1.5 / slenderness**2)
+    expected = approx(omega / (2 * np.pi), rel=1e-3 + 1.5 / slenderness**2)
     assert float(fm.frequencies(cantilever(slenderness, load=0.0).build())[0]) == expected
 
 
@@ -238,7 +239,7 @@ def test_repeated_frequencies():
     difference = (float(first(at + h)) - float(first(at - h))) / (2 * h)
     slope = float(jax.jit(jax.grad(first))(at))
     assert np.isfinite(slope)
-    assert slope == pytest.approx(difference, rel=1e-6)
+    assert slope == approx(difference, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -260,7 +261,7 @@ def test_redundant_constraints_are_refused_or_released():
     r = leaf.rigidity()
     moved = 1.0 + 3 * 13 / 35 * r.mass * 0.1
     expected = np.sqrt(3 * 12 * r.EIy / 0.1**3 / moved) / (2 * np.pi)
-    assert float(fm.frequencies(b.build(release="auto"))[0]) == pytest.approx(expected, rel=1e-9)
+    assert float(fm.frequencies(b.build(release="auto"))[0]) == approx(expected, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -279,7 +280,7 @@ def test_beyond_a_limit_point():
         at = float(fm.equilibrium(dense).at("apex")[1])
         bar = np.hypot(1.0, at)
         # Equilibrium by the closed form of the force.
-        assert 2e4 * (1 / bar - 1 / l0) * at == pytest.approx(share * top, rel=1e-8)
+        assert 2e4 * (1 / bar - 1 / l0) * at == approx(share * top, rel=1e-8)
         np.testing.assert_allclose(fm.equilibrium(sparse, sparse=True).at("apex")[1], at, atol=1e-9)
 
 

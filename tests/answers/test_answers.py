@@ -1,7 +1,7 @@
 """Answers of the modes as plain numbers, against what statics says of them."""
 
 import numpy as np
-import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -47,7 +47,7 @@ def test_what_falls_has_no_frequency():
         assert (found.exit_status, found.data["stable"], found.data["massless"]) == (0, stable, 0)
         square = (k - force * length) / (m * length**2)
         np.testing.assert_allclose(found.data["eigenvalues"], [square], rtol=1e-9)
-        hertz = pytest.approx(np.sqrt(abs(square)) / (2 * np.pi), rel=1e-9)
+        hertz = approx(np.sqrt(abs(square)) / (2 * np.pi), rel=1e-9)
         assert found.data["frequencies_hz"] == [hertz if stable else None]
 
 
@@ -108,4 +108,4 @@ def test_tolerances_of_angles_do_not_depend_on_the_size_of_a_mechanism():
         idle = [f"rotor:4: INPUTX: {RATES_IDLE}"]
         data = answer(read.builder, "rotor", 1, idle, settings=read.settings, progress=False).data
         assert data["warnings"] == []
-        assert data["x"]["4"][0] == pytest.approx(50.0, abs=0.05)
+        assert data["x"]["4"][0] == approx(50.0, abs=0.05)

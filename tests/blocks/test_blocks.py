@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from references.frames import Bar, Numbers, compliance
 
 import flexmb as fm
@@ -211,9 +212,9 @@ def test_stiffness_of_clamped_leaf_springs():
         return fm.compliance(b.build(), "stage")[2, 2] * EI / L
 
     arc, sway = (1 - nu**2 * (1 - (1 - 2 * a) ** power) for power in (1, 3))
-    assert pivot(0.5) == pytest.approx(arc / 2, rel=1e-9)
+    assert pivot(0.5) == approx(arc / 2, rel=1e-9)
     # Elsewhere leaf springs stretch too, by the order of (t/L)^2.
-    assert 1 / pivot(0.2) == pytest.approx(2 / arc + 24 * 0.3**2 / sway, rel=1e-4)
+    assert 1 / pivot(0.2) == approx(2 / arc + 24 * 0.3**2 / sway, rel=1e-4)
 
 
 def test_a_body_between_leaf_springs_clamps_them():
@@ -246,7 +247,7 @@ def test_strokes_of_guides():
         found = fm.equilibrium(b.build())
         strokes[block] = [*(found.at("stage") - np.array(start))[1:], *found.at("stage.rotation")]
     # The next term is (stroke/L)^2 times this one.
-    assert strokes[parallel_guide][0] == pytest.approx(-0.6 * 5e-3**2 / L, rel=3e-3)
+    assert strokes[parallel_guide][0] == approx(-0.6 * 5e-3**2 / L, rel=3e-3)
     # Round-off of the equilibrium against the stroke.
     np.testing.assert_allclose(strokes[straight_line_stage], 0, atol=1e-12)
 
@@ -263,10 +264,10 @@ def test_shift_of_pivots():
         return np.linalg.norm(fm.equilibrium(b.build()).at("pivot axis") - np.array(start)) / L
 
     # (t/L)^2 = 2.5e-5 of elongation, and the series of order 4.
-    assert shift(cross_pivot, 10) == pytest.approx(3.579963e-3, rel=1e-4)
+    assert shift(cross_pivot, 10) == approx(3.579963e-3, rel=1e-4)
     near, far = (shift(butterfly_pivot, angle, radius=R) for angle in (5, 10))
     # What is left is of the fourth order, below a percent of the third.
-    assert far / near == pytest.approx(8, rel=1e-2)
+    assert far / near == approx(8, rel=1e-2)
 
 
 NOTCH = {"width": 0.01, "height": 6e-3, "neck": 5e-4, "radius": 3.5e-3}
@@ -288,17 +289,17 @@ def test_notch_hinge():
     b.fix("ground")
     notch_hinge(b, "ground", "stage", along=(1, 0, 0), y=(0, 1, 0), material=STEEL, **NOTCH)
     # About its axis, y; the vertical slope of the profile at its ends costs 5e-7.
-    assert 1 / fm.compliance(b.build(), "stage")[4, 4] == pytest.approx(stiffness_of_a_notch()[0], rel=1e-6)
+    assert 1 / fm.compliance(b.build(), "stage")[4, 4] == approx(stiffness_of_a_notch()[0], rel=1e-6)
 
 
 @pytest.mark.slow
 def test_notch_four_bar():
     hinge, rim = stiffness_of_a_notch()
     b = ground(notch_four_bar, length=L, spacing=S, material=STEEL, **NOTCH)
-    assert b.nodes["stage"].start[1] == pytest.approx(L + 2 * NOTCH["radius"] * np.sin(rim), rel=1e-12)
+    assert b.nodes["stage"].start[1] == approx(L + 2 * NOTCH["radius"] * np.sin(rim), rel=1e-12)
     # 4 k/L^2 with k of one hinge, which bends over a millimetre beside its middle too, where the moment is
     # (1 mm/(L/2))^2 = 4e-4 more or less.
-    assert 1 / fm.compliance(b.build(), "stage")[0, 0] == pytest.approx(4 * hinge / L**2, rel=1e-3)
+    assert 1 / fm.compliance(b.build(), "stage")[0, 0] == approx(4 * hinge / L**2, rel=1e-3)
 
 
 def logarithm(d):

@@ -9,6 +9,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -333,7 +334,7 @@ def test_a_traced_build_has_all_degrees_of_freedom_named():
     labels = b.build().q_labels
     found = jax.grad(lambda h: tip(h, labels))(0.1)
     # Central difference: truncation 1e-8.
-    assert found == pytest.approx((float(tip(0.1 + 1e-5)) - float(tip(0.1 - 1e-5))) / 2e-5, rel=1e-6)
+    assert found == approx((float(tip(0.1 + 1e-5)) - float(tip(0.1 - 1e-5))) / 2e-5, rel=1e-6)
 
 
 def test_own_element_from_a_notebook():
@@ -355,7 +356,7 @@ def test_own_element_from_a_notebook():
     b.dof("A", "phi")
     model = b.build()
     # Kinetic energy of both wheels seen at the first: 0.2 + 0.3/9.
-    assert fm.linearize(model).M0[0, 0] == pytest.approx(0.2 + 0.3 / 9, rel=1e-12)
+    assert fm.linearize(model).M0[0, 0] == approx(0.2 + 0.3 / 9, rel=1e-12)
 
 
 def test_overview_lists_every_entry():

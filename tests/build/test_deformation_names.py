@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -42,7 +43,7 @@ def test_a_tension_by_name_tunes_a_wire(element):
     b.prestress("l", elongation=PULL)
     model = b.build()
     exact = np.pi / 2 / LENGTH**2 * np.sqrt(WIRE.EIy / WIRE.mass * (1 + PULL * LENGTH**2 / np.pi**2 / WIRE.EIy))
-    assert fm.frequencies(model)[0] == pytest.approx(exact, rel=1e-5)
+    assert fm.frequencies(model)[0] == approx(exact, rel=1e-5)
 
 
 @pytest.mark.parametrize(("element", "flat"), [(SPECTRAL, 0.0), (planar.leaf_spring, 0.14)])
@@ -55,7 +56,7 @@ def test_a_tension_by_name_pulls_at_the_end(element, flat):
     b.prestress("l", elongation=PULL)
     found = fm.equilibrium(b.build())
     mean = 1 - 2 * flat * STRIP.width / LENGTH * (STEEL.E / 2 / STEEL.G - 1) ** 2
-    assert found.stress_resultant("l", "closure_x") == pytest.approx(PULL / mean)
+    assert found.stress_resultant("l", "closure_x") == approx(PULL / mean)
     np.testing.assert_allclose([found.stress_resultant("l", f"closure_{of}") for of in ("y", "tilt")], 0, atol=1e-9)
 
 
@@ -75,7 +76,7 @@ def test_what_is_called_elongation_is_what_warmth_gives(room):
         found = np.asarray(element.thermal(np.full(2, 30.0), *gradient, ref=ref, **own))
         assert len(found) == len(element.deformation_names)
         at = [*element.deformation_names.values()].index("elongation")
-        assert found[at] == pytest.approx(3e-4 * LENGTH)
+        assert found[at] == approx(3e-4 * LENGTH)
         np.testing.assert_allclose(np.delete(found, at), 0, atol=1e-15)
 
 
@@ -148,8 +149,8 @@ def test_a_closure_is_cut_by_its_name():
     b.fix("A")
     b.fix("wall")
     found = np.asarray(fm.compliance(fm.linearize(b.build()), "B"))
-    assert found[0, 0] == pytest.approx(1e-3)
-    assert found[1, 1] == pytest.approx(LENGTH**3 / 3 / WIRE.EIy)
+    assert found[0, 0] == approx(1e-3)
+    assert found[1, 1] == approx(LENGTH**3 / 3 / WIRE.EIy)
 
 
 def hinged():
@@ -187,7 +188,7 @@ def test_names_stand_for_numbers_everywhere():
     assert named.q_labels == ["hinge.e1"]
     b = hinged()
     b.prescribe("hinge", "angle", 0.3)
-    assert fm.equilibrium(b.build()).rotation("arm") == pytest.approx(0.3)
+    assert fm.equilibrium(b.build()).rotation("arm") == approx(0.3)
     # Free at its rest, driven by a moment that is constant from the start: J a'' = M - k a, from 0.
     ts = np.linspace(0, 0.02, 5)
     motion = fm.simulate(named, ts, loads={"hinge.angle": lambda t: 0.05})
@@ -250,6 +251,6 @@ def test_names_of_an_own_element(names, message):
     b.strain("spring", stretch=1e-3)
     b.fix("A")
     b.fix("B", "y")
-    assert fm.equilibrium(b.build()).deformation("spring", "stretch") == pytest.approx(1e-3)
+    assert fm.equilibrium(b.build()).deformation("spring", "stretch") == approx(1e-3)
     with pytest.raises(fm.ModelError, match=message):
         b.add(fm.Element(distance, names=names), "A", "B")

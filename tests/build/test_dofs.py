@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -211,9 +212,9 @@ def test_what_is_over_constrained_is_released_beside_traced_sections():
         return fm.frequencies(guide_to_release(thickness))[0]
 
     expected = np.sqrt(3 * 12 * 2e8 * 0.5e-3**3 / 0.1**3 / 0.1) / (2 * np.pi)
-    assert float(frequency(0.5e-3)) == pytest.approx(expected, rel=1e-9)
-    assert float(jax.grad(frequency)(0.5e-3)) == pytest.approx(1.5 * expected / 0.5e-3, rel=1e-9)
-    assert float(jax.jit(frequency)(0.5e-3)) == pytest.approx(expected, rel=1e-9)
+    assert float(frequency(0.5e-3)) == approx(expected, rel=1e-9)
+    assert float(jax.grad(frequency)(0.5e-3)) == approx(1.5 * expected / 0.5e-3, rel=1e-9)
+    assert float(jax.jit(frequency)(0.5e-3)) == approx(expected, rel=1e-9)
 
 
 def test_a_release_that_is_not_looked_for_is_refused():

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -55,17 +56,17 @@ def stretched(model):
 @pytest.mark.slow
 def test_a_model_answers_for_what_its_elements_meant_when_it_was_built(monkeypatch):
     before = built()
-    assert displacement(before) == pytest.approx(FORCE / STIFFNESS)
+    assert displacement(before) == approx(FORCE / STIFFNESS)
     monkeypatch.setitem(globals(), "STIFFNESS", 400.0)
     after = built()
-    assert displacement(after) == pytest.approx(FORCE / 400.0)
-    assert frequency(after) == pytest.approx((400.0 / MASS) ** 0.5)
+    assert displacement(after) == approx(FORCE / 400.0)
+    assert frequency(after) == approx((400.0 / MASS) ** 0.5)
     # What is compiled keeps its number; what has to be derived anew would have the other one.
-    assert displacement(before) == pytest.approx(FORCE / 100.0)
+    assert displacement(before) == approx(FORCE / 100.0)
     with pytest.raises(fm.ModelError, match=r"'elongation'.* its law refers to has changed since the model was built"):
         stretched(before)
     monkeypatch.setitem(globals(), "STIFFNESS", 100.0)
-    assert stretched(before) == pytest.approx(FORCE / 100.0 * (1 - np.cos((100.0 / MASS) ** 0.5 * 0.1)), rel=1e-4)
+    assert stretched(before) == approx(FORCE / 100.0 * (1 - np.cos((100.0 / MASS) ** 0.5 * 0.1)), rel=1e-4)
 
 
 def braked(e, e_dot, *, ref):
@@ -78,16 +79,16 @@ def test_settings_are_no_numbers():
     spring = fm.Element(elongation, law=braked)
     model = built(spring)
     with jax.default_matmul_precision("highest"):
-        assert displacement(model) == pytest.approx(FORCE / STIFFNESS)
+        assert displacement(model) == approx(FORCE / STIFFNESS)
     with jax.disable_jit(), jax.numpy_dtype_promotion("standard"):
-        assert displacement(model) == pytest.approx(FORCE / STIFFNESS)
-        assert displacement(built(spring)) == pytest.approx(FORCE / STIFFNESS)
+        assert displacement(model) == approx(FORCE / STIFFNESS)
+        assert displacement(built(spring)) == approx(FORCE / STIFFNESS)
 
 
 def test_a_model_with_functions_of_others_can_be_copied():
     model = built()
     for again in (copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
-        assert displacement(again) == pytest.approx(FORCE / STIFFNESS)
+        assert displacement(again) == approx(FORCE / STIFFNESS)
 
 
 def by_stiffness(k):
@@ -115,13 +116,13 @@ def grad_of_two(function):
 def test_derivatives_by_numbers_outside(transformed):
     """u = F/k, f = (k/m)^(1/2)/(2 pi)."""
     k = 100.0
-    assert transformed(by_stiffness)(k) == pytest.approx(-FORCE / k**2, rel=1e-9)
+    assert transformed(by_stiffness)(k) == approx(-FORCE / k**2, rel=1e-9)
     expected = (k / MASS) ** 0.5 / (2 * np.pi) / (2 * k)
-    assert transformed(frequency_by_stiffness)(k) == pytest.approx(expected, rel=1e-9)
+    assert transformed(frequency_by_stiffness)(k) == approx(expected, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_numbers_of_a_batch_are_taken_as_they_are():
     found = jax.vmap(by_stiffness)(jnp.array([100.0, 200.0]))
     np.testing.assert_allclose(found, FORCE / np.array([100.0, 200.0]), rtol=1e-10)
-    assert jax.jit(by_stiffness)(100.0) == pytest.approx(FORCE / 100.0)
+    assert jax.jit(by_stiffness)(100.0) == approx(FORCE / 100.0)

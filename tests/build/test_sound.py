@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import blocks, planar, sections, spatial
@@ -107,7 +108,7 @@ def test_derivatives_of_what_can_be_built_stay():
     step = 1e-7
     expected = (frequency(0.6e-3 + step) - frequency(0.6e-3 - step)) / (2 * step)
     # Differences: third derivative times step^2/6, relative to the slope (step/thickness)^2, some 3e-8.
-    assert float(found) == pytest.approx(float(expected), rel=1e-6)
+    assert float(found) == approx(float(expected), rel=1e-6)
     assert np.isnan(jax.vmap(jax.grad(frequency))(jnp.array([-0.6e-3]))[0])
 
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.build.step import body_of_step
@@ -30,7 +31,7 @@ def test_box(cad, tmp_path):
     cad.export_step(box(cad), path)
     mass, center, inertia = body_of_step("It", path, fm.Material(210e9, 80e9, RHO))
     # Open CASCADE's own tolerance of 1e-7 mm, over 10 mm.
-    assert mass == pytest.approx(MASS, rel=1e-7)
+    assert mass == approx(MASS, rel=1e-7)
     np.testing.assert_allclose(center, PLACE, rtol=1e-7)
     np.testing.assert_allclose(inertia, OWN, rtol=1e-7, atol=1e-7 * OWN[0, 0])
 
@@ -39,7 +40,7 @@ def test_units_of_the_file_are_metres_here(cad, tmp_path):
     for name, unit in (("M", 1.0), ("IN", 25.4e-3)):
         path = tmp_path / f"{name}.step"
         cad.export_step(cad.Box(1.0, 2.0, 3.0), path, unit=getattr(cad.Unit, name))
-        assert body_of_step("It", path, 1.0)[0] == pytest.approx(6 * unit**3, rel=1e-7)
+        assert body_of_step("It", path, 1.0)[0] == approx(6 * unit**3, rel=1e-7)
 
 
 def test_several_solids_make_one_body(cad, tmp_path):
@@ -49,7 +50,7 @@ def test_several_solids_make_one_body(cad, tmp_path):
     path = tmp_path / "halves.step"
     cad.export_step(cad.Compound([box(cad, half, PLACE + side * apart) for side in (-1, 1)]), path)
     mass, center, inertia = body_of_step("It", str(path), RHO)
-    assert mass == pytest.approx(MASS, rel=1e-7)
+    assert mass == approx(MASS, rel=1e-7)
     np.testing.assert_allclose(center, PLACE, rtol=1e-7)
     np.testing.assert_allclose(inertia, OWN, rtol=1e-7, atol=1e-7 * OWN[0, 0])
 
@@ -69,7 +70,7 @@ def test_solids_add_up_by_parallel_axes(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "build123d", fake)
     (tmp_path / "part.step").touch()
     mass, center, inertia = body_of_step("It", tmp_path / "part.step", RHO)
-    assert mass == pytest.approx(MASS, rel=1e-14)
+    assert mass == approx(MASS, rel=1e-14)
     np.testing.assert_allclose(center, PLACE, rtol=1e-14)
     np.testing.assert_allclose(inertia, OWN, rtol=1e-12, atol=1e-14 * OWN[0, 0])
 
@@ -125,4 +126,4 @@ def test_a_density_may_be_traced(cad, tmp_path):
         b.body("A", step=path, material=density)
         return fm.mass(b.build(check=False))
 
-    assert jax.grad(mass)(RHO) == pytest.approx(np.prod(SIZES), rel=1e-7)
+    assert jax.grad(mass)(RHO) == approx(np.prod(SIZES), rel=1e-7)

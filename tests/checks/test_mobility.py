@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -36,7 +37,7 @@ def test_self_stress_of_a_braced_rectangle():
     shares = {share.of: share.share for share in found.stresses()}
     sign = np.sign(shares["ab"])
     expected = {"ab": 3, "cd": 3, "bc": 4, "da": 4, "ac": -5, "bd": -5}
-    assert shares == pytest.approx({bar: sign * force / 5 for bar, force in expected.items()}, rel=1e-12)
+    assert shares == approx({bar: sign * force / 5 for bar, force in expected.items()}, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -89,8 +90,8 @@ def test_forces_and_moments_of_a_self_stress_have_their_own_units():
     found = fm.mobility(b.build(check=False))
     shares = {(share.of, share.component): abs(share.share) for share in found.stresses()}
     assert found.overconstraints == 1
-    assert shares["lock", 1] / shares["strut", 1] == pytest.approx(0.5, rel=1e-12)
-    assert shares["bar", 2] / shares["strut", 1] == pytest.approx(1.0, rel=1e-12)
+    assert shares["lock", 1] / shares["strut", 1] == approx(0.5, rel=1e-12)
+    assert shares["bar", 2] / shares["strut", 1] == approx(1.0, rel=1e-12)
 
 
 def test_inputs_on_leaf_springs_are_looked_at_elsewhere_too():

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 
@@ -47,10 +48,10 @@ def by_captured_array(t):
 @pytest.mark.slow
 @pytest.mark.parametrize("load", [by_global, by_array, by_captured_array])
 def test_a_load_follows_what_it_refers_to(mass, load, monkeypatch):
-    assert end(mass, loads={"m.x": load}) == pytest.approx(3.0 / 4, rel=CLOSE)  # F t^2/2m
+    assert end(mass, loads={"m.x": load}) == approx(3.0 / 4, rel=CLOSE)  # F t^2/2m
     monkeypatch.setitem(globals(), "FORCE", 5.0)
     monkeypatch.setitem(globals(), "FORCES", np.array([5.0, 0.0]))
-    assert end(mass, loads={"m.x": load}) == pytest.approx(5.0 / 4, rel=CLOSE)
+    assert end(mass, loads={"m.x": load}) == approx(5.0 / 4, rel=CLOSE)
 
 
 class Gain:
@@ -74,9 +75,9 @@ class Gain:
 def test_a_controller_follows_what_it_refers_to(mass, wrap):
     gain = Gain(3.0)
     control = wrap(gain)
-    assert end(mass, control=control) == pytest.approx(3.0 / 4, rel=CLOSE)
+    assert end(mass, control=control) == approx(3.0 / 4, rel=CLOSE)
     gain.value = 5.0
-    assert end(mass, control=control) == pytest.approx(5.0 / 4, rel=CLOSE)
+    assert end(mass, control=control) == approx(5.0 / 4, rel=CLOSE)
 
 
 @pytest.mark.slow
@@ -94,7 +95,7 @@ def test_a_reference_follows_what_it_refers_to(mass):
 
     for value in (3.0, 5.0):
         wanted.value = value
-        assert end(mass, control=proportional, reference=reference) == pytest.approx(expected(value), rel=CLOSE)
+        assert end(mass, control=proportional, reference=reference) == approx(expected(value), rel=CLOSE)
 
 
 @pytest.mark.slow
@@ -129,13 +130,13 @@ def test_derivative_by_a_captured_number(mass):
     def moved(a):
         return fm.simulate(mass, TIMES, loads={"m.x": lambda t: a * t**0}).at("m")[-1, 0]
 
-    assert float(fm.jit(jax.grad(moved))(3.0)) == pytest.approx(0.25, rel=CLOSE)
+    assert float(fm.jit(jax.grad(moved))(3.0)) == approx(0.25, rel=CLOSE)
 
     def controlled(a):
         found = fm.simulate(mass, TIMES, control=lambda t, y: jnp.array([a]), adjoint=diffrax.ForwardMode())
         return found.at("m")[-1, 0]
 
-    assert float(jax.jacfwd(controlled)(3.0)) == pytest.approx(0.25, rel=CLOSE)
+    assert float(jax.jacfwd(controlled)(3.0)) == approx(0.25, rel=CLOSE)
 
 
 @pytest.mark.slow
@@ -155,7 +156,7 @@ def test_functions_that_differ_in_numbers_share_compiled_code(mass):
         second = moved(2.0)
     finally:
         jax.monitoring.unregister_event_duration_listener(listen)
-    assert second == pytest.approx(2 * first, rel=CLOSE)
+    assert second == approx(2 * first, rel=CLOSE)
     assert not compiled
 
 

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import scipy.interpolate
 from cases.disk import full
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, setup, spatial
@@ -123,7 +124,7 @@ def test_what_a_user_wrote_is_traced(folder):
     models = [spring_of(law_of(k)) for k in (10.0, 20.0)]
     before = names(folder)
     moved = [float(fm.equilibrium(model).at("cart")[0]) - 1 for model in models]
-    assert moved == pytest.approx([0.1, 0.05], rel=1e-9)  # F/k
+    assert moved == approx([0.1, 0.05], rel=1e-9)  # F/k
     amplitude = {"value": 2.0}.get
     assert float(jit(lambda x: amplitude("value") * x)(jnp.array(1.0))) == 2.0
     assert names(folder) == before
@@ -139,7 +140,7 @@ def law_of_text(text):
 def test_a_law_whose_text_changed_is_not_answered_by_the_former_one(folder):
     for text, moved in (("10.0 * e", 0.1), ("20.0 * e", 0.05)):
         fresh()
-        assert float(fm.equilibrium(spring_of(law_of_text(text))).at("cart")[0]) - 1 == pytest.approx(moved, rel=1e-9)
+        assert float(fm.equilibrium(spring_of(law_of_text(text))).at("cart")[0]) - 1 == approx(moved, rel=1e-9)
 
 
 def test_laws_and_tables_of_time_can_be_known_in_another_process():

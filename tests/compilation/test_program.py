@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -106,7 +107,7 @@ def test_element_of_two_helpers_moves_as_the_same_element_written_out():
         b.force("mass", (-3.0, 0.0))
         return fm.simulate(b.build(), [0.0, 0.5]).at("mass")[-1, 0] - 1.0
 
-    assert float(moved(by_helpers)) == pytest.approx(float(moved(written_out)), rel=1e-9)
+    assert float(moved(by_helpers)) == approx(float(moved(written_out)), rel=1e-9)
 
 
 def test_what_may_bend():

@@ -9,6 +9,7 @@ import pytest
 import scipy.signal
 from cases.mechanisms import planar_guide
 from cases.motions import pendulum, sprung_mass
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -91,7 +92,7 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     x = np.zeros(len(z), np.clongdouble)
     for _ in range(5):
         x = x + np.linalg.solve(z.astype(complex), (force - z @ x).astype(complex))
-    assert found[peak, 0, 0] == pytest.approx(complex(sensed @ x), rel=1e-8)
+    assert found[peak, 0, 0] == approx(complex(sensed @ x), rel=1e-8)
 
 
 @pytest.mark.filterwarnings("ignore::flexmb.errors.BeamTheoryWarning")
@@ -119,7 +120,7 @@ def test_motions_almost_without_mass_are_summed_as_they_are():
     # Two guided leaf springs, one after the other, of stiffness 12 EI/(L^3 (1 + 12 EI/(k G A L^2))), k after Cowper.
     nu, t, length = 210 / 160 - 1, 0.4e-3, 0.1
     shear = 210e9 * t**2 / (10 * (1 + nu) / (12 + 11 * nu) * 80e9 * length**2)
-    assert found[0, 0, 0].real == pytest.approx(0.5 * 210e9 * 0.02 * t**3 / length**3 / (1 + shear), rel=1e-8)
+    assert found[0, 0, 0].real == approx(0.5 * 210e9 * 0.02 * t**3 / length**3 / (1 + shear), rel=1e-8)
 
 
 @pytest.mark.slow
@@ -185,7 +186,7 @@ def test_where_frequencies_are_repeated_and_where_a_resonance_is_hit():
         found = fm.frequency_response(still, [1.0, 100 / (2 * np.pi)])
     finite = np.isfinite(np.asarray(found.response))
     np.testing.assert_array_equal(finite, [np.ones((2, 2), bool), [[False, True], [True, True]]])
-    assert found.of("y", "Fy")[1] == pytest.approx(1 / (K - M * 1e4), rel=1e-12)
+    assert found.of("y", "Fy")[1] == approx(1 / (K - M * 1e4), rel=1e-12)
     with pytest.warns(fm.FlexmbWarning, match="infinite at 0 Hz.*support it"):
         assert np.all(~np.isnan(np.asarray(fm.frequency_response(ball(np.zeros(2)), 0.0, method="direct").response)))
 
@@ -265,5 +266,5 @@ def test_a_response_about_a_state_that_was_not_found_is_no_number():
 
     both = jax.jit(jax.value_and_grad(place))
     # 1/|k - m w^2|, which a force along the bar changes by little; of no number there is none.
-    assert float(both(0.0)[0]) == pytest.approx(1 / (100.0 - 0.1 * (2 * np.pi) ** 2), rel=1e-9)
+    assert float(both(0.0)[0]) == approx(1 / (100.0 - 0.1 * (2 * np.pi) ** 2), rel=1e-9)
     assert np.all(np.isnan(both(np.nan)))

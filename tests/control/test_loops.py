@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from cases.motions import oscillation, sprung_mass
+from cases.tolerances import approx
 from scipy.integrate import solve_ivp
 
 import flexmb as fm
@@ -59,7 +60,7 @@ def test_pid_puts_its_poles_where_they_are_wanted_and_knows_the_names():
     found = fm.control.closed_loop(MODEL, pid())
     np.testing.assert_allclose(found.poles, [-0.5 * w, pair, np.conj(pair), -4 * w], rtol=1e-9)
     assert found.stable
-    assert found.growth == pytest.approx(-0.5 * w)
+    assert found.growth == approx(-0.5 * w)
     assert pid().input_labels == ["place"]
     assert found.system.input_labels == ["reference rate", "reference place"]
     # Without integrator, and of a mass that nothing holds: given as a state space.
@@ -185,7 +186,7 @@ def test_samples_delay_and_limits_against_a_recursion():
     np.testing.assert_allclose(place(found)[::2], places[::5], atol=1e-8)
     np.testing.assert_allclose(np.asarray(found.u)[:-1:2, 0], forces[:-1:5], atol=1e-6)
     within = np.array(forces) - 0.2 * np.cos(9 * h * np.arange(21))
-    assert (np.min(within), np.max(within)) == pytest.approx(limits[0])
+    assert (np.min(within), np.max(within)) == approx(limits[0])
 
 
 @pytest.mark.slow
@@ -306,13 +307,13 @@ def test_margins_of_a_mass_under_pd_by_hand():
     found = fm.control.closed_loop(mass, control.ss([], [], [], [[kp, kd]]))
     w2 = (kd**2 + np.sqrt(kd**4 + 4 * MASS**2 * kp**2)) / (2 * MASS**2)
     (own,) = found.margins
-    assert own.crossover == pytest.approx(np.sqrt(w2) / (2 * np.pi), rel=1e-6)
-    assert own.phase == pytest.approx(np.degrees(np.arctan(kd * np.sqrt(w2) / kp)), rel=1e-6)
+    assert own.crossover == approx(np.sqrt(w2) / (2 * np.pi), rel=1e-6)
+    assert own.phase == approx(np.degrees(np.arctan(kd * np.sqrt(w2) / kp)), rel=1e-6)
     assert own.gain == np.inf
     # The controller that sees y itself needs the other sign.
     other = fm.control.closed_loop(mass, control.ss([], [], [], [[-kp, -kd]]), sign=1)
     np.testing.assert_allclose(other.poles, found.poles)
-    assert other.margins[0].phase == pytest.approx(own.phase)
+    assert other.margins[0].phase == approx(own.phase)
 
 
 def test_margins_of_two_loops_are_each_with_the_other_closed():
@@ -324,8 +325,8 @@ def test_margins_of_two_loops_are_each_with_the_other_closed():
     s = 2j * np.pi * found.margins[0].crossover
     there = k + s**2 + kp[1] + kd[1] * s
     opened = (kp[0] + kd[0] * s) / (k + s**2 - k**2 / there)
-    assert abs(opened) == pytest.approx(1, abs=1e-10)
-    assert found.margins[0].phase == pytest.approx(180 + np.degrees(np.angle(opened)), abs=1e-8)
+    assert abs(opened) == approx(1, abs=1e-10)
+    assert found.margins[0].phase == approx(180 + np.degrees(np.angle(opened)), abs=1e-8)
 
 
 @pytest.mark.parametrize("gain", [3.0, 10.0, 100.0])
@@ -344,13 +345,13 @@ def test_margins_of_lightly_damped_loops_are_those_of_their_polynomials(damping,
     assert found.stable
     (own,) = found.margins
     gains, phases, moduli, _, crossovers, _ = control.stability_margins(control.tf(found.opened), returnall=True)
-    assert own.gain == pytest.approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
+    assert own.gain == approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
     # Roots of polynomials of the eighth degree, which are nearly double.
-    assert own.modulus == pytest.approx(min(moduli), rel=1e-4, abs=1e-9)
+    assert own.modulus == approx(min(moduli), rel=1e-4, abs=1e-9)
     if len(phases):
         at = np.argmin(np.abs(phases))
-        assert own.phase == pytest.approx(phases[at], rel=1e-4, abs=1e-9)
-        assert own.crossover == pytest.approx(crossovers[at] / (2 * np.pi), rel=1e-6)
+        assert own.phase == approx(phases[at], rel=1e-4, abs=1e-9)
+        assert own.crossover == approx(crossovers[at] / (2 * np.pi), rel=1e-6)
     else:
         assert own.phase == np.inf
 
@@ -367,8 +368,8 @@ def test_a_crossover_far_beyond_the_poles_is_found(gain):
     """gain/(s + 1): |L| = 1 at the root of gain^2 - 1, with the phase of that left to -180 degrees."""
     (own,) = fm.control.closed_loop(lag(gain), UNIT).margins
     rate = np.sqrt(gain**2 - 1)
-    assert own.crossover == pytest.approx(rate / (2 * np.pi), rel=1e-9)
-    assert own.phase == pytest.approx(180 - np.degrees(np.arctan(rate)), rel=1e-9)
+    assert own.crossover == approx(rate / (2 * np.pi), rel=1e-9)
+    assert own.phase == approx(180 - np.degrees(np.arctan(rate)), rel=1e-9)
     assert own.gain == np.inf
 
 
@@ -377,7 +378,7 @@ def test_a_gain_that_passes_at_once_has_its_margin_at_the_highest_frequency(d, g
     """What is passed on without delay loses its solution where it is -1: s^2 d/(s^2 + s + 4), and d alone."""
     for plant in (control.tf([d, 0, 0], [1, 1, 4]), control.ss([], [], [], [[d]])):
         (own,) = fm.control.closed_loop(control.ss(plant), UNIT).margins
-        assert own.gain == pytest.approx(gain, rel=1e-12)
+        assert own.gain == approx(gain, rel=1e-12)
         assert own.modulus <= 1 + d + 1e-12
 
 
@@ -393,7 +394,7 @@ def test_a_free_mass_has_no_margin_at_rest_whatever_its_coordinates():
         free = control.ss(turn @ a @ np.linalg.inv(turn), turn @ b, c @ np.linalg.inv(turn), 0)
         (own,) = fm.control.closed_loop(free, control.ss([], [], [], [[4.0, 1.0]])).margins
         assert own.gain == np.inf
-        assert own.phase == pytest.approx(phase, rel=1e-6)
+        assert own.phase == approx(phase, rel=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
@@ -404,9 +405,9 @@ def test_a_rigid_motion_that_the_loop_does_not_see_hides_no_margin_at_rest(perio
     free = control.ss(a, [[0.0], [0], [-1], [1]], [[-1.0, 1.0, 0, 0]], 0)
     lag: Any = control.ss(control.tf([-80.0 * 144], [1, 12, 144]))
     (own,) = fm.control.closed_loop(free, lag.sample(period) if period else lag).margins
-    assert own.gain == pytest.approx(100 / 80, rel=1e-6)
+    assert own.gain == approx(100 / 80, rel=1e-6)
     assert own.gain_hertz == 0
-    assert own.modulus == pytest.approx(0.2, rel=1e-6)
+    assert own.modulus == approx(0.2, rel=1e-6)
 
 
 @pytest.mark.parametrize(("light", "fastest"), [(1e-3, 1e4), (1e-3, 1e7), (2e-5, 1e4), (1e-5, 500.0)])
@@ -424,7 +425,7 @@ def test_undamped_motions_of_weak_coupling_have_no_margins_of_their_own(light, f
     assert own.gain == np.inf
     # Of the carriage alone: m w^2 = |kp + i kd w|.
     w = np.sqrt((120.0**2 + np.sqrt(120.0**4 + 16 * 2400.0**2)) / 8)
-    assert own.phase == pytest.approx(np.degrees(np.arctan(120 * w / 2400)), abs=0.05)
+    assert own.phase == approx(np.degrees(np.arctan(120 * w / 2400)), abs=0.05)
 
 
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
@@ -448,7 +449,7 @@ def test_the_least_distance_is_found_in_a_dip_as_narrow_as_its_poles(sections):
     found = fm.control.closed_loop(loop, UNIT)
     w = np.abs(found.poles) + np.abs(np.real(found.poles)) * np.linspace(-2, 2, 200_001)[:, None]
     response = np.prod([np.polyval(above, 1j * w) / np.polyval(below, 1j * w) for above, below in sections], axis=0)
-    assert found.margins[0].modulus == pytest.approx(np.min(np.abs(1 + response)), rel=1e-6)
+    assert found.margins[0].modulus == approx(np.min(np.abs(1 + response)), rel=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
@@ -458,7 +459,7 @@ def test_two_crossings_close_to_each_other_are_found():
     loop = control.tf(-1.0 * np.poly([-42.78801335, -1130.36046738]), poles)
     (own,) = fm.control.closed_loop(control.ss(loop), UNIT).margins
     gains = control.stability_margins(loop, returnall=True)[0]
-    assert own.gain == pytest.approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
+    assert own.gain == approx(min(gains, key=lambda one: abs(np.log(one))), rel=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore:The closed loop is unstable")
@@ -470,7 +471,7 @@ def test_a_phase_that_jumps_at_an_undamped_pole_crosses_nothing(sign, gain):
     """
     oscillator = control.ss([[0.0, 1.0], [-4.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]], 0)
     found = fm.control.closed_loop(oscillator, control.ss([[-3.0]], [[3.0]], [[1.0]], [[0.0]]), sign=sign)
-    assert found.margins[0].gain == pytest.approx(gain, rel=1e-12)
+    assert found.margins[0].gain == approx(gain, rel=1e-12)
     # Of its rate there is nothing at rest.
     found = fm.control.closed_loop(oscillator, control.ss([[-3.0]], [[3.0]], [[-3.0]], [[3.0]]), sign=sign)
     assert found.margins[0].gain == np.inf
@@ -500,7 +501,7 @@ def test_a_slow_motion_beside_a_stiff_one_is_told_from_one_that_stays(rate, stab
     ):
         found = fm.control.closed_loop(plant, control.ss([], [], [], np.diag([-2 * rate, 0.0])))
     assert found.stable is stable
-    assert found.growth == pytest.approx(rate, rel=1e-6, abs=1e-8)
+    assert found.growth == approx(rate, rel=1e-6, abs=1e-8)
     word = "stable" if stable else "unstable" if rate else "neither decays nor grows"
     assert found.summary().title == f"ClosedLoop: {word}, 4 poles"
 
@@ -566,7 +567,7 @@ def test_a_closed_loop_of_small_amplitude_is_the_linear_one():
         found = fm.simulate(model, times, control=controller, reference=lambda t, a=amplitude: a, rtol=1e-9)
         errors.append(np.max(np.abs(np.asarray(found.at("rod"))[:, 0] / amplitude - linear)))
     assert errors[0] < 2e-3
-    assert errors[1] == pytest.approx(errors[0] / 4, rel=0.02)
+    assert errors[1] == approx(errors[0] / 4, rel=0.02)
 
 
 @pytest.mark.slow

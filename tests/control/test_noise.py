@@ -12,6 +12,7 @@ import scipy.integrate
 import scipy.linalg
 from cases.mechanisms import planar_guide
 from cases.motions import sprung_mass
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -45,33 +46,33 @@ def test_white_noise_on_one_mass():
     model, s = shaken(), FORCE / 2
     with pytest.warns(fm.FlexmbWarning, match="'tip' by 'floor' is infinite.*makes it drift"):
         found = fm.control.noise_budget(model, sources={"floor": FLOOR, "push": FORCE})
-    assert found.rms("tip", "push") ** 2 == pytest.approx(s / (2 * D * K), rel=1e-12)
-    assert found.rms("speed", "push") ** 2 == pytest.approx(s / (2 * D * M), rel=1e-12)
-    assert found.rms("stretch", "floor") ** 2 == pytest.approx(FLOOR / 2 * M**2 / (2 * D * K), rel=1e-12)
+    assert found.rms("tip", "push") ** 2 == approx(s / (2 * D * K), rel=1e-12)
+    assert found.rms("speed", "push") ** 2 == approx(s / (2 * D * M), rel=1e-12)
+    assert found.rms("stretch", "floor") ** 2 == approx(FLOOR / 2 * M**2 / (2 * D * K), rel=1e-12)
     # k^2 of the stretch and d^2 of its rate, which are not correlated.
     tension = (K**2 / (2 * D * K) + D**2 / (2 * D * M)) * s
-    assert found.rms("tension", "push") ** 2 == pytest.approx(tension, rel=1e-12)
-    assert found.rms("stretch") ** 2 == pytest.approx(float(np.sum(found.variances[2])), rel=1e-14)
+    assert found.rms("tension", "push") ** 2 == approx(tension, rel=1e-12)
+    assert found.rms("stretch") ** 2 == approx(float(np.sum(found.variances[2])), rel=1e-14)
     assert "rms of tip: inf" in repr(found)
     assert "% push" in repr(found)
     # Within a band that has nearly all of it: what lies below the first frequency is missing.
     own = {"outputs": ["stretch", "speed"], "sources": {"floor": lambda f: FLOOR + 0 * f, "push": FORCE}}
     with pytest.warns(fm.FlexmbWarning, match="'speed' by 'floor' grows towards 0 Hz.* from 0.0002"):
         banded = fm.control.noise_budget(model, band=(0, 1e3), **own)
-    assert banded.rms("stretch") == pytest.approx(float(found.rms("stretch")), rel=1e-4)
-    assert banded.cumulative("stretch")[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
+    assert banded.rms("stretch") == approx(float(found.rms("stretch")), rel=1e-4)
+    assert banded.cumulative("stretch")[-1] == approx(float(banded.rms("stretch")), rel=1e-12)
     # Up to the resonance: |H|^2 = m^2/|k - m w^2 + i d w|^2 of the floor, and without m^2 of the force.
     top = np.sqrt(K / M) / (2 * np.pi)
     passed = scipy.integrate.quad(
         lambda f: (M**2 * FLOOR + FORCE) / abs(K - M * (2 * np.pi * f) ** 2 + 2j * np.pi * f * D) ** 2, 0, top
     )
     below = np.interp(top, banded.hertz, banded.cumulative("stretch"))
-    assert below**2 == pytest.approx(passed[0], rel=1e-3)
+    assert below**2 == approx(passed[0], rel=1e-3)
     # By the trapezoidal rule at the same frequencies, some eighty a resonance.
     again = fm.control.noise_budget(model, banded.hertz, **own)
     np.testing.assert_allclose(again.variances, banded.variances, rtol=5e-3)
     upper, lower = fm.plot.noise(banded, "stretch").axes
-    assert lower.lines[-1].get_ydata()[-1] == pytest.approx(float(banded.rms("stretch")), rel=1e-12)
+    assert lower.lines[-1].get_ydata()[-1] == approx(float(banded.rms("stretch")), rel=1e-12)
     assert [text.get_text() for text in upper.get_legend().get_texts()] == ["floor", "push", "all"]
 
 
@@ -107,8 +108,8 @@ def test_a_floor_that_moves_as_a_whole_makes_nothing_drift(element, dofs):
     w = 2 * np.pi * float(fm.frequencies(model)[0])
     miles = np.sqrt(density / 2 / (4 * ratio * w**3))
     # The leaf springs have 7 % of the mass: their share in the mode is more than that in the mass that is moved.
-    assert found.rms("gap") == pytest.approx(miles, rel=0.02)
-    assert found.rms("gap") == pytest.approx(6.381e-7, rel=1e-3)
+    assert found.rms("gap") == approx(miles, rel=0.02)
+    assert found.rms("gap") == approx(6.381e-7, rel=1e-3)
 
 
 def by_hand(stiffness, density, edges, factor=1.0):
@@ -181,7 +182,7 @@ def test_frequencies_beside_a_controller_that_is_a_function_of_them(gain):
     own = {"sources": {"push": FORCE}, "measured": "tip", "driven": "push", "outputs": "tip"}
     found = fm.control.noise_budget(model, band=(0.1, 1e3), controller=lambda f: gain + 0j * f, **own)
     # Responses change by 2 % from each frequency to the next, and the trapezoidal rule is off by the square.
-    assert found.rms() ** 2 == pytest.approx(FORCE / (4 * D * (K + gain)), rel=1e-3)
+    assert found.rms() ** 2 == approx(FORCE / (4 * D * (K + gain)), rel=1e-3)
 
 
 @pytest.mark.slow
@@ -219,7 +220,7 @@ def test_a_resonance_without_damping_in_a_band_is_refused():
         fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.0, w))
     above = fm.control.noise_budget(model, sources={"push": FORCE}, band=(w, 2 * w))
     wanted = scipy.integrate.quad(lambda f: FORCE / (K - M * (2 * np.pi * f) ** 2) ** 2, w, 2 * w)[0]
-    assert above.rms("tip") ** 2 == pytest.approx(wanted, rel=1e-6)
+    assert above.rms("tip") ** 2 == approx(wanted, rel=1e-6)
     assert np.isfinite(fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.01 * w, 0.1 * w)).rms("tip"))
 
 
@@ -236,7 +237,7 @@ def test_motions_without_mass_pass_on_nothing_by_round_off(stiffness, pushed):
     b.input(pushed, "x", name="push")
     b.output("mass" if pushed == "end" else "end", "x", name="tip")
     found = fm.control.noise_budget(b.build(), sources={"push": FORCE})
-    assert found.rms("tip") ** 2 == pytest.approx(FORCE / (4 * D * K), rel=1e-9)
+    assert found.rms("tip") ** 2 == approx(FORCE / (4 * D * K), rel=1e-9)
 
 
 def guide(thickness=5e-4):
@@ -274,7 +275,7 @@ def test_a_guide_and_its_loop_as_lyapunovs_equation_has_them():
         a, scale = scipy.linalg.matrix_balance(system.A)
         b, c = np.linalg.solve(np.asarray(scale), system.B), system.C @ scale
         covariance = control.lyap(a, density / 2 * b @ b.T)
-        assert found**2 == pytest.approx((c @ covariance @ c.T).item(), rel=1e-8)
+        assert found**2 == approx((c @ covariance @ c.T).item(), rel=1e-8)
     # By frequency, where the controller may be a function, too.
     banded = fm.control.noise_budget(model, controller=regulator(), band=(0, 2e3), **around)
     np.testing.assert_allclose(banded.variances, closed.variances, rtol=1e-3)
@@ -317,8 +318,8 @@ def test_a_free_mass_held_by_its_controller_and_a_joint_without_mass():
     found = fm.control.noise_budget(
         lin, sources={"push free": FORCE, "push mass": FORCE}, outputs=["free", "joint"], **hold
     )
-    assert found.rms("free", "push free") ** 2 == pytest.approx(FORCE / 2 / (2 * 1.5 * D * K), rel=1e-10)
-    assert found.rms("joint", "push mass") ** 2 == pytest.approx(share**2 * FORCE / 2 / (2 * D * k), rel=1e-12)
+    assert found.rms("free", "push free") ** 2 == approx(FORCE / 2 / (2 * 1.5 * D * K), rel=1e-10)
+    assert found.rms("joint", "push mass") ** 2 == approx(share**2 * FORCE / 2 / (2 * D * k), rel=1e-12)
     with pytest.warns(fm.FlexmbWarning, match="'joint' by 'push joint' is infinite"):
         fm.control.noise_budget(lin, sources={"push joint": FORCE}, outputs="joint", **hold)
 
@@ -358,7 +359,7 @@ def test_derivatives_of_some_frequencies_need_no_compiled_function():
 
     # Error of a central difference: the square of its step.
     difference = (tip(K * 1.0001) - tip(K * 0.9999)) / (2e-4 * K)
-    assert float(jax.jvp(tip, (K,), (1.0,))[1]) == pytest.approx(float(difference), rel=1e-6)
+    assert float(jax.jvp(tip, (K,), (1.0,))[1]) == approx(float(difference), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -379,7 +380,7 @@ def test_an_answer_of_designs():
         {"stiffness": (10.0, 1e3)},
         targets={"rms": wanted},
     )
-    assert tuned.dimensions["stiffness"] == pytest.approx(300.0, rel=1e-8)
+    assert tuned.dimensions["stiffness"] == approx(300.0, rel=1e-8)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -114,7 +115,7 @@ def test_a_loaded_leaf_spring_on_a_floor_that_moves():
         # Truncation of the difference, the square of its step.
         np.testing.assert_allclose(gain[:3, column], moved, atol=1e-7)
         np.testing.assert_allclose(gain[3:6, column], (turned[0] * turned[1].inv()).as_rotvec() / (2 * step), atol=1e-7)
-        assert gain[12, column] == pytest.approx(float(stress), rel=1e-7)
+        assert gain[12, column] == approx(float(stress), rel=1e-7)
 
 
 def test_weight_counts_once_whichever_loads_it_belongs_to():

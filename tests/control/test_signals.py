@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.motions import body, turned
+from cases.tolerances import approx
 from jax.tree_util import Partial
 from scipy.spatial.transform import Rotation
 
@@ -54,7 +55,7 @@ def test_static_gain_of_a_torsion_bar():
     assert system.input_labels == ["moment c rx"]
     assert system.output_labels == ["position c rx"]
     # L/(G It) with Saint-Venant's series for a rectangle of 18 by 0.5 mm: 0.1/(80e9 * 7.36869e-13), printed digits.
-    assert gain(system)[0, 0] == pytest.approx(1.69636, abs=0.5e-5)
+    assert gain(system)[0, 0] == approx(1.69636, abs=0.5e-5)
 
 
 @pytest.fixture(scope="module")
@@ -191,7 +192,7 @@ def test_a_closed_loop_about_a_turned_state_agrees_with_the_linear_one_to_first_
         errors.append(np.max(np.abs(moved[:, 0] - linear[0])) / np.max(np.abs(linear[0])))
     # Turned by some hundredths of a radian: what is left is of second order, so that half of it leaves half.
     assert errors[0] < 1e-2
-    assert errors[1] == pytest.approx(errors[0] / 2, rel=0.1)
+    assert errors[1] == approx(errors[0] / 2, rel=0.1)
 
 
 def test_what_sensors_of_a_rotation_give():
@@ -226,7 +227,7 @@ def test_what_sensors_of_a_rotation_give():
         expected = since([1, 0, 0, 0], start, local)[0] + since(start, now, local)[0]
         np.testing.assert_allclose(found[2 * i], expected, rtol=1e-12)
         omega = since(behind, ahead, local) / (2 * step)
-        assert found[2 * i + 1] == pytest.approx(omega[0], rel=1e-8)
+        assert found[2 * i + 1] == approx(omega[0], rel=1e-8)
     for one, other in zip(derivatives, jacobians, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12)
 
@@ -293,7 +294,7 @@ def test_moments_by_a_controller():
     )
     whole = Rotation.from_quat(np.asarray(driving.at("body"))[-1], scalar_first=True).as_rotvec()
     # Straight lines between the inputs: 1e-4 squared over 8.
-    assert states.outputs[..., -1].item() == pytest.approx(whole[0], abs=1e-4)
+    assert states.outputs[..., -1].item() == approx(whole[0], abs=1e-4)
 
 
 @pytest.mark.slow
@@ -374,7 +375,7 @@ def test_an_input_on_what_is_held_is_refused():
     b.release("leaf", 1)
     b.mass("B", 1.0, inertia=1.0)
     b.output("B", "x")
-    assert gain(fm.to_statespace(b.build())) == pytest.approx(-0.1)
+    assert gain(fm.to_statespace(b.build())) == approx(-0.1)
 
 
 def stiff_arm():
@@ -429,7 +430,7 @@ def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
     found = fm.simulate(model, [0, 1.0], control=lambda t, y: jnp.array([-1.0]), rtol=1e-6)
     # Energy: the force takes u = -(1 - cos) along.
     angle = float(found.at("crank")[-1, 0])
-    assert float(found.velocity("crank")[-1, 0]) ** 2 == pytest.approx(1 + 2 * (1 - np.cos(angle)), rel=1e-4)
+    assert float(found.velocity("crank")[-1, 0]) ** 2 == approx(1 + 2 * (1 - np.cos(angle)), rel=1e-4)
     with pytest.raises(fm.ModelError, match=r"Input 'force B\.x' .*moves nothing"):
         fm.control.state_matrices(model)
 

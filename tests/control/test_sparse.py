@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -99,7 +100,7 @@ def test_state_spaces_are_those_of_dense_matrices(kept):
     one, other = (np.array([system(2j * np.pi * f) for f in HERTZ]) for system in (wanted, found))
     assert np.max(np.abs(one - other) / np.max(np.abs(one), axis=0)) < 1e-8
     # Measured at other frequencies.
-    assert np.max(found.truncation_error) == pytest.approx(np.max(wanted.truncation_error), rel=0.2)
+    assert np.max(found.truncation_error) == approx(np.max(wanted.truncation_error), rel=0.2)
 
 
 @pytest.mark.slow
@@ -166,14 +167,14 @@ def test_known_equations_within_a_trace_of_other_numbers():
 
     known = float(size(hertz, 0.02))
     value, slopes = jax.jit(jax.value_and_grad(size, (0, 1)))(hertz, 0.02)
-    assert float(value) == pytest.approx(known, rel=1e-12)
+    assert float(value) == approx(known, rel=1e-12)
     step = 1e-5
     by_loss = float(size(hertz, 0.02 + step) - size(hertz, 0.02 - step)) / (2 * step)
     shift = jnp.array([step, 0.0])
     by_first = float(size(hertz + shift, 0.02) - size(hertz - shift, 0.02)) / (2 * step)
     # Truncation and round-off of the differences.
-    assert float(slopes[1]) == pytest.approx(by_loss, rel=1e-6)
-    assert float(slopes[0][0]) == pytest.approx(by_first, rel=1e-6)
+    assert float(slopes[1]) == approx(by_loss, rel=1e-6)
+    assert float(slopes[0][0]) == approx(by_first, rel=1e-6)
     strip = fm.linearize(rod(), sparse=True)
     few = fm.control.state_matrices(strip, modes=2)[0]
     within = jax.jit(lambda share: share * fm.control.state_matrices(strip, modes=2)[0].B)(2.0)

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 import pytest
 from cases.mechanisms import LENGTH, leaf, planar_guide
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -184,8 +185,8 @@ def test_margins_of_a_stiff_guide():
     _, phase, _, crossover = control.margin(small * lead)
     # What it says holds of all modes, to the error that is told.
     loop: Any = full(1j * crossover) * lead(1j * crossover)
-    assert abs(loop) == pytest.approx(1.0, rel=1e-3)
-    assert np.degrees(np.angle(loop)) + 180 == pytest.approx(phase, abs=0.1)
+    assert abs(loop) == approx(1.0, rel=1e-3)
+    assert np.degrees(np.angle(loop)) + 180 == approx(phase, abs=0.1)
 
 
 @pytest.mark.slow
@@ -199,8 +200,8 @@ def test_derivatives():
 
     at, step = 5e-4, 5e-8
     expected = float(answer(at + step) - answer(at - step)) / (2 * step)
-    assert jax.jvp(answer, (at,), (1.0,))[1] == pytest.approx(expected, rel=1e-6)
-    assert jax.grad(answer)(at) == pytest.approx(expected, rel=1e-6)
+    assert jax.jvp(answer, (at,), (1.0,))[1] == approx(expected, rel=1e-6)
+    assert jax.grad(answer)(at) == approx(expected, rel=1e-6)
 
 
 def test_a_bandwidth_that_is_traced_chooses_no_modes():

@@ -5,6 +5,7 @@ import dataclasses
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -42,7 +43,7 @@ def test_guide_in_the_plane():
     assert found.model.q_labels == ["3.x"]
     assert found.fixed == ("1.e1", "3.e1")
     # Tutorial 3.1: 10.6448 Hz with one degree of freedom.
-    assert frequencies(found.model)[0] == pytest.approx(10.6448474, rel=1e-7)
+    assert frequencies(found.model)[0] == approx(10.6448474, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -78,9 +79,9 @@ def test_lean_model_moves_as_the_full_one(nineteen, lean_guide):
 
     full, own = at_stroke(nineteen), at_stroke(lean_guide.model)
     stroke = float(own[1])
-    assert stroke == pytest.approx(float(full[1]), rel=5e-3)
+    assert stroke == approx(float(full[1]), rel=5e-3)
     # The middle node of the whole leaf spring makes the parabola two chords: 5 % of the shortening or so.
-    assert 0.1 - float(own[2]) == pytest.approx(0.6 * stroke**2 / 0.1, rel=0.05)
+    assert 0.1 - float(own[2]) == approx(0.6 * stroke**2 / 0.1, rel=0.05)
 
 
 @pytest.mark.slow
@@ -102,8 +103,8 @@ def test_lean_models_have_derivatives(nineteen, lean_guide):
     h = 1e-4
     difference = (float(of(1 + h)) - float(of(1 - h))) / (2 * h)
     # Mass and stiffness of the leaf springs both grow. Difference: round-off 1e-12 over h, truncation h^2.
-    assert float(jax.grad(of)(1.0)) == pytest.approx(difference, rel=1e-6)
-    assert float(jax.jacfwd(of)(1.0)) == pytest.approx(difference, rel=1e-6)
+    assert float(jax.grad(of)(1.0)) == approx(difference, rel=1e-6)
+    assert float(jax.jacfwd(of)(1.0)) == approx(difference, rel=1e-6)
 
 
 # -- further mechanisms, against sixteen beams --------------------------------------------------------------------
@@ -344,7 +345,7 @@ def test_a_stroke_is_asked_for():
         ends = [fm.linearize(m, increment=increment) for m in (full, found.model)]
         exact, own = (np.diag(fm.compliance(lin, "top0")) for lin in ends)
         np.testing.assert_allclose(own, exact, rtol=0.01)
-        assert float(ends[1].x[full.labels.known("top0")[0]]) == pytest.approx(
+        assert float(ends[1].x[full.labels.known("top0")[0]]) == approx(
             float(ends[0].x[full.labels.known("top0")[0]]), rel=1e-3
         )
 

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 
@@ -27,10 +28,10 @@ def test_settling_of_a_decay():
 
     at = jnp.asarray(1.7)
     exact = np.log(50) / 1.7
-    assert float(jax.jit(of)(at)) == pytest.approx(exact, rel=1e-12)
+    assert float(jax.jit(of)(at)) == approx(exact, rel=1e-12)
     for derivative in (jax.jacfwd(of), jax.jacrev(of)):
-        assert float(jax.jit(derivative)(at)) == pytest.approx(-exact / 1.7, rel=1e-10)
-    assert float(jax.jit(jax.hessian(of))(at)) == pytest.approx(2 * exact / 1.7**2, rel=1e-8)
+        assert float(jax.jit(derivative)(at)) == approx(-exact / 1.7, rel=1e-10)
+    assert float(jax.jit(jax.hessian(of))(at)) == approx(2 * exact / 1.7**2, rel=1e-8)
 
 
 @pytest.mark.slow("300.0")
@@ -41,7 +42,7 @@ def test_settling_beside_a_stiff_vibration(hertz):
     start = np.array([1.0, 0.0, 0.0, 0.0])
     whole = np.block([[own, none], [none, stiff]])
     found = jax.jit(lambda a: fm.design.settling_time(a, start, start, 0.02, horizon=10.0))(whole)
-    assert found == pytest.approx(float(settled(12.0, 0.13)), rel=1e-9)
+    assert found == approx(float(settled(12.0, 0.13)), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -52,11 +53,11 @@ def test_settling_of_a_swing():
     free = omega * np.sqrt(1 - damping**2)
     y = np.exp(-damping * omega * t) * (np.cos(free * t) + damping * omega / free * np.sin(free * t))
     exact = t[np.flatnonzero(np.abs(y) > 0.02)[-1]]
-    assert float(settled(omega, damping)) == pytest.approx(exact, abs=2e-6)
+    assert float(settled(omega, damping)) == approx(exact, abs=2e-6)
     h = 1e-5
     difference = (float(settled(omega, damping + h)) - float(settled(omega, damping - h))) / (2 * h)
     for derivative in (jax.jacfwd(settled, argnums=1), jax.jacrev(settled, argnums=1)):
-        assert float(jax.jit(derivative)(omega, damping)) == pytest.approx(difference, rel=1e-6)
+        assert float(jax.jit(derivative)(omega, damping)) == approx(difference, rel=1e-6)
 
 
 def test_what_does_not_settle():

@@ -4,6 +4,7 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import spatial
@@ -60,7 +61,7 @@ def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
 
     with pytest.warns(fm.FlexmbWarning, match="meet with their widths at an angle"):
         found = fm.sensitivities(build, {"mass": fm.mass}, {"length": 0.03})
-    assert found.values[0] == pytest.approx(0.06 * 30e-3 * 0.5e-3 * 7850)
+    assert found.values[0] == approx(0.06 * 30e-3 * 0.5e-3 * 7850)
 
     def held(thick):
         b = described(thick)
@@ -68,7 +69,7 @@ def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
         return b.build()
 
     found = fm.sensitivities(held, {"mass": fm.mass}, {"thick": 0.5e-3})
-    assert found.values[0] == pytest.approx(0.06 * 30e-3 * 0.5e-3 * 7850)
+    assert found.values[0] == approx(0.06 * 30e-3 * 0.5e-3 * 7850)
 
 
 def test_what_another_structure_cannot_answer_stops_no_other_design():

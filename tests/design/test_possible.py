@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -195,7 +196,7 @@ def test_a_start_that_cannot_be_built_is_no_design(together):
     )
     drawn = np.isnan(found.runs[:, 0])
     assert 0 < np.sum(drawn) < 4
-    assert found.answers["frequency"] == pytest.approx(80.0, rel=1e-8)
+    assert found.answers["frequency"] == approx(80.0, rel=1e-8)
 
 
 @pytest.mark.slow
@@ -330,4 +331,4 @@ def test_known_numbers_stay_so_beside_traced_ones():
     alone = float(fm.mass(build(0.0)))
     refused = refusal(build, build_once(build, {"mass": 1.0}), {"mass": 1.0})
     np.testing.assert_array_equal(refused({"mass": np.array([2.0, -3.0])}), [False, True])
-    assert float(jax.jit(lambda mass: fm.mass(build(mass)))(0.3)) == pytest.approx(alone + 0.3)
+    assert float(jax.jit(lambda mass: fm.mass(build(mass)))(0.3)) == approx(alone + 0.3)

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import design_cases, mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -34,7 +35,7 @@ def test_table_is_the_closed_form(mode):
     assert found.answers == ("frequencies[0]",)
     assert found.dimensions == ("thickness", "width")
     assert found.mode == mode
-    assert found.slopes[0, 0] == pytest.approx(31670.0798802, rel=1e-8)  # printed in E1
+    assert found.slopes[0, 0] == approx(31670.0798802, rel=1e-8)  # printed in E1
 
 
 @pytest.mark.slow
@@ -48,17 +49,17 @@ def test_several_answers_against_central_differences():
         for i, answer in enumerate(ANSWERS.values()):
             difference = (float(answer(guide(**up))) - float(answer(guide(**down)))) / (2 * h * found.values[i])
             # Truncation h^2, round-off eps/h times the condition of the answer.
-            assert found.table[i, j] == pytest.approx(difference, rel=1e-6)
+            assert found.table[i, j] == approx(difference, rel=1e-6)
     assert "thickness" in str(found)
     assert "load" in str(found)
-    assert found.table[list(ANSWERS).index("load"), 0] == pytest.approx(3, rel=1e-8)  # P ~ w t^3
+    assert found.table[list(ANSWERS).index("load"), 0] == approx(3, rel=1e-8)  # P ~ w t^3
 
 
 @pytest.mark.slow
 def test_table_for_pandas():
     pytest.importorskip("pandas")
     frame = fm.sensitivities(guide, ANSWERS, {"thickness": T, "width": WIDTH}).to_pandas()
-    assert frame.loc["load", "thickness"] == pytest.approx(3, rel=1e-8)
+    assert frame.loc["load", "thickness"] == approx(3, rel=1e-8)
 
 
 @pytest.mark.slow
@@ -69,7 +70,7 @@ def test_second_order_is_the_closed_form():
     f, s = found.values[0], DISTRIBUTED / (0.206 + DISTRIBUTED)
     # ln f = 3/2 ln t - ln(m + c t)/2: d2 f = f ((ln f)'' + (ln f)'^2).
     second = f * ((-1.5 + s**2 / 2) + ((3 - s) / 2) ** 2) / T**2
-    assert found.curvatures[0, 0, 0] == pytest.approx(second, rel=1e-7)
+    assert found.curvatures[0, 0, 0] == approx(second, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -177,7 +178,7 @@ def test_tolerances_by_the_law_of_propagation_and_by_samples():
     answers = {"stiffness": lambda model: fm.linearize(model).K0[0, 0]}
     found = fm.design.tolerances(design_cases.unloaded_guide, answers, point, spread, samples=400, seed=3)
     # k ~ w t^3: relative deviation sqrt(3^2 1^2 + 2^2) per thousand, shares 9 to 4.
-    assert found.deviations[0] / found.values[0] == pytest.approx(np.sqrt(13) * 1e-3, rel=1e-8)
+    assert found.deviations[0] / found.values[0] == approx(np.sqrt(13) * 1e-3, rel=1e-8)
     np.testing.assert_allclose(found.shares[0], [9 / 13, 4 / 13], rtol=1e-8)
     # A sampled deviation scatters by 1/sqrt(2 n) = 3.5 %; three of those.
     np.testing.assert_allclose(found.sampled_deviations, found.deviations, rtol=3 / np.sqrt(800))
@@ -210,7 +211,7 @@ def test_scatter_where_two_frequencies_nearly_coincide_is_not_linear():
         found = fm.design.tolerances(two_carts, lowest, near, spread, samples=1000)
     # sqrt(k)/(2 pi) has a slope of sqrt(k)/(4 pi k).
     sigma = np.sqrt(1000.0) / (4 * np.pi * 1000.0) * 10.0
-    assert found.deviations[0] == pytest.approx(sigma, rel=1e-4)
+    assert found.deviations[0] == approx(sigma, rel=1e-4)
     # Of the mean of 1000 samples, three deviations: 3/sqrt(1000) = 0.1.
-    assert (found.sampled_mean[0] - found.values[0]) / sigma == pytest.approx(-1 / np.sqrt(np.pi), abs=0.1)
+    assert (found.sampled_mean[0] - found.values[0]) / sigma == approx(-1 / np.sqrt(np.pi), abs=0.1)
     fm.design.tolerances(two_carts, lowest, {"first": 1000.0, "second": 1300.0}, spread)

@@ -9,6 +9,7 @@ import pytest
 from cases.commands import command as call
 from cases.disk import not_regular
 from cases.files import arrays_of
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.design.study import sweep_answer
@@ -86,8 +87,8 @@ def frequency(t):
 @pytest.mark.slow
 def test_placeholders_may_be_traced():
     # E1; the derivative by the length goes through the geometry.
-    assert frequency(0.5e-3) == pytest.approx(10.64484738, abs=5e-9)
-    assert fm.jit(jax.grad(frequency))(0.5e-3) == pytest.approx(31670.0798802, rel=1e-8)
+    assert frequency(0.5e-3) == approx(10.64484738, abs=5e-9)
+    assert fm.jit(jax.grad(frequency))(0.5e-3) == approx(31670.0798802, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +162,7 @@ def test_tune_is_that_of_python(study, tmp_path):
     assert result.exit_code == 0, result.stderr
     data = json.loads((tmp_path / "a.json").read_text())
     assert data["status"] == "ok"
-    assert data["parameters"]["t"] == pytest.approx(0.764636213e-3, rel=5e-6)  # E1, from inside by the tolerance
+    assert data["parameters"]["t"] == approx(0.764636213e-3, rel=5e-6)  # E1, from inside by the tolerance
     assert data["answers"]["f"] >= 20
     assert data["active"] == ["f (lower limit 20) is reached"]
     assert "f (lower limit 20) is reached" in result.stdout
@@ -551,8 +552,8 @@ def test_choices_of_a_study(study):
     found = read_study(study).tune()
     wide, narrow = found.combinations
     assert (found.choices, wide.labels) == ({"w": 0.009}, {"w": "0.018"})
-    assert wide.tuned.dimensions["t"] == pytest.approx(0.764636213e-3, rel=5e-6)
-    assert narrow.tuned.dimensions["t"] == pytest.approx(0.764636213e-3 * 2 ** (1 / 3), rel=5e-3)
+    assert wide.tuned.dimensions["t"] == approx(0.764636213e-3, rel=5e-6)
+    assert narrow.tuned.dimensions["t"] == approx(0.764636213e-3 * 2 ** (1 / 3), rel=5e-3)
     data = json.loads(call("tune", study, "--json", "-").stdout)
     assert data["choices"] == {"w": 0.009}
     assert [one["status"] for one in data["combinations"]] == ["successful"] * 2

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
+from cases.tolerances import approx
 
 from flexmb.design.study_file import read_study
 
@@ -91,7 +92,7 @@ def expected():
 @pytest.mark.parametrize("name", expected())
 def test_answer(study, name):
     # What the small loads add is of their size.
-    assert float(study.answers[name](study.build(length=L))) == pytest.approx(expected()[name], rel=1e-3, abs=0)
+    assert float(study.answers[name](study.build(length=L))) == approx(expected()[name], rel=1e-3, abs=0)
 
 
 @pytest.mark.slow

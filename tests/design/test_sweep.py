@@ -12,6 +12,7 @@ import pytest
 import scipy.io
 from cases import design_cases, mechanisms
 from cases.files import arrays_of
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -57,7 +58,7 @@ def test_labels_go_to_xarray(grid):
     assert data["first_frequency"].dims == ("thickness", "width")
     assert data["first_frequency"].attrs["units"] == "Hz"
     picked = float(data["first_frequency"].sel(width=0.02).isel(thickness=1))
-    assert picked == pytest.approx(grid["first_frequency"][1, 1])
+    assert picked == approx(grid["first_frequency"][1, 1])
 
 
 def test_files(grid, tmp_path):
@@ -178,7 +179,7 @@ def test_analyses_that_cannot_be_traced_go_one_by_one():
     found = fm.sweep(build, {"decay": damped}, designs, compiled=False)
     assert found.failures() == {"impossible_design": 1}
     # Closed form: decay = zeta sqrt(k/m0) with the damping of both leaf springs (T 2.15) halves and doubles with zeta.
-    assert found["decay"][2] / found["decay"][0] == pytest.approx(2, rel=1e-6)
+    assert found["decay"][2] / found["decay"][0] == approx(2, rel=1e-6)
 
 
 def test_sets_of_designs():
@@ -190,7 +191,7 @@ def test_sets_of_designs():
     import scipy.stats
 
     drawn = fm.design.monte_carlo(2000, seed=2, a=scipy.stats.norm(3.0, 0.1), b=(1.0, 2.0))
-    assert np.mean(drawn["a"]) == pytest.approx(3.0, abs=4 * 0.1 / np.sqrt(2000))  # four deviations of the mean
+    assert np.mean(drawn["a"]) == approx(3.0, abs=4 * 0.1 / np.sqrt(2000))  # four deviations of the mean
     assert 1.0 <= drawn["b"].min() < drawn["b"].max() <= 2.0
     for call, words in (
         (lambda: fm.design.latin_hypercube(3, a=(1.0, 1.0)), "Bounds of 'a' are empty"),
@@ -354,7 +355,7 @@ def test_answers_of_large_mechanisms_in_searches():
     """By sparse factors on the host, under the trace of a search."""
     target = {"frequency": 1.5 * float(known_of_long(2e-4)[0])}
     found = fm.tune(long_cantilever, SPARSE, {"thickness": 2e-4}, {"thickness": (1e-4, 1e-3)}, targets=target)
-    assert found.dimensions["thickness"] == pytest.approx(3e-4, rel=5e-6)
+    assert found.dimensions["thickness"] == approx(3e-4, rel=5e-6)
 
 
 def test_derivatives_of_large_mechanisms_in_one_program():

@@ -8,6 +8,7 @@ import optax
 import optimistix
 import pytest
 from cases import design_cases
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -31,8 +32,8 @@ def guide(thickness):
 @pytest.mark.parametrize(("target", "thickness", "start"), THICKNESSES)
 def test_thickness_for_a_target_frequency(target, thickness, start):
     found = fm.tune(guide, frequency, {"thickness": start}, BOUNDS, targets={"frequency": target})
-    assert found.dimensions["thickness"] == pytest.approx(thickness, rel=5e-9)  # half a printed unit
-    assert found.answers["frequency"] == pytest.approx(target, rel=1e-10)
+    assert found.dimensions["thickness"] == approx(thickness, rel=5e-9)  # half a printed unit
+    assert found.answers["frequency"] == approx(target, rel=1e-10)
     assert found.reason == "all targets are met"
     assert found.active == ()
 
@@ -53,7 +54,7 @@ def test_other_ways_to_the_same_thickness(words, optimizer):
     with jax.numpy_dtype_promotion("standard"):
         found = fm.tune(guide, frequency, {"thickness": 0.5e-3}, BOUNDS, optimizer=optimizer, **words)
     # The projected derivative ends below 1e-6 of the scaled objective, of second order in the error for targets.
-    assert found.dimensions["thickness"] == pytest.approx(0.764636213e-3, rel=1e-6)
+    assert found.dimensions["thickness"] == approx(0.764636213e-3, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -62,12 +63,12 @@ def test_limits_are_kept_and_named():
     found = fm.tune(guide, answers, {"thickness": 1.5e-3}, BOUNDS, minimize="mass", limits={"frequency": (20.0, None)})
     # Lightest guide that is stiff enough: the limit of E1, from inside by the tolerance.
     assert found.answers["frequency"] >= 20.0
-    assert found.dimensions["thickness"] == pytest.approx(0.764636213e-3, rel=5e-6)
+    assert found.dimensions["thickness"] == approx(0.764636213e-3, rel=5e-6)
     assert found.active == ("frequency (lower limit 20) is reached",)
     assert found.violation == 0
-    assert found.answers["mass"] == pytest.approx(0.206 + 2 * 7850 * 0.018 * 0.1 * found.dimensions["thickness"])
+    assert found.answers["mass"] == approx(0.206 + 2 * 7850 * 0.018 * 0.1 * found.dimensions["thickness"])
     assert found.history["thickness"].shape == (found.evaluations,)
-    assert found.history["objective"][0] == pytest.approx(1.0)
+    assert found.history["objective"][0] == approx(1.0)
     again = fm.tune(
         guide, answers, {"thickness": 1.5e-3}, BOUNDS, minimize="mass", limits={"frequency": (20.0, None)}, starts=3
     )
@@ -121,7 +122,7 @@ def test_cantilever_of_least_volume(law, limit):
         limits={"compliance": (None, 1 / 3)},
     )
     # The tolerance of the limit.
-    assert found.answers["volume"] == pytest.approx(closed_form(n), rel=4e-6)
+    assert found.answers["volume"] == approx(closed_form(n), rel=4e-6)
     assert found.answers["compliance"] <= 1 / 3
     shape = pieces(n) ** (1 / (law + 1))
     np.testing.assert_allclose(
@@ -158,12 +159,12 @@ def test_strongest_pinned_column():
     errors = []
     for n in (4, 8):
         found = strongest(n, "pinned", None, np.ones(n // 2))
-        assert found.answers["volume"] == pytest.approx(1.0, abs=1e-6)
+        assert found.answers["volume"] == approx(1.0, abs=1e-6)
         errors.append(1 - found.answers["loads"][0] / design_cases.STRONGEST_PINNED)
     # Steps are weaker than the taper, which ends in a point: errors of 13, 5.8 and 2.3 % with 4, 8 and 16 pieces, of
     # order 1.2 and 1.35 and rising to 4/3 or beyond; with that order extrapolated they are gone but for one percent.
     assert errors[0] > errors[1] > 0
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.2, abs=0.1)
+    assert np.log2(errors[0] / errors[1]) == approx(1.2, abs=0.1)
     assert abs(errors[1] - (errors[0] - errors[1]) / (2 ** (4 / 3) - 1)) < 0.01
 
 
@@ -172,7 +173,7 @@ def test_strongest_clamped_column_is_bimodal():
     n = 24
     found = strongest(n, "clamped", 300.0, np.linspace(1.2, 0.8, n // 2))
     loads = found.answers["loads"]
-    assert loads[1] / loads[0] == pytest.approx(1, abs=0.02)  # ln of the ratio of their weights over the sharpness
+    assert loads[1] / loads[0] == approx(1, abs=0.02)  # ln of the ratio of their weights over the sharpness
     # Steps are weaker: 16 pieces of the pinned column lose 2.3 %, four quarter waves of six here about 4 %.
     assert 0.95 < loads[0] / design_cases.STRONGEST_CLAMPED < 1
     # Neither NaN nor zig-zag: every evaluation has an answer, and the conditions of an optimum hold in the end.
@@ -251,7 +252,7 @@ def test_what_cannot_be_kept_is_told():
     found = fm.tune(guide, frequency, {"thickness": 0.5e-3}, BOUNDS, throw=False, **call)
     assert found.result is fm.RESULTS.infeasible
     # E1 at 2 mm: 82.15 Hz; nothing within the bounds comes nearer.
-    assert found.answers["frequency"] == pytest.approx(82.15, rel=1e-4)
+    assert found.answers["frequency"] == approx(82.15, rel=1e-4)
     short = fm.tune(
         guide, frequency, {"thickness": 0.5e-3}, BOUNDS, targets={"frequency": 20.0}, max_evaluations=2, throw=False
     )
@@ -281,7 +282,7 @@ def test_a_search_ends_where_round_off_hides_the_descent(unit):
     # Rounds that go on without descent take 470 and 800 evaluations, depending on the compiler's rounding.
     assert found.evaluations < 400
     # Where the cost rises by less than two units.
-    assert found.dimensions["x"] - 1 == pytest.approx((1e-5 / 3 - 2e-6) / 3, abs=np.sqrt(4 * unit / curvature))
+    assert found.dimensions["x"] - 1 == approx((1e-5 / 3 - 2e-6) / 3, abs=np.sqrt(4 * unit / curvature))
 
 
 def test_the_best_of_several_starts_is_returned():
@@ -297,8 +298,8 @@ def test_the_best_of_several_starts_is_returned():
         )
         ends = found.runs[:, 0] * valleys(start)
         np.testing.assert_allclose(np.unique(np.round(ends, 5)), [valleys(low), valleys(high)], atol=1e-5)
-        assert found.dimensions["a"] == pytest.approx(low, abs=1e-3)
-        assert found.answers["f"] == pytest.approx(valleys(low), abs=1e-6)
+        assert found.dimensions["a"] == approx(low, abs=1e-3)
+        assert found.answers["f"] == approx(valleys(low), abs=1e-6)
 
 
 def flat_truss(bars, height):
@@ -336,11 +337,11 @@ def test_a_force_curve_gives_the_truss_that_has_it():
     )
     # A square that is met to 1e-10 of its start knows its root to half as many digits; beyond that Newton squares it.
     np.testing.assert_allclose(found.answers["force"], forces, atol=1e-7 * np.max(np.abs(forces)))
-    assert found.dimensions["bars"] == pytest.approx(1e4, rel=1e-5)
-    assert found.dimensions["height"] == pytest.approx(1.0, rel=1e-6)
+    assert found.dimensions["bars"] == approx(1e4, rel=1e-5)
+    assert found.dimensions["height"] == approx(1.0, rel=1e-6)
     # Differences count relative to the largest force, also where the curve crosses zero.
     off = (found.start["force"] - forces) / np.max(np.abs(forces))
-    assert found.history["objective"][0] == pytest.approx(off @ off / 2, rel=1e-12)
+    assert found.history["objective"][0] == approx(off @ off / 2, rel=1e-12)
     assert found.curves == {"force": curve}
 
 
@@ -383,14 +384,14 @@ def test_the_best_of_every_combination_of_choices():
     )
     assert found.choices == {"count": 1, "material": TITANIUM}
     # Closed form: t^3 = 500/(n E), from inside by the tolerance. A single one has no gap, which is no fault.
-    assert found.dimensions["t"] == pytest.approx((500 / 110) ** (1 / 3), rel=2e-6)
+    assert found.dimensions["t"] == approx((500 / 110) ** (1 / 3), rel=2e-6)
     assert [one.labels["count"] for one in found.combinations] == ["5", "5", "1", "1", "2", "2"]
     assert {one.result for one in found.combinations[:2]} == {fm.RESULTS.impossible_design}
     for one in found.combinations[2:]:
         n, material = one.choices.values()
         least = n * material["rho"] * (500 / n / material["E"]) ** (1 / 3)
         # All over the mass of the first that could be built, one of steel 1 thick, whatever its own start is.
-        assert one.tuned.objective == pytest.approx(least / 7850, rel=1e-5)
+        assert one.tuned.objective == approx(least / 7850, rel=1e-5)
     table = str(found).splitlines()[-7:]
     assert table[0].split() == ["count", "material", "objective", "violation", "result"]
     assert table[1].endswith("impossible_design: five do not fit")
@@ -437,7 +438,7 @@ def test_targets_beside_an_objective_are_wishes_whose_misses_are_told():
     asked = {"size": lambda a: a, "bend": lambda a: a**2}
     found = fm.tune(lambda a: a, asked, {"a": 1.0}, {"a": (0.1, 10.0)}, maximize="size", targets={"bend": 4.0})
     wanted = np.roots([1.0, 0.0, -4.0, -8.0])[0].real
-    assert found.dimensions["a"] == pytest.approx(wanted, rel=1e-5)
+    assert found.dimensions["a"] == approx(wanted, rel=1e-5)
     assert f"bend misses by {100 * (wanted**2 / 4 - 1):.3g} %" in found.reason
 
 
@@ -463,7 +464,7 @@ def test_a_local_minimum_is_told(optimizer):
     build, answers, bounds = (lambda x: x), {"depth": wells}, {"x": (-2.0, 2.0)}
     found = fm.tune(build, answers, {"x": 1.5}, bounds, targets={"depth": wells(-1.0)}, **call)
     # By the derivative of both wells, 4 x (x^2 - 1) + 0.3, which is zero there.
-    assert found.dimensions["x"] == pytest.approx(max(np.roots([4, 0, -4, 0.3]).real), abs=1e-6)
+    assert found.dimensions["x"] == approx(max(np.roots([4, 0, -4, 0.3]).real), abs=1e-6)
     assert found.result is fm.RESULTS.local_minimum
     every = fm.tune(build, answers, {"x": 1.5}, bounds, targets={"depth": wells(-1.0)}, starts=4, **call)
     assert every.result is fm.RESULTS.successful
@@ -480,7 +481,7 @@ def test_a_fit_in_the_mean_is_a_success():
     answers = {"a": lambda x: x, "b": lambda x: 1.1 * x, "c": lambda x: 3.0 * x}
     targets = {"a": 1.0, "b": 1.0}
     found = fm.tune(lambda x: x, answers, {"x": 0.5}, {"x": (0.1, 5.0)}, targets=targets)
-    assert found.dimensions["x"] == pytest.approx(2.1 / (1 + 1.1**2), rel=1e-9)
+    assert found.dimensions["x"] == approx(2.1 / (1 + 1.1**2), rel=1e-9)
     found = fm.tune(lambda x: x, answers, {"x": 0.5}, {"x": (0.1, 5.0)}, targets={**targets, "c": 1.0}, throw=False)
     assert found.result is fm.RESULTS.local_minimum
 
@@ -512,7 +513,7 @@ def test_a_fit_of_a_response_from_afar_is_a_local_minimum():
     call = {"targets": measured, "throw": False}
     near = fm.tune(measured_guide, {"response": response}, {"thickness": 0.45e-3}, BOUNDS, **call)
     assert near.result is fm.RESULTS.successful
-    assert near.dimensions["thickness"] == pytest.approx(0.5e-3, rel=1e-6)
+    assert near.dimensions["thickness"] == approx(0.5e-3, rel=1e-6)
     for start in (0.35e-3, 0.8e-3):
         far = fm.tune(measured_guide, {"response": response}, {"thickness": start}, BOUNDS, **call)
         assert far.result is fm.RESULTS.local_minimum

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -76,7 +77,7 @@ def test_derivatives_and_optima_in_unstable_states_say_so():
     bounds = {"bending": (0.9 / EULER, 4.0)}
     with pytest.warns(fm.FlexmbWarning, match="The design that was found is at an equilibrium that is not stable"):
         found = fm.tune(column, answers, {"bending": 2.0}, bounds, minimize="rigidity")
-    assert found.dimensions["bending"] == pytest.approx(0.9 / EULER, rel=1e-6)
+    assert found.dimensions["bending"] == approx(0.9 / EULER, rel=1e-6)
 
 
 def test_a_failure_is_worse_than_what_has_an_answer():

@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.optimize import minimize_scalar
 
 import flexmb as fm
@@ -91,7 +92,7 @@ def test_the_page_says_what_limits_and_what_moves_it(page):
     first = page.limits[0]
     stress = 3 * STEEL.E * T * DELTA / LENGTH**2
     assert (first.name, first.stroke) == ("fatigue", None)
-    assert max(first.used) == pytest.approx(stress / FATIGUE, rel=1e-5)
+    assert max(first.used) == approx(stress / FATIGUE, rel=1e-5)
     found = page.sensitivities
     table = {
         name: dict(zip(found.dimensions, row, strict=True))
@@ -99,12 +100,12 @@ def test_the_page_says_what_limits_and_what_moves_it(page):
     }
     # Closed forms: powers of thickness and length; left out is the square of the stroke over the length.
     for name, t, length in (("stress", 1, -2), ("fatigue", 1, -2), ("drive stiffness", 3, -3), ("force", 3, -3)):
-        assert table[name]["t"] == pytest.approx(t, rel=1e-5)
-        assert table[name]["length"] == pytest.approx(length, rel=1e-5)
-    assert table["parasitic y"]["length"] == pytest.approx(-1, rel=1e-5)
+        assert table[name]["t"] == approx(t, rel=1e-5)
+        assert table[name]["length"] == approx(length, rel=1e-5)
+    assert table["parasitic y"]["length"] == approx(-1, rel=1e-5)
     # Stress is that of any width, but for round-off, which is no advice.
     assert abs(table["fatigue"]["width"]) < 1e-9
-    assert table["force"]["width"] == pytest.approx(1, rel=1e-9)
+    assert table["force"]["width"] == approx(1, rel=1e-9)
     rows = page.summary().rows
     assert rows["by dimension"] == "larger length (-2), smaller t (+1): percent of fatigue for one percent"
     assert rows["limits first"].startswith("none within the stroke; fatigue comes nearest, 0.0063 of it")
@@ -142,7 +143,7 @@ def test_slopes_are_central_differences(page):
     for name in ("frequency 1", "stress", "force"):
         difference = (up[name][state] - down[name][state]) / (2 * h * page.curves[name][state])
         # Truncation h^2 = 1e-8, round-off 1e-16/h times the condition of the state.
-        assert found.table[found.answers.index(name), 0] == pytest.approx(difference, rel=1e-6)
+        assert found.table[found.answers.index(name), 0] == approx(difference, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -150,8 +151,8 @@ def test_limits_are_where_they_are_reached():
     wide = fm.verdict(guide(), {"P.x": (0, 10 * DELTA)}, steps=2, limits={"force": 0.9, "parasitic y": 1e-6})
     reached = {limit.name: limit.stroke for limit in wide.limits}
     # Closed forms; the square of the stroke over the length is 1e-4.
-    assert reached["force"] == pytest.approx(0.9 * LENGTH**3 / (24 * EI), rel=1e-3)
-    assert reached["parasitic y"] == pytest.approx(np.sqrt(1e-6 * LENGTH / 0.6), rel=1e-3)
+    assert reached["force"] == approx(0.9 * LENGTH**3 / (24 * EI), rel=1e-3)
+    assert reached["parasitic y"] == approx(np.sqrt(1e-6 * LENGTH / 0.6), rel=1e-3)
     assert [limit.name for limit in wide.limits[:2]] == ["parasitic y", "force"]
     assert not wide.good
     assert "parasitic y limits it to 408.2" in wide.summary().title
@@ -162,7 +163,7 @@ def test_limits_are_where_they_are_reached():
 def test_of_both_sides_the_earlier_counts():
     # A force that pushes along the stroke, 0.2 N, is taken off the drive.
     found = fm.verdict(guide(push=0.2), {"P.x": 10 * DELTA}, steps=1, limits={"force": 0.5})
-    assert found.limits[0].stroke == pytest.approx(-0.3 * LENGTH**3 / (24 * EI), rel=1e-3)
+    assert found.limits[0].stroke == approx(-0.3 * LENGTH**3 / (24 * EI), rel=1e-3)
 
 
 @pytest.mark.slow
@@ -172,7 +173,7 @@ def test_buckling_under_the_constant_loads():
     # What is prescribed with an increment is what is driven.
     found = fm.verdict(model, (0, 5e-3), steps=1)
     assert found.driven == "P.x"
-    assert found.curves["buckling"][0] == pytest.approx(78.75, rel=1e-9)  # printed in T3
+    assert found.curves["buckling"][0] == approx(78.75, rel=1e-9)  # printed in T3
     at_stroke = found.curves["buckling"][1]
     assert at_stroke < 78.75
     # There, and only under that many times the load, the drive meets no stiffness: one degree of freedom.
@@ -208,7 +209,7 @@ def test_support_stiffness_is_that_of_shooting():
     panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
     drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
     # At rest 2 EA/L.
-    assert drawn[5] == pytest.approx(352530.027 * (T / LENGTH) ** 2 / 24, rel=1e-4)
+    assert drawn[5] == approx(352530.027 * (T / LENGTH) ** 2 / 24, rel=1e-4)
     plt.close("all")
 
 
@@ -244,7 +245,7 @@ def test_a_drive_holds_what_snaps_through():
     limit = found.limits[0]
     assert limit.stroke is not None
     y = 0.2 + limit.stroke
-    assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == pytest.approx(25, rel=1e-5)
+    assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == approx(25, rel=1e-5)
     panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
     drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
     np.testing.assert_allclose(drawn, across / across[-1], rtol=1e-9)
@@ -280,7 +281,7 @@ def test_a_limit_between_strokes_is_seen():
         assert found.good is good
     limited = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=2, limits={"force": 0.999 * force(top)}, count=1).limits[0]
     assert limited.stroke is not None
-    assert force(0.2 + limited.stroke) == pytest.approx(0.999 * force(top), rel=1e-6)
+    assert force(0.2 + limited.stroke) == approx(0.999 * force(top), rel=1e-6)
     assert 0.2 + limited.stroke > top
 
 
@@ -330,7 +331,7 @@ def test_a_deformation_is_driven_and_let_go():
     np.testing.assert_allclose(found.curves["force"], 100 * found.stroke - 3, rtol=1e-12)
     np.testing.assert_allclose(found.curves["frequency 1"], np.sqrt(100 / 2) / (2 * np.pi), rtol=1e-12)
     # Of both sides, -20 mm and 80 mm, the earlier one counts.
-    assert found.limits[0].stroke == pytest.approx(-0.02, rel=1e-6)
+    assert found.limits[0].stroke == approx(-0.02, rel=1e-6)
     assert found.unit == "m"
     assert "give `node`" in found.unanswered["support stiffness"]
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 from cases import mechanisms
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -54,11 +55,11 @@ def test_compound_pendulum_in_the_plane():
         return jnp.sqrt(MASS * G * -center[1] / (inertia + MASS * center @ center)) / (2 * jnp.pi)
 
     center = np.array([0.0, -depth])
-    assert frequency(center, own) == pytest.approx(float(expected(center, own)), rel=1e-12)
+    assert frequency(center, own) == approx(float(expected(center, own)), rel=1e-12)
     found, right = (jax.grad(f, (0, 1))(center, own) for f in (frequency, expected))
     # Sideways the equilibrium turns, and the distance changes in second order alone.
     np.testing.assert_allclose(found[0], [0.0, right[0][1]], rtol=1e-9, atol=1e-9)
-    assert found[1] == pytest.approx(float(right[1]), rel=1e-9)
+    assert found[1] == approx(float(right[1]), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -74,7 +75,7 @@ def test_compound_pendulum_in_space():
         center = jnp.array([aside * axis[0], aside * axis[1], 0.0]) - depth * jnp.array([0.0, 0.0, 1.0])
         return frequency(center, inertia, axis)
 
-    assert found(depth, SIX) == pytest.approx(float(expected(depth, SIX)), rel=1e-12)
+    assert found(depth, SIX) == approx(float(expected(depth, SIX)), rel=1e-12)
     for got, right in zip(*(jax.grad(f, (0, 1))(depth, SIX) for f in (found, expected)), strict=True):
         np.testing.assert_allclose(got, right, rtol=1e-9, atol=1e-12)
 
@@ -89,8 +90,8 @@ def test_weight_turns_a_body_about_its_node():
     phi = scipy.optimize.brentq(balance, -2, 2, xtol=1e-14)
     slope = k - MASS * G * (x * np.sin(phi) + y * np.cos(phi))
     lin = fm.linearize(pendulum((x, y), own, stiffness=k).build())
-    assert lin.x[lin.labels.coordinates("pivot.rotation")[0]] == pytest.approx(phi, rel=1e-9)
-    assert fm.frequencies(lin)[0] == pytest.approx(np.sqrt(slope / (own + MASS * (x**2 + y**2))) / 2 / np.pi, rel=1e-9)
+    assert lin.x[lin.labels.coordinates("pivot.rotation")[0]] == approx(phi, rel=1e-9)
+    assert fm.frequencies(lin)[0] == approx(np.sqrt(slope / (own + MASS * (x**2 + y**2))) / 2 / np.pi, rel=1e-9)
 
 
 def test_kinetic_energy_is_that_of_newton_and_euler():
@@ -101,7 +102,7 @@ def test_kinetic_energy_is_that_of_newton_and_euler():
     b.body("p", MASS, center=center, inertia=INERTIA)
     b.body("p", 0.5, center=-2 * center, inertia=SIX)
     model = b.build(check=False)
-    assert float(fm.mass(model)) == pytest.approx(MASS + 0.5, rel=1e-14)
+    assert float(fm.mass(model)) == approx(MASS + 0.5, rel=1e-14)
     rotation = Rotation.from_rotvec([0.5, 0.2, -0.9])
     vector = rotation.as_quat(scalar_first=True)
     matrix = np.asarray(mass_matrix(model.topology, model.parameters, np.r_[0.0, 0, 0, vector]))
@@ -115,7 +116,7 @@ def test_kinetic_energy_is_that_of_newton_and_euler():
             speed = v + np.cross(w, rotation.apply(arm))
             spin = rotation.inv().apply(w)
             expected += mass * speed @ speed / 2 + spin @ INERTIA @ spin / 2
-        assert rates @ matrix @ rates / 2 == pytest.approx(expected, rel=1e-12)
+        assert rates @ matrix @ rates / 2 == approx(expected, rel=1e-12)
 
 
 @pytest.mark.slow

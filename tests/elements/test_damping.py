@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -55,7 +56,7 @@ def test_each_rigidity_dampens_its_own_strain(strain):
     ed = np.zeros(len(names))
     for i, rate in enumerate(rates):
         ed[names.index(("beam", first + i))] = rate
-    assert ed @ matrix @ ed == pytest.approx(rigidity * LENGTH, rel=1e-12, abs=0)
+    assert ed @ matrix @ ed == approx(rigidity * LENGTH, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -103,7 +104,7 @@ def test_a_spectral_beam_that_turns_has_the_energy_of_a_rigid_one(dimension):
 
     arm = m * LENGTH**3 / 3
     if dimension == 2:
-        assert energy(2) == pytest.approx(0.5 * rate**2 * (arm + jy * LENGTH), rel=1e-12, abs=0)
+        assert energy(2) == approx(0.5 * rate**2 * (arm + jy * LENGTH), rel=1e-12, abs=0)
     else:
         found = [energy(axis) for axis in range(3)]
         expected = 0.5 * rate**2 * np.array([jx * LENGTH, arm + jy * LENGTH, arm + jz * LENGTH])

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from jax.tree_util import Partial
 from scipy.spatial.transform import Rotation
 
@@ -38,11 +39,11 @@ def test_a_turn_about_the_axis_and_a_tilt_across_it(kind, angle):
         x[model.labels.known("p")] = carried.as_quat(scalar_first=True)
         x[model.labels.known("q")] = (carried * Rotation.from_rotvec(angle * axis)).as_quat(scalar_first=True)
         e = np.asarray(deformations(model.topology, model.parameters, x, zero_near(model.topology)))[places]
-        assert e[0] == pytest.approx(expected, abs=1e-12)
+        assert e[0] == approx(expected, abs=1e-12)
         if kind == "hinge":
             # Twice the sine of half the angle.
             tilt = 0.0 if axis is AXIS else 2 * np.sin(abs(angle) / 2)
-            assert np.linalg.norm(e[1:]) == pytest.approx(tilt, abs=1e-12)
+            assert np.linalg.norm(e[1:]) == approx(tilt, abs=1e-12)
 
 
 def test_tilts_are_those_of_the_axis_in_the_first_body_however_far_it_turns():
@@ -62,10 +63,10 @@ def test_tilts_are_those_of_the_axis_in_the_first_body_however_far_it_turns():
         x[model.labels.known("p")] = carried.as_quat(scalar_first=True)
         x[model.labels.known("q")] = (carried * tilted).as_quat(scalar_first=True)
         e = np.asarray(deformations(model.topology, model.parameters, x, zero_near(model.topology)))[places]
-        assert e[0] == pytest.approx(turn, abs=1e-12)
+        assert e[0] == approx(turn, abs=1e-12)
         found.append(e[1:])
     # The angle is 0.2, about an axis across in the share 3 to -4; which two lines across are measured, the first tells.
-    assert np.linalg.norm(found[0]) == pytest.approx(2 * np.sin(0.1), rel=1e-12)
+    assert np.linalg.norm(found[0]) == approx(2 * np.sin(0.1), rel=1e-12)
     np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=0, atol=1e-12)
 
 

@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from hypothesis import given
 from jax.flatten_util import ravel_pytree
 from scipy.integrate import solve_ivp
@@ -532,7 +533,7 @@ def test_power_of_the_end_sections_is_that_of_the_stress(element, data):
     (n0, m0), (n1, m1) = wrenches
     power = n1 @ velocities[1] - n0 @ velocities[0] + m1 @ spins[1] - m0 @ spins[0]
     expected = some_stress(measured["e"].size) @ measured.rates("e", np.concatenate(rates)[None])[0]
-    assert power == pytest.approx(float(expected), rel=1e-12, abs=1e-12)
+    assert power == approx(float(expected), rel=1e-12, abs=1e-12)
 
 
 def section_axes(sample: Drawn, end: int, ends: list[np.ndarray]) -> np.ndarray:
@@ -558,9 +559,7 @@ def test_rigid_motion_changes_no_kinetic_energy(element, data):
     turn, rates = data.draw(vectors(3, 2.0)), data.draw(vectors(Measured(sample).n_x))
     there = moved(sample, turn, data.draw(vectors(3, 5.0)))
     # Round-off of the energy, which cancels from terms of size mass times rates squared, below 100.
-    assert energy(there, turned_rates(sample, rates, turn)) == pytest.approx(
-        energy(sample, rates), rel=1e-12, abs=1e-12
-    )
+    assert energy(there, turned_rates(sample, rates, turn)) == approx(energy(sample, rates), rel=1e-12, abs=1e-12)
 
 
 @st.composite
@@ -673,7 +672,7 @@ def test_energy_of_a_translation_is_that_of_the_whole_mass(element, data):
         mass = own["section"].rigidity().mass * length(sample) if "section" in own else own["mass"]
     expected = 0.5 * mass * velocity[:axes] @ velocity[:axes]
     found = energy(sample, rigid_velocity(sample, velocity, np.zeros(3)))
-    assert found == pytest.approx(float(expected), rel=1e-13, abs=1e-14)
+    assert found == approx(float(expected), rel=1e-13, abs=1e-14)
 
 
 @pytest.mark.slow
@@ -710,7 +709,7 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
         arm[: sample.ref[0].size] = sample.properties["center"]
         tensor += sample.properties["mass"] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     found = energy(sample, rigid_velocity(sample, np.zeros(3), omega))
-    assert found == pytest.approx(0.5 * omega @ tensor @ omega, rel=1e-12, abs=1e-12)
+    assert found == approx(0.5 * omega @ tensor @ omega, rel=1e-12, abs=1e-12)
 
 
 def local_frame(axis: np.ndarray, y: np.ndarray | None) -> np.ndarray:
@@ -744,7 +743,7 @@ def test_bending_energy_of_a_linear_curvature(plane, l0, ei, other, a, b):
     e = np.zeros(6 if element is spatial.beam else 3)
     e[at] = bending
     expected = 0.5 * ei * l0 * (a**2 + a * b + b**2 / 3)
-    assert 0.5 * e @ stiffness_of(element, section, l0) @ e == pytest.approx(expected, rel=1e-13, abs=1e-14)
+    assert 0.5 * e @ stiffness_of(element, section, l0) @ e == approx(expected, rel=1e-13, abs=1e-14)
 
 
 @pytest.mark.parametrize("plane", BEAMS)
@@ -756,7 +755,7 @@ def test_sway_of_a_beam_with_shear(plane, l0, ei, compliance):
     names = ("EIz", "shear_y") if plane == "z" else ("EIy", "shear_z")
     stiffness = stiffness_of(element, fm.Rigidity(**dict(zip(names, (ei, compliance), strict=True))), l0)[at, at]
     sway = np.array([-1.0, 1.0])
-    assert 1 / (sway @ stiffness @ sway) == pytest.approx(l0**3 / (12 * ei) + l0 * compliance / ei, rel=1e-13)
+    assert 1 / (sway @ stiffness @ sway) == approx(l0**3 / (12 * ei) + l0 * compliance / ei, rel=1e-13)
 
 
 @given(POSITIVE, POSITIVE, POSITIVE)
@@ -770,10 +769,10 @@ def test_extension_and_torsion_energy(l0, ea, git):
             stiffness = np.asarray(element.stiffness(ref=element.reference(starts), section=section))
         else:
             stiffness = stiffness_of(element, section, l0)
-        assert stiffness[0, 0] == pytest.approx(ea / l0, rel=1e-13)
+        assert stiffness[0, 0] == approx(ea / l0, rel=1e-13)
         assert not np.any(stiffness[0, 1:])
     # e2 = l0 times twist, and twist over length squared times GIt l0/2 is the energy.
-    assert stiffness_of(spatial.beam, section, l0)[1, 1] == pytest.approx(git / l0**3, rel=1e-13)
+    assert stiffness_of(spatial.beam, section, l0)[1, 1] == approx(git / l0**3, rel=1e-13)
 
 
 @pytest.mark.slow("spatial")
@@ -812,7 +811,7 @@ def test_beam_mass_is_that_of_the_cubic_interpolation(element, data):
     velocity = sum(np.outer(n, v) for n, v in zip(shape, ends, strict=True))
     expected = 0.5 * section.mass * l0 / 2 * weights @ np.sum(velocity**2, axis=1)
     # In the plane the step leaves 1e-10 of truncation.
-    assert energy(sample, rates) == pytest.approx(float(expected), rel=1e-9 if d == 2 else 1e-12, abs=1e-12)
+    assert energy(sample, rates) == approx(float(expected), rel=1e-9 if d == 2 else 1e-12, abs=1e-12)
 
 
 def homogeneous_matrix(lam: np.ndarray) -> np.ndarray:
@@ -848,7 +847,7 @@ def test_shortening_by_sway(element, second_order, share, l0, slope):
     there[2] = starts[2] + sway * np.eye(len(starts[0]))[-1]
     e = deformed(element, second_order)(there, starts)
     # Relative truncation slope^2, up to 1e-6; round-off of l - l0 is eps l0 beside slope^2 l0, 2e-8.
-    assert e[0] == pytest.approx(share * sway**2 / l0, rel=2e-6)
+    assert e[0] == approx(share * sway**2 / l0, rel=2e-6)
 
 
 # Curvature about local y and z, value and slope, and twist, of a rod of length 1.3.
@@ -958,4 +957,4 @@ def test_spatial_hinge_tilt_is_small_rotation_across_the_axis(axis, tilt, angle)
     tilted = np.r_[np.cos(tilt / 2), np.sin(tilt / 2) * frame[:, 1]]
     e = hinged(product(tilted, turn), axis)
     np.testing.assert_allclose(e[0], angle, atol=1e-14)
-    assert np.hypot(e[1], e[2]) == pytest.approx(2 * abs(np.sin(tilt / 2)), abs=1e-14)
+    assert np.hypot(e[1], e[2]) == approx(2 * abs(np.sin(tilt / 2)), abs=1e-14)

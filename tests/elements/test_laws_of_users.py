@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.integrate import solve_ivp
 
 import flexmb as fm
@@ -94,7 +95,7 @@ def test_strain_and_prestress_add_to_an_energy():
     b.prestress("spring", 3.0)
     found = fm.equilibrium(b.build())
     stretched = found.e[0] - 0.02
-    assert found.sigma[0] == pytest.approx(0, abs=1e-10)
+    assert found.sigma[0] == approx(0, abs=1e-10)
     np.testing.assert_allclose(K * stretched + K3 * stretched**3, -3.0, rtol=1e-10)
 
 

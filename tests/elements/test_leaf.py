@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from numpy.polynomial import polynomial
 
 import flexmb as fm
@@ -92,7 +93,7 @@ def test_twist_of_a_strip_that_cannot_warp():
     warping = STEEL.E / (1 - 0.3**2) * (0.018 * 0.5e-3) ** 3 / 144
     al = 0.1 / np.sqrt(warping / (STEEL.G * float(it)))
     expected = 0.1 / (STEEL.G * float(it)) * (1 - 2 * np.tanh(al / 2) / al)
-    assert np.asarray(fm.compliance(strip().build(), "tip"))[3, 3] == pytest.approx(expected, rel=1e-9)
+    assert np.asarray(fm.compliance(strip().build(), "tip"))[3, 3] == approx(expected, rel=1e-9)
 
 
 def bent_wide_strip(u: float, nu: float) -> tuple[float, float]:
@@ -129,8 +130,8 @@ def bent_wide_strip(u: float, nu: float) -> tuple[float, float]:
 def test_flattening_of_a_wide_strip(u):
     """A plate by Ritz's method, 1e-7: its energy, and the second moment of its stress, (2.23) and (2.30)."""
     keeps, (energy, moment) = float(curving(jnp.array(u**4))), bent_wide_strip(u, 0.3)
-    assert 1 - 0.09 * keeps == pytest.approx(energy, rel=1e-7)
-    assert 2 * 0.3 * 2 * (1 - keeps) == pytest.approx(moment, rel=1e-6)
+    assert 1 - 0.09 * keeps == approx(energy, rel=1e-7)
+    assert 2 * 0.3 * 2 * (1 - keeps) == approx(moment, rel=1e-6)
 
 
 def test_energy_beyond_the_quadratic():
@@ -154,7 +155,7 @@ def test_energy_beyond_the_quadratic():
     expected = ei * kappa**2 / 2 * (0.09 / 0.91) * (1 - keeps)
     square = (0.018 * twist) ** 2
     expected += ea * (stretch * square / 24 + square**2 / 640) + ei * 0.3 / 0.91 * (1 - keeps) * twist**2
-    assert float(found) == pytest.approx(length * expected, rel=1e-9)
+    assert float(found) == approx(length * expected, rel=1e-9)
     _, rest = energy_and_hessian(jnp.zeros(8))
     # Zero but for the rounding of a quantity of size 1.
     assert np.max(np.abs(np.asarray(rest))) < 1e-13 * ei / length
@@ -168,7 +169,7 @@ def test_temperature_beside_solid_elements():
     b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=LEAF)
     b.fix("foot")
     b.temperature("leaf", 0.0, gradient=2000.0)
-    assert float(fm.equilibrium(b.build()).at("tip")[1]) == pytest.approx(-119.7e-6, rel=3e-3)
+    assert float(fm.equilibrium(b.build()).at("tip")[1]) == approx(-119.7e-6, rel=3e-3)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.integrate import solve_bvp
 
 import flexmb as fm
@@ -59,7 +60,7 @@ def test_restrained_warping_beside_its_closed_form():
     # Saint-Venant's shear in the middle; all of the torque is warping's where nothing twists.
     inner = STEEL.G * T * rate
     np.testing.assert_allclose(found.tau[0, :, MIDDLE], inner, atol=1e-8 * np.max(inner))
-    assert float(found.tau[0, 0, EDGE]) == pytest.approx(9 * torque / (W**2 * T), rel=1e-9)
+    assert float(found.tau[0, 0, EDGE]) == approx(9 * torque / (W**2 * T), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -74,7 +75,7 @@ def test_plate_at_a_clamp():
     flat = fm.stress(b.build(), points=11)
     found = fm.stress(strip((2.0, 0, 1e-3), (0, 0, 0)), points=11)
     for point in (1, 5):
-        assert float(found.across[0, 0, point]) == pytest.approx(NU * float(found.sigma_x[0, 0, point]), rel=1e-6)
+        assert float(found.across[0, 0, point]) == approx(NU * float(found.sigma_x[0, 0, point]), rel=1e-6)
     assert np.all(np.asarray(found.across)[0, :, [0, 2, 3, 4, 6, 7]] == 0)
     for name in ("sigma_x", "tau", "across", "von_mises"):
         inner, outer = np.asarray(getattr(flat, name)), np.asarray(getattr(found, name))
@@ -98,7 +99,7 @@ def test_tension_of_the_edges_of_a_twisted_strip():
     edge = middle + E * rate**2 / 2 * (W / 2) ** 2
     np.testing.assert_allclose(found, [edge, middle, edge, edge, edge, middle, edge, edge], rtol=1e-12)
     # Fibres and Saint-Venant's shear take all of the torque.
-    assert float(tau[EDGE]) == pytest.approx(0.7424538 * float(tau[MIDDLE]), rel=1e-6)
+    assert float(tau[EDGE]) == approx(0.7424538 * float(tau[MIDDLE]), rel=1e-6)
     assert not np.any(np.asarray(across))
 
 
@@ -167,7 +168,7 @@ def test_von_mises_at_a_stroke_beside_solid_elements():
     stress = np.array([along(found, "von_mises", point, places) for point in (0, 1, 6, 5)]).T / 1e6
     np.testing.assert_allclose(stress[:, [1, 3]], np.array(solid)[:, [1, 3]], rtol=0.025)
     np.testing.assert_allclose(stress, solid, rtol=0.045)
-    assert float(found.maximum) == pytest.approx(360.4e6, rel=0.03)
+    assert float(found.maximum) == approx(360.4e6, rel=0.03)
 
 
 @pytest.mark.slow
@@ -218,9 +219,9 @@ def test_derivative_of_the_largest_stress_and_utilisation():
     both = fm.jit(lambda thickness: jax.jvp(largest, (thickness,), (T,), has_aux=True))
     _, slope, found = both(T)
     values = [float(both(T * (1 + step))[0]) for step in (1e-5, -1e-5)]
-    assert float(slope) == pytest.approx((values[0] - values[1]) / 2e-5, rel=1e-6)
+    assert float(slope) == approx((values[0] - values[1]) / 2e-5, rel=1e-6)
     square = found.sigma_x**2 - found.sigma_x * found.across + found.across**2 + 3 * found.tau**2
     np.testing.assert_allclose(found.von_mises, np.sqrt(np.asarray(square)), rtol=1e-12)
-    assert float(found.utilisation[0]) == pytest.approx(float(found.maximum) / 500e6)
-    assert float(found.fatigue_utilisation[0]) == pytest.approx(float(found.maximum) / 200e6)
+    assert float(found.utilisation[0]) == approx(float(found.maximum) / 500e6)
+    assert float(found.fatigue_utilisation[0]) == approx(float(found.maximum) / 200e6)
     assert set(found.quantities()) >= {"von Mises", "sigma_x", "tau", "across", "utilisation"}

@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -22,7 +23,7 @@ WIDTH, THICKNESS, LENGTH, MASS = 0.018, 5e-4, 0.1, 0.5
 def test_catalogue_agrees_with_itself(name):
     own: Any = CATALOGUE[name]
     # Isotropic: G = E/(2 (1 + nu)); measured moduli of rolled metal differ from it by some percent.
-    assert own.G == pytest.approx(own.E / (2 * (1 + own.nu)), rel=0.03)
+    assert own.G == approx(own.E / (2 * (1 + own.nu)), rel=0.03)
     assert not fm.Circle(1e-3, own).faults()
     # Units: from Invar to aluminium, from glass to the steels.
     assert 0 < own.alpha < 30e-6
@@ -106,7 +107,7 @@ def test_a_vibration_decays_as_kelvin_and_voigt_say():
 
 def test_damping_of_its_own_counts_alone_and_a_rigid_element_says_nothing():
     own = truss_with(DAMPED, damping=fm.Damping(EA=3.0)).build()
-    assert np.asarray(element_damping(own.topology, own.parameters)) == pytest.approx(3.0 / LENGTH, rel=1e-14)
+    assert np.asarray(element_damping(own.topology, own.parameters)) == approx(3.0 / LENGTH, rel=1e-14)
     # Held deformations have no damping, and no one is warned of a material that has some.
     held = truss_with(DAMPED, released=())
     assert not np.any(np.asarray(element_damping(*_parts(held.build(check=False)))))
@@ -175,7 +176,7 @@ def test_strength_along_a_beam_that_varies():
     # But for the tip, where the shear force alone is left.
     used = found.quantities()["utilisation"][0][0]
     np.testing.assert_allclose(used[:2], expected[:2], rtol=1e-6)
-    assert found.utilisation[0] == pytest.approx(expected[1], rel=1e-6)
+    assert found.utilisation[0] == approx(expected[1], rel=1e-6)
 
 
 @pytest.mark.slow
@@ -218,8 +219,8 @@ def test_derivatives_of_the_utilisation():
     # F/(w t strength), up to the strain of 5e-4 that is not counted in the section.
     value = 100e6 / 200e6
     by_strength, by_thickness = jax.grad(used, (0, 1))(200e6, THICKNESS)
-    assert by_strength == pytest.approx(-value / 200e6, rel=1e-8)
-    assert by_thickness == pytest.approx(-value / THICKNESS, rel=1e-8)
+    assert by_strength == approx(-value / 200e6, rel=1e-8)
+    assert by_thickness == approx(-value / THICKNESS, rel=1e-8)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.integrate
+from cases.tolerances import approx
 from references import notches
 from references.varying_rods import CASES, CUT, TIPS, WIDTH
 
@@ -113,7 +114,7 @@ def test_convergence_with_the_order_against_shooting(plane, order):
         c = c - np.linalg.solve(tangents, slopes[:, 0, :, None])[:, :, 0]
     for i, (case, distances) in enumerate(DISTANCES.items()):
         away = np.linalg.norm(tips[i, 0] - np.array(TIPS[case, plane])[axes]) / lengths[i]
-        assert away == pytest.approx(distances[not plane][order // 2 - 1], rel=0.5)
+        assert away == approx(distances[not plane][order // 2 - 1], rel=0.5)
 
 
 def test_natural_frequencies_of_a_wedge():
@@ -155,7 +156,7 @@ def test_compliance_of_a_circular_notch(space):
     b.moment("tip", moment)
     found = fm.equilibrium(b.build()).at("tip.rotation")
     angle = 2 * found[2] if space else found[0]
-    assert angle / 1e-3 == pytest.approx(expected, rel=1e-6)
+    assert angle / 1e-3 == approx(expected, rel=1e-6)
 
 
 HINGES = {
@@ -180,11 +181,11 @@ def test_compliance_of_notch_hinges(hinge):
     beyond = bar * (1 - (notch[-1] - notch[0])) * 12 / (210e9 * width * sizes[0] ** 3)
     # The first coefficient of the curvature is the angle between the ends; the others follow without a moment.
     found = np.linalg.inv(stiffness[3:, 3:])[2, 2]
-    assert found - beyond == pytest.approx(closed(210e9, width, *numbers), rel=1e-5)
+    assert found - beyond == approx(closed(210e9, width, *numbers), rel=1e-5)
     if hinge == "circular":
         # REFERENCES.md G4: solid elements, whose neck is wide and so partly a plate, nu = 0.3.
         assert 1 / found < 3.49265 < 1 / found / (1 - 0.3**2)
-        assert 1 / found == pytest.approx(3.49265, rel=0.06)
+        assert 1 / found == approx(3.49265, rel=0.06)
 
 
 @pytest.mark.slow
@@ -223,7 +224,7 @@ def test_stress_and_resultants_follow_the_section():
     bending = 6 * moment / (0.01 * thickness**2) + 9.81 * mass / (0.01 * thickness)
     np.testing.assert_allclose(np.max(abs(found.sigma_x[0]), axis=1), bending, rtol=2e-3, atol=1)
     # All of it stands on the foot.
-    assert float(fm.mass(model)) == pytest.approx(7850 * 0.01 * 0.1 * 1.5e-3, rel=1e-12)
+    assert float(fm.mass(model)) == approx(7850 * 0.01 * 0.1 * 1.5e-3, rel=1e-12)
 
 
 @pytest.mark.slow
@@ -327,7 +328,7 @@ def test_a_smooth_groove_bends_as_its_compliances_say(order, breaks):
 
     share = scipy.integrate.quad(lambda s: (1 - s) ** 2 * (5e-4 / thickness(s, np)) ** 3, 0, 1, points=(0.37,))[0]
     # What a section may be off by before it is refused.
-    exact = pytest.approx(1e-4 * 0.1**3 * share / (210e9 * WIDTH * 5e-4**3 / 12), rel=1e-3)
+    exact = approx(1e-4 * 0.1**3 * share / (210e9 * WIDTH * 5e-4**3 / 12), rel=1e-3)
     with pytest.raises(fm.ModelError, match="take a higher order, or divide"):
         tip(5)
     assert tip(order, breaks) == exact

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.special
+from cases.tolerances import approx
 from hypothesis import given
 from hypothesis import strategies as st
 from jax.flatten_util import ravel_pytree
@@ -30,29 +31,29 @@ def torsion_of_rectangle(w, t, terms=400):
 
 def test_torsion_constants_of_the_leaf_spring():
     # T7, printed to 7 and 6 digits.
-    assert fm.sections.torsion_series(WIDTH, THICKNESS) == pytest.approx(7.368698e-13, abs=5e-20)
-    assert fm.sections.torsion_approximate(WIDTH, THICKNESS) == pytest.approx(7.36875e-13, abs=5e-19)
+    assert fm.sections.torsion_series(WIDTH, THICKNESS) == approx(7.368698e-13, abs=5e-20)
+    assert fm.sections.torsion_approximate(WIDTH, THICKNESS) == approx(7.36875e-13, abs=5e-19)
 
 
 @pytest.mark.parametrize(("ratio", "one_end"), [(2, 1.138936), (1, 1.322473), (0.5, 1.894016), (0.3, 3.176028)])
 def test_warping_factor_table(ratio, one_end):
     # T7, nu = 0.3, printed to 7 digits.
-    assert fm.sections.warping_factor(ratio, 1.0, 0.3, 1) == pytest.approx(one_end, abs=5e-7)
+    assert fm.sections.warping_factor(ratio, 1.0, 0.3, 1) == approx(one_end, abs=5e-7)
 
 
 @pytest.mark.parametrize(("ends", "stiffness"), [(0, 0.589500), (1, 0.616577), (2, 0.646262)])
 def test_twist_stiffness_of_one_leaf(ends, stiffness):
     # T7: GIt = 0.05895, l = 0.1, nu = 0.3; printed to 6 digits.
     factor = fm.sections.warping_factor(LENGTH, WIDTH, 0.3, ends)
-    assert 0.05895 / LENGTH * factor == pytest.approx(stiffness, abs=5e-7)
+    assert 0.05895 / LENGTH * factor == approx(stiffness, abs=5e-7)
 
 
 def test_warping_factor_with_the_modulus_of_a_beam():
     # Spring of the predecessor's cross flexure: E = 210e9, G = 70e9, so that nu = 0.5 and 24/(1 + nu) = 16.
     factor = fm.sections.warping_factor(0.05 * 2 * np.sqrt(2), 0.05, 0.5, modulus="beam")
     al = 8 * np.sqrt(2)
-    assert factor == pytest.approx(al / (al - 2 * np.tanh(al / 2)), rel=10 * EPS)
-    assert factor == pytest.approx(1.21473, abs=5e-6)
+    assert factor == approx(al / (al - 2 * np.tanh(al / 2)), rel=10 * EPS)
+    assert factor == approx(1.21473, abs=5e-6)
     with pytest.raises(ValueError, match="modulus must be 'plate' or 'beam', but is 'shell'"):
         fm.sections.warping_factor(0.1, 0.05, 0.3, modulus="shell")  # pyright: ignore
 
@@ -64,7 +65,7 @@ def test_warping_factor_refuses_another_number_of_ends():
 
 def test_two_clamped_ends_are_two_halves_with_one():
     # By symmetry the middle of a leaf clamped at both ends warps freely: its halves have one clamped end each.
-    assert fm.sections.warping_factor(LENGTH, WIDTH, 0.3, 2) == pytest.approx(
+    assert fm.sections.warping_factor(LENGTH, WIDTH, 0.3, 2) == approx(
         float(fm.sections.warping_factor(LENGTH / 2, WIDTH, 0.3, 1)), rel=10 * EPS
     )
 
@@ -72,22 +73,22 @@ def test_two_clamped_ends_are_two_halves_with_one():
 def test_leaf_spring_oracles():
     # REFERENCES.md S1, to half a unit of the last digit written there.
     s = fm.Rectangle(WIDTH, THICKNESS, STEEL, shear=True).rigidity()
-    assert s.EA == pytest.approx(1.89e6, rel=1e-12)
-    assert s.EIy == pytest.approx(0.039375, rel=1e-12)
-    assert s.EIz == pytest.approx(51.03, rel=1e-12)
-    assert s.GIt == pytest.approx(0.0589496, abs=5e-8)
-    assert STEEL.poisson() == pytest.approx(0.3125, rel=1e-12)
-    assert s.EIy / s.shear_z / (80e9 * WIDTH * THICKNESS) == pytest.approx(0.85020, abs=5e-6)
-    assert 12 * s.shear_z / LENGTH**2 == pytest.approx(7.719e-5, abs=5e-9)
-    assert 12 * s.shear_y / LENGTH**2 == pytest.approx(0.1000, abs=5e-5)
-    assert s.mass == pytest.approx(0.07065, rel=1e-12)
+    assert s.EA == approx(1.89e6, rel=1e-12)
+    assert s.EIy == approx(0.039375, rel=1e-12)
+    assert s.EIz == approx(51.03, rel=1e-12)
+    assert s.GIt == approx(0.0589496, abs=5e-8)
+    assert STEEL.poisson() == approx(0.3125, rel=1e-12)
+    assert s.EIy / s.shear_z / (80e9 * WIDTH * THICKNESS) == approx(0.85020, abs=5e-6)
+    assert 12 * s.shear_z / LENGTH**2 == approx(7.719e-5, abs=5e-9)
+    assert 12 * s.shear_y / LENGTH**2 == approx(0.1000, abs=5e-5)
+    assert s.mass == approx(0.07065, rel=1e-12)
 
 
 def test_cross_flexure_spring_oracles():
     material = fm.Material(E=210e9, G=70e9)
-    assert material.poisson() == pytest.approx(0.5, rel=1e-12)
+    assert material.poisson() == approx(0.5, rel=1e-12)
     section = fm.Rectangle(0.05, 0.0002, material)
-    assert section.rigidity().GIt / 70e9 == pytest.approx(1.329972e-13, abs=5e-20)
+    assert section.rigidity().GIt / 70e9 == approx(1.329972e-13, abs=5e-20)
 
 
 @pytest.mark.parametrize(
@@ -98,9 +99,9 @@ def test_damping_of_the_leaf_spring(name, power, printed, digit):
     section = fm.Rectangle(WIDTH, THICKNESS, STEEL)
     found = getattr(fm.sections.damping_from_ratio(section, LENGTH, 0.005), name)
     # T2 and T5, printed to this digit.
-    assert found == pytest.approx(printed, abs=digit / 2)
+    assert found == approx(printed, abs=digit / 2)
     stiffness = getattr(section.rigidity(), name) / LENGTH**power
-    assert found / LENGTH**power == pytest.approx(0.01 * np.sqrt(stiffness * 0.007065), rel=1e-12)
+    assert found / LENGTH**power == approx(0.01 * np.sqrt(stiffness * 0.007065), rel=1e-12)
 
 
 def test_damping_of_what_a_section_lacks_is_zero_with_a_finite_derivative():
@@ -126,12 +127,12 @@ def test_given_poisson_ratio_is_taken():
 @given(POSITIVE, POSITIVE)
 def test_torsion_series_is_the_sum_of_its_terms(w, t):
     # The docstring's 1e-9; either side may be the longer.
-    assert fm.sections.torsion_series(w, t) == pytest.approx(torsion_of_rectangle(w, t), rel=1e-9)
+    assert fm.sections.torsion_series(w, t) == approx(torsion_of_rectangle(w, t), rel=1e-9)
 
 
 def test_torsion_of_a_square():
     # Timoshenko and Goodier give 0.1406 a^4; A5 uses 0.140577 for the unit square, 0.1405770 is the sum to 7 digits.
-    assert fm.sections.torsion_series(1.0, 1.0) == pytest.approx(0.1405770, abs=5e-8)
+    assert fm.sections.torsion_series(1.0, 1.0) == approx(0.1405770, abs=5e-8)
 
 
 def test_derivative_of_the_torsion_of_a_square():
@@ -145,7 +146,7 @@ def test_torsion_of_a_thin_strip():
     # w t^3/3 (1 - 0.63 t/w): every tanh is 1, and the odd powers sum to 31/32 zeta(5).
     slope = 192 / np.pi**5 * 31 / 32 * scipy.special.zeta(5)
     for t in (1e-2, 1e-4):
-        assert fm.sections.torsion_series(1.0, t) / (t**3 / 3) == pytest.approx(1 - slope * t, rel=10 * EPS)
+        assert fm.sections.torsion_series(1.0, t) / (t**3 / 3) == approx(1 - slope * t, rel=10 * EPS)
 
 
 # -- closed forms ---------------------------------------------------------------------------------------------------
@@ -174,7 +175,7 @@ def test_rectangle(w, t, e, rho, rotary):
         [s.Jx, s.Jy, s.Jz], [rho * (iy + iz), rho * iy, rho * iz] if rotary else [0, 0, 0], rtol=1e-13
     )
     assert s.shear_z == s.shear_y == 0
-    assert s.GIt == pytest.approx(0.4 * e * torsion_of_rectangle(w, t), rel=1e-9)
+    assert s.GIt == approx(0.4 * e * torsion_of_rectangle(w, t), rel=1e-9)
 
 
 @given(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
@@ -192,9 +193,9 @@ def test_circle_and_tube(d, share, e, rho):
     c = fm.Circle(d, material, shear=True).rigidity()
     whole = fm.Tube(d, d / 2, material).rigidity()
     for name in ("EA", "EIy", "EIz", "GIt", "mass", "Jx", "Jy", "Jz"):
-        assert getattr(c, name) == pytest.approx(float(getattr(whole, name)), rel=1e-13)
+        assert getattr(c, name) == approx(float(getattr(whole, name)), rel=1e-13)
     # Cowper 1966: k = 6 (1 + nu)/(7 + 6 nu), nu = 1/0.8 - 1.
-    assert c.EIy / c.shear_z == pytest.approx(0.4 * e * np.pi * d**2 / 4 * 6 * 1.25 / 8.5, rel=1e-12)
+    assert c.EIy / c.shear_z == approx(0.4 * e * np.pi * d**2 / 4 * 6 * 1.25 / 8.5, rel=1e-12)
 
 
 @given(POSITIVE, POSITIVE, st.floats(0.01, 0.4), st.floats(0.01, 0.4))
@@ -221,16 +222,16 @@ def test_thin_walls_of_a_hollow_rectangle(power):
 def test_unequal_walls_of_a_hollow_rectangle_by_bredt():
     # Walls at the ends of the width are as long as the thickness: 4 A^2/(2 w/wall_z + 2 t/wall_y).
     s = fm.HollowRectangle(3.0, 2.0, 2e-6, 1e-6, fm.Material(E=1.0, G=1.0)).rigidity()
-    assert s.GIt == pytest.approx(4 * 36 / (6 / 1e-6 + 4 / 2e-6), rel=1e-5)
+    assert s.GIt == approx(4 * 36 / (6 / 1e-6 + 4 / 2e-6), rel=1e-5)
 
 
 def test_warping_and_approximate_torsion_enter_the_rigidity():
     plain = fm.Rectangle(WIDTH, THICKNESS, STEEL, torsion="approximate").rigidity().GIt
-    assert plain == pytest.approx(0.05895, abs=5e-9)
+    assert plain == approx(0.05895, abs=5e-9)
     for ends in (0, 1, 2):
         section = fm.Rectangle(WIDTH, THICKNESS, STEEL, torsion="approximate", warping_length=LENGTH, clamped_ends=ends)
         factor = fm.sections.warping_factor(LENGTH, WIDTH, 0.3125, ends)
-        assert section.rigidity().GIt == pytest.approx(float(plain * factor), rel=1e-13)
+        assert section.rigidity().GIt == approx(float(plain * factor), rel=1e-13)
 
 
 # -- stress on the surface ------------------------------------------------------------------------------------------
@@ -266,7 +267,7 @@ def test_torsion_stress_of_a_rectangle(w, t):
 def test_torsion_stress_of_thin_strip_and_square():
     # Thin strip: T t/It with It = w t^3/3; square: both sides alike, Saint-Venant's 4.8 T/a^3.
     _, tau = fm.Rectangle(1.0, 1e-4, STEEL).stress(unit(3))
-    assert tau[1] * 1e-8 / 3 == pytest.approx(1, rel=1e-4)
+    assert tau[1] * 1e-8 / 3 == approx(1, rel=1e-4)
     _, tau = fm.Rectangle(1.0, 1.0, STEEL).stress(unit(3))
     np.testing.assert_allclose(tau[1::2], 4.8, atol=0.01)
     # The largest value is at the middle of the longer side, whichever that is.
@@ -326,7 +327,7 @@ def test_round_sections(my, mz, vy, vz):
         np.testing.assert_allclose([np.max(tau), np.min(tau)], twist + shear * np.array([1, -1]), rtol=1e-12)
         # The force of a thin tube, and that of the solid one by its parabola 1 - (z/R)^2, is the resultant.
     thin = fm.Tube(1.0, 1e-6, STEEL).stress(jnp.array([0, 0, 1.0, 0, 0, 0]))[1]
-    assert np.max(thin) * np.pi * 0.5 * 1e-6 == pytest.approx(1, rel=1e-5)
+    assert np.max(thin) * np.pi * 0.5 * 1e-6 == approx(1, rel=1e-5)
 
 
 def test_round_section_is_the_same_in_every_direction():

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -54,7 +55,7 @@ def test_roll_up(elements, turns):
     b.moment(str(elements), 2 * np.pi * turns)
     found = fm.equilibrium(b.build())
     np.testing.assert_allclose(found.at(str(elements)), 0, atol=1e-8)
-    assert found.at(f"{elements}.rotation")[0] == pytest.approx(2 * np.pi * turns, rel=1e-10)
+    assert found.at(f"{elements}.rotation")[0] == approx(2 * np.pi * turns, rel=1e-10)
     assert int(found.iterations) <= 40 * turns
 
 
@@ -120,7 +121,7 @@ def test_princeton_beam(angle):
     np.testing.assert_allclose(found.at("1") - np.array([0.508, 0, 0]), [ux, uy, uz], atol=1e-6)
     l0, l1, l2, l3 = np.asarray(found.at("1.rotation"))
     turned = np.arctan2(2 * (l2 * l3 + l0 * l1), l0**2 - l1**2 + l2**2 - l3**2)
-    assert np.rad2deg(turned) == pytest.approx(twist, abs=1e-4)
+    assert np.rad2deg(turned) == approx(twist, abs=1e-4)
 
 
 @pytest.mark.slow
@@ -141,7 +142,7 @@ def test_euler_columns_by_one_element():
     # A11-euler, closed form; P/EA = 1e-8.
     b = chain(planar.spectral_beam(8), straight(1), PLANE)
     b.force("1", (-1.0, 0))
-    assert fm.buckling_loads(b.build())[0] == pytest.approx(2.4674011003, rel=1e-7)
+    assert fm.buckling_loads(b.build())[0] == approx(2.4674011003, rel=1e-7)
 
 
 POST_BUCKLING = {  # A2, closed form: tip angle [deg]: P over the buckling load, x, y
@@ -169,12 +170,12 @@ def test_post_buckling(angle, side):
     path = fm.path(pressed(ratio), switch=side)
     (critical,) = path.critical_points
     assert critical.kind == "bifurcation"
-    assert ratio * critical.load_factor == pytest.approx(1, abs=1e-10)
+    assert ratio * critical.load_factor == approx(1, abs=1e-10)
     assert path.load_factor[-1] == 1.0
     assert path.stable[-1]
     # The table's tolerance; at 20 degrees the last digit of the load is 3e-10 of y.
     np.testing.assert_allclose(path.at("1")[-1], [x, side * y], rtol=0, atol=1e-8)
-    assert np.rad2deg(path.at("1.rotation")[-1, 0]) == pytest.approx(side * angle, abs=1e-6)
+    assert np.rad2deg(path.at("1.rotation")[-1, 0]) == approx(side * angle, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -190,7 +191,7 @@ def test_the_straight_state_beyond_buckling_is_called_unstable():
     np.testing.assert_allclose(found.at("1"), [1, 0], rtol=0, atol=1e-12)
     assert not fm.modes(model).stable
     # The load multiplier of linear buckling about it counts from none: less than one.
-    assert fm.buckling_loads(model)[0] == pytest.approx(1 / ratio, rel=1e-9)
+    assert fm.buckling_loads(model)[0] == approx(1 / ratio, rel=1e-9)
 
 
 def modes_of(b, n):
@@ -256,11 +257,11 @@ def test_support_stiffness_of_a_guide_at_a_stroke(stroke):
     found = fm.equilibrium(model)
     force, y, phi, support = B1[stroke]
     x_index, y_index = model.labels.coordinates("platform")
-    assert found.reactions[x_index] == pytest.approx(force, rel=1e-6)
-    assert found.x[y_index] - 1 == pytest.approx(y, rel=1e-4)
-    assert found.at("platform.rotation")[0] == pytest.approx(phi, rel=2e-3)
+    assert found.reactions[x_index] == approx(force, rel=1e-6)
+    assert found.x[y_index] - 1 == approx(y, rel=1e-4)
+    assert found.at("platform.rotation")[0] == approx(phi, rel=2e-3)
     compliance = fm.linear.directional_compliance(model)["platform"]
-    assert 1 / compliance[1] == pytest.approx(support, rel=1e-4)
+    assert 1 / compliance[1] == approx(support, rel=1e-4)
 
 
 def cross_pivot(fraction, angle):
@@ -278,8 +279,8 @@ def cross_pivot(fraction, angle):
 def test_cross_pivot(fraction, degrees, stiffness, shift):
     found = cross_pivot(fraction, np.deg2rad(degrees))
     # B3, inextensible leaf springs: 1e-6 in M/phi, 1e-5 in the shift; EA L^2/EI = 1e9.
-    assert found[0] == pytest.approx(stiffness, rel=1e-6)
-    assert found[1] == pytest.approx(shift, rel=1e-5, abs=1e-8)
+    assert found[0] == approx(stiffness, rel=1e-6)
+    assert found[1] == approx(shift, rel=1e-5, abs=1e-8)
 
 
 @pytest.mark.slow

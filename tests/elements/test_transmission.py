@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.optimize import root
 
 import flexmb as fm
@@ -64,7 +65,7 @@ def test_belt_is_as_long_as_the_way_it_takes(case):
         near = np.asarray(call([p, np.array([turn_p]), q, np.array([turn_q])][:n], near))
         now = length_between_marks(p, q, way + around, turn_p, turn_q, radii)
         # Root finding leaves 1e-9 of an angle, to first order nothing of the length.
-        assert near[0] == pytest.approx(now - begin, abs=1e-12)
+        assert near[0] == approx(now - begin, abs=1e-12)
 
 
 def lift(turn=0.0, free=False):
@@ -322,7 +323,7 @@ def test_a_rigid_body_is_clamped_at_both_ends(dimension, kind):
     # Both beams and the stiff part between them, by hand: a cantilever bends where it can, by M = F (l - x).
     expected = 1e-4 * ((0.25**3 - 0.15**3) + 0.1**3) / 3
     # The slope to the second power.
-    assert fm.equilibrium(b.build()).at("n3")[1] == pytest.approx(expected, rel=1e-6)
+    assert fm.equilibrium(b.build()).at("n3")[1] == approx(expected, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.optimize
+from cases.tolerances import approx
 from numpy.polynomial import legendre
 
 import flexmb as fm
@@ -45,8 +46,8 @@ def test_twist_of_a_strip_by_the_closed_form(beams, ends):
     al = LENGTH * np.sqrt(TWIST / WARPING)
     factor = {2: 1 / (1 - 2 * np.tanh(al / 2) / al), 1: 1 / (1 - np.tanh(al) / al), 0: 1.0}[sum(ends)]
     found = twist_stiffness(rod([LEAF] * beams, [LENGTH / beams] * beams, ends), f"n{beams}")
-    assert found == pytest.approx(TWIST / LENGTH * factor, rel=1e-12)
-    assert factor == pytest.approx(float(fm.sections.warping_factor(LENGTH, 0.018, 0.3, sum(ends))), rel=2e-3)
+    assert found == approx(TWIST / LENGTH * factor, rel=1e-12)
+    assert factor == approx(float(fm.sections.warping_factor(LENGTH, 0.018, 0.3, sum(ends))), rel=2e-3)
 
 
 @pytest.mark.slow
@@ -77,7 +78,7 @@ def test_two_strips_share_what_warps_between_them():
     rows[7, 4:], right[6] = terms(1, lengths[1], 1), 1.0
     angle = terms(1, lengths[1], 0) @ np.linalg.solve(rows, right)[4:]
     found = twist_stiffness(rod(sections, lengths, (True, True)), "n2")
-    assert found == pytest.approx(1 / angle, rel=1e-9)
+    assert found == approx(1 / angle, rel=1e-9)
 
 
 def least_energy(u: float) -> np.ndarray:
@@ -141,8 +142,8 @@ def test_torsional_frequency_of_a_strip_that_is_clamped_at_its_foot():
             for deformation in (1, 3, 4, 5, 6):
                 b.release(f"beam {i}", deformation)
         errors.append(2 * np.pi * float(fm.frequencies(b.build())[0]) / exact - 1)
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
-    assert (4 * errors[1] - errors[0]) / 3 == pytest.approx(0, abs=2e-5)
+    assert np.log2(errors[0] / errors[1]) == approx(2, abs=0.1)
+    assert (4 * errors[1] - errors[0]) / 3 == approx(0, abs=2e-5)
 
 
 # -- what shares it, and what holds it --------------------------------------------------------------------------------
@@ -166,8 +167,8 @@ def fold(shared: bool) -> float:
 
 def test_fold_shares_its_warping():
     """REFERENCES.md A14-leaf: 63.6993 N/m in solid elements, converged to 0.1 %; without sharing 2.3 % less."""
-    assert fold(True) == pytest.approx(63.6993, rel=1e-3)
-    assert fold(False) == pytest.approx(0.977 * 63.6993, rel=1e-3)
+    assert fold(True) == approx(63.6993, rel=1e-3)
+    assert fold(False) == approx(0.977 * 63.6993, rel=1e-3)
 
 
 def warping_of(model: fm.Model) -> dict[str, str]:
@@ -257,8 +258,8 @@ def test_a_chain_of_one_traced_section():
         return float(own.GIt) / LENGTH / (1 - np.tanh(al) / al)
 
     value, slope = jax.value_and_grad(stiffness)(0.5e-3)
-    assert float(value) == pytest.approx(closed(0.5e-3), rel=1e-10)
-    assert float(slope) == pytest.approx((closed(0.5e-3 + 1e-8) - closed(0.5e-3 - 1e-8)) / 2e-8, rel=1e-7)
+    assert float(value) == approx(closed(0.5e-3), rel=1e-10)
+    assert float(slope) == approx((closed(0.5e-3 + 1e-8) - closed(0.5e-3 - 1e-8)) / 2e-8, rel=1e-7)
 
 
 def test_a_rod_that_is_free_at_its_foot():
@@ -269,7 +270,7 @@ def test_a_rod_that_is_free_at_its_foot():
     b.add(spatial.warping_beam, "foot", "tip", section=LEAF, y=(0, 1, 0), clamped=False)
     b.fix("foot")
     assert warping_of(b.build()) == {"foot": "free", "tip": "free"}
-    assert twist_stiffness(b, "tip") == pytest.approx(TWIST / LENGTH, rel=1e-12)
+    assert twist_stiffness(b, "tip") == approx(TWIST / LENGTH, rel=1e-12)
 
 
 @pytest.mark.parametrize(

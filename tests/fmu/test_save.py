@@ -15,6 +15,7 @@ import pytest
 import scipy.linalg
 from cases.commands import command
 from cases.motions import height_behind_the_stop, sprung_mass, thrown_at_a_stop
+from cases.tolerances import approx
 from cases.units import opened, simulated
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
@@ -504,7 +505,7 @@ def test_a_stop_that_is_met_and_left_within_one_step_of_co_simulation_throws_bac
     # It is looked for every 62 ms, and would be passed for 89 ms.
     found = simulated(path, "cs", 2.0, 1.0, {"push": 0.0}, relative_tolerance=1e-8)
     # The tolerance of a state of a metre, of a contact that turns a speed of 0.4 m/s within 10 ms, over two seconds.
-    assert found["height"][-1] == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
+    assert found["height"][-1] == approx(float(height_behind_the_stop(0.44)), abs=1e-3)
 
 
 def carried_stage():

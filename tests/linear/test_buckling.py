@@ -7,6 +7,7 @@ import jax
 import numpy as np
 import pytest
 import scipy.linalg
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -139,9 +140,9 @@ def test_derivative_of_a_multiplier_by_sparse_factors(case):
     near = {i: float(second(1.0 + i * h)[0]) for i in (-2, -1, 1, 2)}
     difference = (8 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12 * h)
     dense = column(4, gravity=(0.0, -0.2), **case)
-    assert float(value) == pytest.approx(float(fm.buckling_loads(dense, count=2)[1]), rel=1e-9)
+    assert float(value) == approx(float(fm.buckling_loads(dense, count=2)[1]), rel=1e-9)
     # Truncation h^4, and round-off of the multiplier over h, 1e-8 measured.
-    assert float(slope) == pytest.approx(difference, rel=1e-7)
+    assert float(slope) == approx(difference, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -225,7 +226,7 @@ def test_loads_that_move_a_mechanism_far_before_it_buckles_are_told(increment, m
         with pytest.warns(fm.FlexmbWarning, match="Before") if moves else contextlib.nullcontext():
             function(model, count=1, sparse=True)
     # Euler's column of length 1, by two beams; the force across it bends it at first already.
-    assert 0.1 * float(loads[0]) == pytest.approx(np.pi**2 / 4, rel=0.04)
+    assert 0.1 * float(loads[0]) == approx(np.pi**2 / 4, rel=0.04)
 
 
 @pytest.mark.slow("True")

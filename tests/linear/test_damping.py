@@ -11,6 +11,7 @@ import scipy.linalg
 from cases import mechanisms
 from cases.mechanisms import LENGTH, THICKNESS, WIDTH, leaf, planar_guide
 from cases.motions import sprung_mass
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -208,8 +209,8 @@ def test_derivatives(given):
     at, step = 5e-4, 5e-8
     expected = float(answer(at + step) - answer(at - step)) / (2 * step)
     # Central differences: their own error is of the order (step/at)^2 and of round-off over step/at.
-    assert jax.jvp(answer, (at,), (1.0,))[1] == pytest.approx(expected, rel=1e-6)
-    assert jax.grad(answer)(at) == pytest.approx(expected, rel=1e-6)
+    assert jax.jvp(answer, (at,), (1.0,))[1] == approx(expected, rel=1e-6)
+    assert jax.grad(answer)(at) == approx(expected, rel=1e-6)
 
 
 @pytest.mark.slow("given9-TypeError-by names of elements or by Materials", "given10-ValueError-names no element")

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -26,11 +27,11 @@ def frequency(t):
 @pytest.mark.slow
 def test_frequency_and_its_derivative_are_the_closed_form():
     # E1: tolerance 1e-9 for the value, 1e-8 for the derivative; 31670.0798802 Hz/m is printed there.
-    assert frequency(T) == pytest.approx(10.64484738, abs=5e-9)
+    assert frequency(T) == approx(10.64484738, abs=5e-9)
     # Forward and reverse: the second takes the first through the other.
     slope, twice = fm.jit(lambda t: jax.jvp(jax.grad(frequency), (t,), (1.0,)))(T)
-    assert slope == pytest.approx(31670.0798802, rel=1e-8)
-    assert twice == pytest.approx(float(jax.grad(jax.grad(closed_form))(T)), rel=1e-7)
+    assert slope == approx(31670.0798802, rel=1e-8)
+    assert twice == approx(float(jax.grad(jax.grad(closed_form))(T)), rel=1e-7)
 
 
 @pytest.mark.slow
@@ -45,8 +46,8 @@ def test_frequency_about_a_linearisation_is_the_closed_form():
         return closed_form(t) * jnp.sqrt(1 - 20 / 78.75 * (T / t) ** 3)
 
     value, slope = fm.jit(jax.value_and_grad(loaded))(T)
-    assert value == pytest.approx(float(expected(T)), rel=1e-9)
-    assert slope == pytest.approx(float(jax.grad(expected)(T)), rel=1e-8)
+    assert value == approx(float(expected(T)), rel=1e-9)
+    assert slope == approx(float(jax.grad(expected)(T)), rel=1e-8)
 
 
 ANSWERS = ("frequency", "buckling load", "entry of A", "drive compliance", "deflection")
@@ -75,11 +76,11 @@ def test_derivatives_by_thickness_and_the_cube_of_it_in_a_buckling_load():
     found = forward(T, force)
     for i, name in enumerate(ANSWERS):
         # Truncation of the difference is (1e-5)^2, its round-off about 1e-16/1e-5 times the conditioning of the answer.
-        assert found[i] == pytest.approx(float(difference[i]), rel=1e-6), name
-        assert reverse(T, force)[i] == pytest.approx(float(found[i]), rel=1e-10), name
+        assert found[i] == approx(float(difference[i]), rel=1e-6), name
+        assert reverse(T, force)[i] == approx(float(found[i]), rel=1e-10), name
     # d ln P/d ln t = 3 for EI ~ t^3 with fixed elongations, exactly, in the limit of small load.
     light = np.array([0.0, -1e-3])
-    assert T * reverse(T, light)[1] / value(T, light)[1] == pytest.approx(3, rel=1e-8)
+    assert T * reverse(T, light)[1] / value(T, light)[1] == approx(3, rel=1e-8)
 
 
 def test_vmap_over_thicknesses_is_a_loop():
@@ -165,7 +166,7 @@ def test_condition_of_the_derivatives_of_an_equilibrium():
         b.dof("n2", "x")
         return fm.linearize(b.build()).condition
 
-    assert chain(1.0, 1e6, joined=False) == pytest.approx(1.0)
+    assert chain(1.0, 1e6, joined=False) == approx(1.0)
     # K = (k1 + k2, -k2; -k2, k2), off the diagonal -1/sqrt(1 + k1/k2) once scaled: eigenvalues 1 +- that.
     s = 1 / np.sqrt(1 + 1e-6)
-    assert chain(1.0, 1e6, joined=True) == pytest.approx((1 + s) / (1 - s), rel=1e-6)
+    assert chain(1.0, 1e6, joined=True) == approx((1 + s) / (1 - s), rel=1e-6)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -38,7 +39,7 @@ def shallow(load) -> fm.Model:
 def test_stiffness_and_mass_below_the_limit():
     height = 0.8 * HEIGHT
     lin = fm.linearize(shallow(carried(height)))
-    assert lin.x[lin.labels.known("apex")][1] == pytest.approx(height, abs=1e-10)
+    assert lin.x[lin.labels.known("apex")][1] == approx(height, abs=1e-10)
     now = np.hypot(SPAN, height)
     force = EA * (now - LENGTH) / LENGTH
     # Of both bars: EA/l0 sin^2, and N/l cos^2.
@@ -79,6 +80,6 @@ def test_mass_of_what_has_turned():
     b.dof("pivot", "phi")
     b.force("end.rotation", (1.2,))
     lin = fm.linearize(b.build())
-    assert lin.x[lin.labels.known("pivot.rotation")][0] == pytest.approx(0.6, rel=1e-9)
+    assert lin.x[lin.labels.known("pivot.rotation")][0] == approx(0.6, rel=1e-9)
     np.testing.assert_allclose(lin.M0, [[mass * length**3 / 3 + rotary * length]], rtol=1e-9)
     np.testing.assert_allclose(lin.K, [[stiffness]], rtol=1e-9)

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms, motions
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -170,7 +171,7 @@ def test_compliance_beside_a_free_motion():
     bending = np.array([[0.1**3 / 3, 0.1**2 / 2], [0.1**2 / 2, 0.1]]) / EI
     found = fm.compliance(model, "B")
     np.testing.assert_allclose(found[1:, 1:], bending, rtol=1e-9)
-    assert fm.stiffness(model, "B", "y") == pytest.approx(1 / bending[0, 0], rel=1e-9)
+    assert fm.stiffness(model, "B", "y") == approx(1 / bending[0, 0], rel=1e-9)
     for ask in (lambda: fm.compliance(model, "Q"), lambda: fm.stiffness(model, "Q", "x")):
         with pytest.raises(fm.AnalysisError, match=r"'Q'.* arm\.phi") as fault:
             ask()
@@ -238,7 +239,7 @@ def test_derivative_of_a_compliance_still_is():
 
     # With the cube of the thickness.
     value, slope = jax.value_and_grad(flexibility)(5e-4)
-    assert slope == pytest.approx(-3 * float(value) / 5e-4, rel=1e-9)
+    assert slope == approx(-3 * float(value) / 5e-4, rel=1e-9)
 
 
 # -- neither mass nor stiffness -------------------------------------------------------------------------------------
@@ -313,8 +314,8 @@ def test_derivative_of_a_compliance_beside_a_free_motion():
         return fm.compliance(with_a_wheel(factor=factor), "mass")[0, 0]
 
     # One over the stiffness, and its derivatives.
-    assert jax.grad(flexibility)(2.0) == pytest.approx(-1 / (500 * 2.0**2), rel=1e-9)
-    assert jax.hessian(flexibility)(2.0) == pytest.approx(2 / (500 * 2.0**3), rel=1e-9)
+    assert jax.grad(flexibility)(2.0) == approx(-1 / (500 * 2.0**2), rel=1e-9)
+    assert jax.hessian(flexibility)(2.0) == approx(2 / (500 * 2.0**3), rel=1e-9)
 
 
 def test_what_damping_alone_holds_has_a_pole_at_zero():

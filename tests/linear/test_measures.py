@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -51,7 +52,7 @@ def test_functions_of_a_cluster_have_right_derivatives(gap, function):
         step = h * np.eye(3)[i]
         difference = (function(hertz(at + step)) - function(hertz(at - step))) / (2 * h)
         # Truncation of the difference: the curvature of the smooth minimum is its sharpness, 50, over the frequency.
-        assert reverse[i] == pytest.approx(float(difference), rel=1e-6)
+        assert reverse[i] == approx(float(difference), rel=1e-6)
     np.testing.assert_allclose(forward, reverse, rtol=1e-9)
 
 
@@ -94,15 +95,15 @@ def test_vectors_and_second_derivatives_at_a_repeated_pair():
             np.testing.assert_allclose(found, same, rtol=1e-12, atol=1e-12)
         # Of second order only finite: that of the sum misses what the pair's own rotation adds where B changes.
         assert np.all(np.isfinite(twice))
-        assert twice[1] == pytest.approx(float(expected[1]), rel=1e-11)
+        assert twice[1] == approx(float(expected[1]), rel=1e-11)
 
 
 @pytest.mark.slow
 def test_smooth_minimum_is_near_the_minimum():
     values = jnp.array([2.0, 2.0, 3.0, jnp.inf])
     # Closed form: (2 + (2/3)^50)^(-1/50) * 2.
-    assert fm.linear.smooth_minimum(values) == pytest.approx(2 * (2 + (2 / 3) ** 50) ** (-1 / 50), rel=1e-12)
-    assert fm.linear.smooth_maximum(values[:3], 2.0) == pytest.approx(np.sqrt(17), rel=1e-12)
+    assert fm.linear.smooth_minimum(values) == approx(2 * (2 + (2 / 3) ** 50) ** (-1 / 50), rel=1e-12)
+    assert fm.linear.smooth_maximum(values[:3], 2.0) == approx(np.sqrt(17), rel=1e-12)
     assert np.all(np.isfinite(jax.grad(fm.linear.smooth_minimum)(values)))
     with pytest.raises(ValueError, match="must be positive"):
         fm.linear.smooth_minimum(jnp.array([-1.0, 2.0]))
@@ -141,20 +142,20 @@ def test_a_frequency_is_followed_through_a_crossing():
     for k in (1.4 * K, 1.0001 * K, K * (1 + 1e-12), K, 0.9999 * K, 0.6 * K):
         # Closed form of the oscillator along y: sqrt(k/m)/2 pi, whatever the other does.
         value, slope = fm.jit(jax.value_and_grad(followed))(k)
-        assert value == pytest.approx(np.sqrt(k / M) / (2 * np.pi), rel=1e-10)
-        assert slope == pytest.approx(np.sqrt(1 / (k * M)) / (4 * np.pi), rel=1e-9)
+        assert value == approx(np.sqrt(k / M) / (2 * np.pi), rel=1e-10)
+        assert slope == approx(np.sqrt(1 / (k * M)) / (4 * np.pi), rel=1e-9)
     # At the crossing itself the solver's vectors lie along x and y; the mode along the diagonal is made of both.
     slanted = np.array([1.0, 1.0])
     across = np.array([1.0, -1.0])
     like = fm.jit(jax.value_and_grad(lambda s, along: fm.linear.frequency_like(cross((K, K, s)), along)))
     for skew in (0.1 * K, 1e-9 * K, 0.0):
         value, slope = like(skew, slanted)
-        assert value == pytest.approx(np.sqrt((K + skew) / M) / (2 * np.pi), rel=1e-8)  # the share of the cluster
-        assert slope == pytest.approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
+        assert value == approx(np.sqrt((K + skew) / M) / (2 * np.pi), rel=1e-8)  # the share of the cluster
+        assert slope == approx(np.sqrt(1 / ((K + skew) * M)) / (4 * np.pi), rel=1e-6)
         # The skew spring does not act across itself: this mode is the lower one.
         value, slope = like(skew, across)
-        assert value == pytest.approx(np.sqrt(K / M) / (2 * np.pi), rel=1e-8)
-        assert slope == pytest.approx(0.0, abs=1e-6 / (4 * np.pi * np.sqrt(K * M)))
+        assert value == approx(np.sqrt(K / M) / (2 * np.pi), rel=1e-8)
+        assert slope == approx(0.0, abs=1e-6 / (4 * np.pi * np.sqrt(K * M)))
     with pytest.raises(ValueError, match="must have 2 entries"):
         fm.linear.frequency_like(cross((K, K, 0.0)), shape[:1])
 
@@ -183,7 +184,7 @@ def test_modes_are_compared_whatever_their_degrees_of_freedom():
     np.testing.assert_allclose(np.diag(fm.linear.mode_assurance(one, other)), 1.0, atol=2e-3)
     for model, modes in ((guide(0.1), other), (guide(0.1001), one)):
         found = fm.linear.frequency_like(model, modes, 1)
-        assert found == pytest.approx(float(fm.frequencies(model)[1]), rel=1e-12)
+        assert found == approx(float(fm.frequencies(model)[1]), rel=1e-12)
     with pytest.raises(ValueError, match=r"`number` .* one of the 6 modes, from 0, but is 6"):
         fm.linear.frequency_like(guide(0.1), one, 6)
     with pytest.raises(ValueError, match=r"`number` .* goes with Modes"):

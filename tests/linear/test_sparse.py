@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -108,7 +109,7 @@ def test_derivatives_are_those_of_central_differences():
     near = {i: both(start + i * h)[0] for i in (-2, -1, 1, 2)}
     difference = (8 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12 * h)
     # Truncation (h/t)^4, and the equilibrium's 1e-10 over h.
-    assert float(both(start)[1]) == pytest.approx(float(difference), rel=1e-6)
+    assert float(both(start)[1]) == approx(float(difference), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -131,9 +132,9 @@ def test_repeated_frequencies_have_derivatives_of_what_does_not_depend_on_shapes
 
     value, slope = jax.jvp(total, (2e-3,), (1.0,))
     # Rotary inertia, as the square of thickness over length, is what the formula leaves out.
-    assert float(slope[0]) == pytest.approx(float(value[0]) / 2e-3, rel=1e-4)
+    assert float(slope[0]) == approx(float(value[0]) / 2e-3, rel=1e-4)
     # Mass goes as the square of the thickness, and so do squares of shapes with the inverse of it.
-    assert float(slope[1]) == pytest.approx(-2 * float(value[1]) / 2e-3, rel=1e-3)
+    assert float(slope[1]) == approx(-2 * float(value[1]) / 2e-3, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -209,7 +210,7 @@ def test_few_motions_of_many_coordinates_are_found_one_and_all():
     large = comb(3)
     loads = fm.buckling_loads(large, count=3, sparse=True)
     # Of leaf springs that are shortened by 1e-6 and stand on a rigid ground.
-    assert loads[0] == pytest.approx(10 * 210e9 * 0.02 * 5e-4**3 / 12 / 0.1**2, rel=2e-3)
+    assert loads[0] == approx(10 * 210e9 * 0.02 * 5e-4**3 / 12 / 0.1**2, rel=2e-3)
     assert np.all(loads[1:] > 1e4)
     found = fm.frequencies(large, count=10, sparse=True)
     np.testing.assert_allclose(found, fm.frequencies(comb(3, check=True)), rtol=1e-9)

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -178,7 +179,7 @@ def test_derivatives_are_those_of_central_differences():
     near = {i: both(start + i * h)[0] for i in (-2, -1, 1, 2)}
     difference = (8 * (near[1] - near[-1]) - (near[2] - near[-2])) / (12 * h)
     # Truncation h^4, and the equilibrium's 1e-10 over h.
-    assert float(both(start)[1]) == pytest.approx(float(difference), rel=1e-6)
+    assert float(both(start)[1]) == approx(float(difference), rel=1e-6)
 
 
 @pytest.mark.slow

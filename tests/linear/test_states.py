@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from cases.mechanisms import LENGTH, THICKNESS, WIDTH, planar_guide
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -40,7 +41,7 @@ def test_a_load_takes_its_share_of_the_stiffness(pressed, name):
     ask = ASKS[name]
     # One degree of freedom about a straight state: K0 + P G0 to round-off.
     for at in ({"increment": 1.0}, {"at": path, "step": -1}, {"at": path.linearization(-1)}):
-        assert float(ask(model, **at) / ask(model, increment=0.0)) == pytest.approx(1 - LOAD / CRITICAL, rel=1e-9)
+        assert float(ask(model, **at) / ask(model, increment=0.0)) == approx(1 - LOAD / CRITICAL, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -48,8 +49,8 @@ def test_buckling_counts_from_the_increments_that_act(pressed):
     model, path = pressed
     for at in ({"increment": 1.0}, {"at": path, "step": -1}):
         # What more of the increment it bears.
-        assert float(fm.buckling_loads(model, **at)[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
-    assert float(fm.buckling(model, increment=1.0).multipliers[0]) == pytest.approx(CRITICAL / LOAD - 1, rel=1e-8)
+        assert float(fm.buckling_loads(model, **at)[0]) == approx(CRITICAL / LOAD - 1, rel=1e-8)
+    assert float(fm.buckling(model, increment=1.0).multipliers[0]) == approx(CRITICAL / LOAD - 1, rel=1e-8)
 
 
 @pytest.mark.slow
@@ -58,7 +59,7 @@ def test_buckling_about_a_state_without_increments_scales_its_own_loads(pressed)
     constant = dataclasses.replace(model.parameters, loads=model.parameters.increment, increment=None)
     constant = dataclasses.replace(model, parameters=constant)
     path = fm.path(constant, step=0.5)
-    assert float(fm.buckling_loads(constant, at=path, step=1)[0]) == pytest.approx(2 * CRITICAL / LOAD, rel=1e-8)
+    assert float(fm.buckling_loads(constant, at=path, step=1)[0]) == approx(2 * CRITICAL / LOAD, rel=1e-8)
 
 
 def bent_strip():

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 from references import shooting
 from references.rods import Assembly, Cantilever, PlanarRod, SpatialRod, column, matrix
 from scipy.spatial.transform import Rotation
@@ -77,7 +78,7 @@ def test_cantilever_with_a_force_at_its_tip(element, n):
     # The force tilts into the normal force by the slope, below F L^2/2EI.
     assert np.max(np.abs(values[:, :, [0, 1, 3, 5]])) < 2e-5 * FORCE
     largest = 6 * FORCE * L / (W * T**2)
-    assert found.maximum == pytest.approx(largest, rel=1e-8)
+    assert found.maximum == approx(largest, rel=1e-8)
     assert found.where[:2] == ("leaf 0", 0.0)
     np.testing.assert_allclose(
         found.sigma_x[0, 0], largest * -np.array([1, 1, 1, 0, -1, -1, -1, 0]), atol=1e-6 * largest
@@ -108,7 +109,7 @@ def test_force_bending_and_torsion_combined_by_hand(element, n):
     np.testing.assert_allclose(-np.asarray(found.tau[0, 0])[[1, 5]], expected, rtol=2e-3)
     np.testing.assert_allclose(np.asarray(found.tau[0, 0])[::2], 0, atol=1e-9)
     top = np.hypot(found.sigma_x[0, 0, 1], np.sqrt(3) * found.tau[0, 0, 1])
-    assert found.von_mises[0, 0, 1] == pytest.approx(float(top), rel=1e-12)
+    assert found.von_mises[0, 0, 1] == approx(float(top), rel=1e-12)
 
 
 def test_truss_has_a_normal_force_alone():
@@ -353,7 +354,7 @@ def test_cantilever_under_its_own_weight(element, n):
     np.testing.assert_allclose(np.asarray(found.resultants.values) / scale, expected / scale, rtol=0, atol=1e-5)
     # The largest stress is at the clamp, in space in a corner, where both moments and the normal force add up.
     corner = WEIGHT / (W * 5 * T) * np.abs(pull) @ [L, 3 * L**2 / W, 3 * L**2 / (5 * T)]
-    assert found.maximum == pytest.approx(corner, rel=1e-5)
+    assert found.maximum == approx(corner, rel=1e-5)
     assert found.where[:2] == ("leaf 0", 0.0)
 
 
@@ -405,7 +406,7 @@ def test_weight_among_the_incremental_loads_counts_by_its_factor():
     ] + [(path.linearization(i), 1 + share) for i, share in enumerate(np.asarray(path.load_factor))]:
         found = fm.stress(model, at=at, points=2)
         np.testing.assert_allclose(found.resultants.values[0, 0, 4], factor * WEIGHT * L**2 / 2, rtol=1e-5)
-        assert found.maximum == pytest.approx(6 * factor * WEIGHT * L**2 / 2 / (W * (5 * T) ** 2), rel=1e-5)
+        assert found.maximum == approx(6 * factor * WEIGHT * L**2 / 2 / (W * (5 * T) ** 2), rel=1e-5)
     factors = 1 + np.asarray(path.load_factor)
     every = fm.stress(model, at=path, points=2).resultants.values
     np.testing.assert_allclose(every[:, 0, 0, 4], factors * WEIGHT * L**2 / 2, rtol=1e-5)
@@ -602,7 +603,7 @@ def test_smooth_maximum_keeps_its_bound_and_scales():
         value = float(smooth(found, sharpness))
         assert found.maximum <= value <= found.maximum * 96 ** (1 / sharpness)
         for factor in (1e-9, 1e9):
-            assert smooth(of(factor), sharpness) == pytest.approx(factor * value, rel=1e-12)
+            assert smooth(of(factor), sharpness) == approx(factor * value, rel=1e-12)
     # Two that change places: the derivative of the maximum jumps, that of the estimate is shared between them.
     pair = np.zeros((3, 4, 8))
     pair[0, 0, 0] = pair[2, 1, 3] = 1.0
@@ -613,8 +614,8 @@ def test_smooth_maximum_keeps_its_bound_and_scales():
         return fm.linear.Stress(sigma, 0 * sigma, jnp.abs(sigma), blank).smooth_maximum(50.0)
 
     value, slope = map(np.asarray, estimate(pair))
-    assert slope[0, 0, 0] == pytest.approx(slope[2, 1, 3], rel=1e-12)
-    assert np.sum(slope * pair) == pytest.approx(value, rel=1e-12)
+    assert slope[0, 0, 0] == approx(slope[2, 1, 3], rel=1e-12)
+    assert np.sum(slope * pair) == approx(value, rel=1e-12)
     # Nothing stressed: zero, with a derivative.
     value, slope = estimate(0 * pair)
     assert value == 0
@@ -719,7 +720,7 @@ def test_answers_have_the_stress_of_sections_with_a_shape():
     for mode, factor in ((7, 1), (10, 2)):
         data = answer(twice_as_heavy(), "bar", mode, dofs="auto").data
         found = data["path"][-1]["stress"] if mode == 10 else data["stress"]
-        assert found["maximum"] == pytest.approx(factor * largest, rel=1e-5)
+        assert found["maximum"] == approx(factor * largest, rel=1e-5)
         assert (found["element"], found["place"]) == ("leaf 0", 0)
     numbers = chain(planar.truss, straight(1, False), fm.Rigidity(EA=1.0, mass=1.0))
     numbers.fix("1", "y")
@@ -745,7 +746,7 @@ def test_both_sides_of_a_break_are_looked_at():
     found = stepped(0.37)
     # The force bends it so little that its lever is 1e-5 shorter.
     np.testing.assert_allclose(found.maximum, 0.1 * 0.063 / (0.01 * 0.001**2 / 6), rtol=1e-4)
-    assert (found.where.place, len(found.places)) == (pytest.approx(0.37), 5 + 2 + 2)
+    assert (found.where.place, len(found.places)) == (approx(0.37), 5 + 2 + 2)
     np.testing.assert_allclose(found.utilisation, float(found.maximum) / 3e8)
 
     # Traced breaks of two elements at one place are not known to be one: it stands twice, and counts once.
@@ -779,8 +780,8 @@ def test_stress_between_the_ends_of_a_spectral_beam():
     found = fm.stress(b.build(dofs="named"))
     # Half of one of 32 parts aside cos(kL/64) is 8e-4 less, of four parts 5 %.
     bending = 6 * moment / np.sin(2.5) / (0.01 * 0.001**2)
-    assert float(found.maximum) == pytest.approx(thrust / (0.01 * 0.001) + bending, rel=1e-3)
-    assert found.where.place == pytest.approx(np.pi / 5, abs=1 / 64)
+    assert float(found.maximum) == approx(thrust / (0.01 * 0.001) + bending, rel=1e-3)
+    assert found.where.place == approx(np.pi / 5, abs=1 / 64)
 
 
 @pytest.mark.slow("breaks0")
@@ -798,4 +799,4 @@ def test_stress_in_a_groove_between_the_places(breaks):
     b.add(planar.spectral_beam, "A", "B", section=groove, order=10)
     found = fm.stress(b.build(dofs="named"))
     # At half a part from the middle of the groove it is thicker by 0.3 (1/(128 width))^2.
-    assert float(found.maximum) == pytest.approx(6e-3 / (0.01 * 0.0007**2), rel=6e-3)
+    assert float(found.maximum) == approx(6e-3 / (0.01 * 0.0007**2), rel=6e-3)

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from linear.test_sparse_poles import rotor
 from scipy.optimize import brentq
 
@@ -140,7 +141,7 @@ def test_many_short_beams_bifurcate_along_a_path_as_fewer():
     )
     assert few.kind == many.kind == "bifurcation"
     # Discretisation of 100 beams is 5e-9; entries of the stiffness alone gave 3e-6.
-    assert many.load_factor == pytest.approx(few.load_factor, rel=5e-8)
+    assert many.load_factor == approx(few.load_factor, rel=5e-8)
 
 
 def test_many_short_beams_buckle_as_a_column(strip):

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
+from cases.tolerances import approx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -94,7 +95,7 @@ def test_derivative_of_a_solution(matrix, change):
         for answer, value, (forward, reverse) in ((found, expected, of[:2]), (again, curved, of[2:])):
             atol = 100 * EPS * 1e4 * max(np.max(np.abs(each), initial=1) for each in (expected, curved))
             np.testing.assert_allclose(answer, value, rtol=0, atol=atol)
-            assert float(reverse) == pytest.approx(float(forward), rel=0, abs=10 * atol)
+            assert float(reverse) == approx(float(forward), rel=0, abs=10 * atol)
 
 
 @pytest.mark.slow
@@ -114,7 +115,7 @@ def test_second_derivatives_in_every_order(transposed):
     expected = (2 * back @ back @ np.linalg.solve(a, right))[0]
     for outer in (jax.jacfwd, jax.jacrev):
         for inner in (jax.jacfwd, jax.jacrev):
-            assert outer(inner(first))(0.0) == pytest.approx(expected, rel=1e-12)
+            assert outer(inner(first))(0.0) == approx(expected, rel=1e-12)
 
 
 @given(definite)
@@ -245,14 +246,14 @@ def test_repeated_eigenvalue_has_finite_derivatives_and_the_right_sum(seed, b, d
     assert np.all(np.isfinite(by_a))
     assert np.all(np.isfinite(by_b))
     # The same numbers in another order.
-    assert np.sum(by_a * da) + np.sum(by_b * db) == pytest.approx(slope, rel=1e-9, abs=1e-9)
+    assert np.sum(by_a * da) + np.sum(by_b * db) == approx(slope, rel=1e-9, abs=1e-9)
     step = 1e-5
 
     def beside(t):
         return np.sum(scipy.linalg.eigh(a + t * da, b + t * db, eigvals_only=True)[1:3])
 
     # The gap to the rest is 1, the sum smooth: truncation (40 step)^2, round-off 100 eps/step.
-    assert slope == pytest.approx((beside(step) - beside(-step)) / (2 * step), rel=1e-6, abs=1e-6)
+    assert slope == approx((beside(step) - beside(-step)) / (2 * step), rel=1e-6, abs=1e-6)
     assert np.isfinite(twice((a, b), (da, db)))
 
 
@@ -267,7 +268,7 @@ def test_second_derivative_of_the_sum_of_a_repeated_pair_at_constant_b(seed, b, 
 
     # Truncation step^2 times the fourth derivative, |da|^4 up to 1e4; round-off 100 eps/step^2.
     expected = (at(step) - 2 * at(0) + at(-step)) / step**2
-    assert twice((a, b), (da, db)) == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    assert twice((a, b), (da, db)) == approx(expected, rel=1e-3, abs=1e-3)
 
 
 @pytest.mark.slow

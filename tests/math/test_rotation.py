@@ -5,6 +5,7 @@ import hypothesis.extra.numpy as npst
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -26,7 +27,7 @@ def test_rotation_matrix_is_that_of_the_turn(turn):
     found = np.asarray(r.rotation_matrix(parameters(turn)))
     np.testing.assert_allclose(found, turn.as_matrix(), atol=20 * EPS)
     np.testing.assert_allclose(found @ found.T, np.eye(3), atol=20 * EPS)
-    assert np.linalg.det(found) == pytest.approx(1, abs=20 * EPS)
+    assert np.linalg.det(found) == approx(1, abs=20 * EPS)
     # Both signs of the parameters are the same rotation.
     np.testing.assert_array_equal(r.rotation_matrix(-parameters(turn)), found)
 
@@ -89,7 +90,7 @@ def test_rate_matrices_have_orthonormal_rows_across_the_parameters(turn):
 def test_dual_of_a_moment_has_its_power(turn, moment, omega):
     # f = 2 lbar^T M: f . lam_dot = M . omega for the rates lam_dot = lbar^T omega / 2.
     lbar = np.asarray(r.lbar(parameters(turn)))
-    assert (2 * lbar.T @ moment) @ (lbar.T @ omega / 2) == pytest.approx(moment @ omega, abs=20 * EPS)
+    assert (2 * lbar.T @ moment) @ (lbar.T @ omega / 2) == approx(moment @ omega, abs=20 * EPS)
 
 
 @given(turns, turns, turns, turns)
@@ -113,7 +114,7 @@ def test_what_turns_with_a_triad(now, ref, vector):
 def test_polar_angle_and_its_derivatives(angle):
     """Of v = 2 (cos a, sin a): by the vector (-v2, v1)/v^2, and again (2 v1 v2, v2^2 - v1^2; .., -2 v1 v2)/v^4."""
     vector = 2 * np.array([np.cos(angle), np.sin(angle)])
-    assert float(r.polar_angle(vector)) == pytest.approx(angle, rel=1e-15)
+    assert float(r.polar_angle(vector)) == approx(angle, rel=1e-15)
     c, s = np.cos(2 * angle), np.sin(2 * angle)
     for first in (jax.jacfwd, jax.jacrev):
         slope, bend = fm.jit(lambda x, first=first: (first(r.polar_angle)(x), jax.jacfwd(first(r.polar_angle))(x)))(

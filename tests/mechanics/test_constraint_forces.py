@@ -3,6 +3,7 @@
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.optimize import brentq
 
 import flexmb as fm
@@ -34,7 +35,7 @@ def planar_pendulum(gravity, joint="shared"):
 @pytest.mark.parametrize("joint", ["shared", "hinge"])
 def test_hanging_pendulum_in_the_plane(joint):
     model = planar_pendulum(-9.81, joint)
-    assert fm.frequencies(model)[0] == pytest.approx(PENDULUM, rel=1e-10)
+    assert fm.frequencies(model)[0] == approx(PENDULUM, rel=1e-10)
     lin = fm.linearize(model)
     # At rest without any auxiliary spring; there is no elastic stiffness at all.
     np.testing.assert_allclose(lin.x, model.parameters.reference, atol=1e-12)
@@ -46,9 +47,9 @@ def test_hanging_pendulum_in_the_plane(joint):
 def test_inverted_pendulum_is_reported_unstable():
     model = planar_pendulum(9.81)
     found = fm.modes(model)
-    assert found.eigenvalues[0] == pytest.approx(-9.81 / 1.1, rel=1e-10)
+    assert found.eigenvalues[0] == approx(-9.81 / 1.1, rel=1e-10)
     assert not found.stable
-    assert found.frequencies[0] == pytest.approx(-PENDULUM, rel=1e-10)
+    assert found.frequencies[0] == approx(-PENDULUM, rel=1e-10)
 
 
 @pytest.mark.slow
@@ -66,7 +67,7 @@ def test_hanging_pendulum_in_space():
     b.gravity((0, 0, -9.81))
     model = b.build()
     assert model.counts()["ndof"] == 1
-    assert fm.frequencies(model)[0] == pytest.approx(PENDULUM, rel=1e-10)
+    assert fm.frequencies(model)[0] == approx(PENDULUM, rel=1e-10)
 
 
 def column(beams, length=0.1, extension=0.0, force=(0.0, -1.0), held="free", section=None):
@@ -135,9 +136,9 @@ def test_lowest_eigenvalue_is_zero_at_the_load_of_linear_buckling(element):
 
     critical = brentq(lowest, 2.8, 3.0, xtol=1e-9)
     # Multipliers are counted at the strain of 1 N, the eigenvalue is zero at that of 2.9 N: P/EA = 1.5e-6.
-    assert fm.buckling_loads(model)[0] == pytest.approx(critical, rel=3e-6)
+    assert fm.buckling_loads(model)[0] == approx(critical, rel=3e-6)
     if element == "spectral":
-        assert critical == pytest.approx(2.91443467, rel=3e-6)
+        assert critical == approx(2.91443467, rel=3e-6)
 
 
 def test_side_load_grows_towards_the_buckling_load():
@@ -145,7 +146,7 @@ def test_side_load_grows_towards_the_buckling_load():
         return float(fm.equilibrium(column(8, extension=0.1, force=(1e-3, -p)).build()).at("end")[0])
 
     # As 1/(1 - P/P_cr): 12.4-fold between 1.5 and 2.8 N (P2; two digits given).
-    assert displacement(2.8) / displacement(1.5) == pytest.approx(12.4, rel=0.01)
+    assert displacement(2.8) / displacement(1.5) == approx(12.4, rel=0.01)
 
 
 @pytest.mark.slow
@@ -178,8 +179,8 @@ def test_euler_column_scales_with_thickness_and_length():
 
     value, (by_t, by_l) = fm.jit(jax.value_and_grad(load, argnums=(0, 1)))(5e-4, 0.1)
     # Exact for the inextensible column; the strain P/EA = 5e-6 is left.
-    assert by_t * 5e-4 / value == pytest.approx(3, abs=5e-5)
-    assert by_l * 0.1 / value == pytest.approx(-2, abs=5e-5)
+    assert by_t * 5e-4 / value == approx(3, abs=5e-5)
+    assert by_l * 0.1 / value == approx(-2, abs=5e-5)
 
 
 @pytest.mark.slow
@@ -197,4 +198,4 @@ def test_free_masses_have_a_frequency_besides_their_common_motion(dofs):
     found = fm.frequencies(b.build())
     # Round-off of zero under the root; the other has lost the digits by which the shift exceeds it.
     assert abs(found[0]) < 1e-6
-    assert found[1] == pytest.approx(np.sqrt(100 * (1 / 0.37 + 1 / 2.0)) / (2 * np.pi), rel=1e-7)
+    assert found[1] == approx(np.sqrt(100 * (1 / 0.37 + 1 / 2.0)) / (2 * np.pi), rel=1e-7)

@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -405,7 +406,7 @@ def test_derivatives_of_the_equilibrium():
     by_each = [weights @ difference(direction) for direction in np.eye(4)]
     np.testing.assert_allclose(by_each, reverse, rtol=0, atol=1e-8 * np.sum(weights))
     # The two modes against each other: the tangent's condition number, below 1e4, times eps.
-    assert reverse @ along == pytest.approx(weights @ forward, rel=1e-10)
+    assert reverse @ along == approx(weights @ forward, rel=1e-10)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -66,7 +67,7 @@ def test_reactions_of_a_cantilever_are_load_and_weight_and_their_moments(loaded)
     np.testing.assert_allclose(loaded.reaction("foot", "x"), -1.0, atol=1e-9)
     np.testing.assert_allclose(loaded.reaction("foot", "y"), weight + own - 3.0, atol=1e-9)
     about_foot = x * (3.0 - weight) - y * 1.0
-    assert float(loaded.reaction("foot", "phi") + about_foot) == pytest.approx(own * LENGTH / 2, rel=2e-3)
+    assert float(loaded.reaction("foot", "phi") + about_foot) == approx(own * LENGTH / 2, rel=2e-3)
     np.testing.assert_array_equal(loaded.reaction("foot"), [loaded.reaction("foot", c) for c in ("x", "y", "phi")])
     np.testing.assert_array_equal(loaded.reaction("foot.rotation")[0], loaded.reaction("foot", "phi"))
     # What is needed from outside is the load itself: neither weight nor, at the foot, more than the support.
@@ -103,12 +104,12 @@ def test_states_and_modes_answer_alike(loaded):
 def test_force_at_a_prescribed_tip_is_that_of_its_stiffness():
     stroke = 1e-3 * LENGTH
     # 3 EI / L^3 of small strokes; the next term is of the order of (stroke / L)^2, 1e-6.
-    assert float(fm.equilibrium(cantilever(stroke=stroke)).force_needed("tip", "y")) == pytest.approx(
+    assert float(fm.equilibrium(cantilever(stroke=stroke)).force_needed("tip", "y")) == approx(
         3 * EI / LENGTH**3 * stroke, rel=2e-6
     )
 
     drive = fm.jit(lambda stroke: fm.equilibrium(cantilever(stroke=stroke)).force_needed("tip", "y"))
-    assert float(jax.grad(drive)(0.0)) == pytest.approx(3 * EI / LENGTH**3, rel=1e-8)
+    assert float(jax.grad(drive)(0.0)) == approx(3 * EI / LENGTH**3, rel=1e-8)
 
 
 def test_a_shaft_is_turned_by_its_torque():
@@ -118,17 +119,17 @@ def test_a_shaft_is_turned_by_its_torque():
     np.testing.assert_allclose(at.rotation("tip"), [1e-3 * LENGTH / GIT, 0, 0], rtol=1e-7, atol=1e-12)
     np.testing.assert_allclose(at.reaction("foot"), [0, 0, 0, -1e-3, 0, 0], atol=1e-10)
     np.testing.assert_allclose(at.force_needed("tip.rotation"), [1e-3, 0, 0], atol=1e-10)
-    assert float(at.force_needed("tip", "rx")) == pytest.approx(1e-3, rel=1e-9)
+    assert float(at.force_needed("tip", "rx")) == approx(1e-3, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_the_derivative_of_a_turn_is_finite_at_rest_and_a_mode_turns():
     turned = fm.jit(lambda torque: fm.equilibrium(shaft(torque)).rotation("tip", "rx"))
-    assert float(jax.grad(turned)(0.0)) == pytest.approx(LENGTH / GIT, rel=1e-9)
-    assert float(jax.jacfwd(turned)(0.0)) == pytest.approx(LENGTH / GIT, rel=1e-9)
+    assert float(jax.grad(turned)(0.0)) == approx(LENGTH / GIT, rel=1e-9)
+    assert float(jax.jacfwd(turned)(0.0)) == approx(LENGTH / GIT, rel=1e-9)
     # A torsional mode turns its end by 1/sqrt(J), J of the body and a third of that of the bar, which has none here.
     shape = fm.modes(shaft(None)).shape("tip", "rx")
-    assert np.max(np.abs(shape)) == pytest.approx(1 / np.sqrt(1e-3), rel=1e-6)
+    assert np.max(np.abs(shape)) == approx(1 / np.sqrt(1e-3), rel=1e-6)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -54,7 +55,7 @@ def test_a_ball_keeps_its_energy_on_a_stiff_stop(drop):
         found = fm.simulate(falling_ball(k, drop), times)
         height, speed = found.position("ball", "y")[-1] - (drop + 1.0), found.velocity("ball", "y")[-1]
         assert speed > 0
-        assert G * height + speed**2 / 2 == pytest.approx(0.0, abs=0.01 * G * drop), k
+        assert G * height + speed**2 / 2 == approx(0.0, abs=0.01 * G * drop), k
         assert found.energy_error < 1e-3
 
 
@@ -106,7 +107,7 @@ def test_diffrax_solvers_keep_the_energy_too():
     model, times = falling_ball(1e8, 1.0), np.linspace(0, 0.7, 51)
     found = fm.simulate(model, times, jumps=[0.1])
     height, speed = found.position("ball", "y")[-1] - 2.0, found.velocity("ball", "y")[-1]
-    assert G * height + speed**2 / 2 == pytest.approx(0.0, abs=0.01 * G)
+    assert G * height + speed**2 / 2 == approx(0.0, abs=0.01 * G)
     assert found.energy_error < 1e-3
     # Fixed steps are not looked at.
     fixed = fm.simulate(model, times, solver=fm.motion.GeneralizedAlpha(), dt0=1e-3)
@@ -185,4 +186,4 @@ def test_the_balance_leaves_derivatives_alone():
     k, h = 1e4, 10.0
     expected = float(end(k + h) - end(k - h)) / (2 * h)
     # Steps change with k, so that differences are off by some rtol over h.
-    assert float(jax.grad(end)(k)) == pytest.approx(expected, rel=1e-3)
+    assert float(jax.grad(end)(k)) == approx(expected, rel=1e-3)

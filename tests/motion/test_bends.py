@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.integrate import quad
 
 import flexmb as fm
@@ -63,7 +64,7 @@ def test_derivative_by_a_bend_that_stands_in_jumps():
     slope = fm.jit(jax.grad(lambda p: moved(lambda t: 5 * jnp.maximum(t - p, 0.0), jumps=[p])))
     for bend in BEND + 0.001 * np.arange(12):
         # The tolerance of a step, 1e-4.
-        assert slope(bend) == pytest.approx(answer_to(lambda t: -5.0, bend, LAST), rel=1e-4)
+        assert slope(bend) == approx(answer_to(lambda t: -5.0, bend, LAST), rel=1e-4)
 
 
 @pytest.mark.slow
@@ -74,7 +75,7 @@ def test_derivative_by_the_time_of_a_jump_of_what_moves():
     left = LAST - BEND
     # Less of what the jump adds. Steps to 1e-5 leave 6e-5; when they moved along, they left 32 %.
     wanted = -5 * np.exp(-decay * left) * np.sin(rate * left) / (MASS * rate)
-    assert slope(BEND) == pytest.approx(wanted, rel=2e-4)
+    assert slope(BEND) == approx(wanted, rel=2e-4)
 
 
 @pytest.mark.slow

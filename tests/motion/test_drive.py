@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.motions import sprung_mass, turned
+from cases.tolerances import approx
 from jax.tree_util import Partial
 from scipy.integrate import solve_ivp
 
@@ -94,7 +95,7 @@ def test_a_controller_sees_from_the_start_what_is_driven():
     held = fm.motion.Sampled(lambda t, z, y: (0.5 * y, z), 0.01)
     drive = {"crank.phi": Partial(turned, speed=2.0)}
     found = fm.simulate(b.build(), [0.0, 0.01], motion=drive, control=held, rtol=1e-6)
-    assert found.u[0, 0] == pytest.approx(0.5 * 2.0, rel=1e-9)
+    assert found.u[0, 0] == approx(0.5 * 2.0, rel=1e-9)
 
 
 def arm():

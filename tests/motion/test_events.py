@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -57,7 +58,7 @@ def last(mass, event, **how):
 def test_a_crossing_and_its_return_within_one_step_are_seen(mass, direction, instant):
     # Of a free flight any step is exact, so that it spans both crossings.
     event = diffrax.Event(height, BISECTION, direction)
-    assert last(mass, event) == pytest.approx(instant, abs=6e-4)
+    assert last(mass, event) == approx(instant, abs=6e-4)
 
 
 @pytest.mark.slow
@@ -70,7 +71,7 @@ def test_a_condition_that_holds_within_one_step_alone_ends_the_motion_while_it_h
 def test_of_two_conditions_within_one_step_the_first_in_time_ends_the_motion(mass):
     both = {"way down": height, "past": lambda t, y, args, **_: t > 0.9}
     event = diffrax.Event(both, optx.Newton(rtol=1e-8, atol=1e-8), {"way down": False, "past": None})
-    assert last(mass, event) == pytest.approx(DOWN, abs=6e-4)
+    assert last(mass, event) == approx(DOWN, abs=6e-4)
 
 
 def test_steps_are_shortened_where_their_ends_do_not_tell_which_event_comes_first():

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.motions import height_behind_the_stop, thrown_at_a_stop
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -51,7 +52,7 @@ def test_derivatives_across_a_stop():
         p = jnp.array([1.0, gap, 1e4, 2.0])
         value, slopes = jax.value_and_grad(place)(p)
         # The tolerance of the steps is 1e-5 of the greatest displacement.
-        assert value == pytest.approx(float(by_hand(p)), abs=1e-5)
+        assert value == approx(float(by_hand(p)), abs=1e-5)
         np.testing.assert_allclose(slopes, jax.grad(by_hand)(p), rtol=2e-5)
 
 
@@ -65,14 +66,14 @@ def thrown(gap, **how):
 def test_a_stop_that_is_met_and_left_within_a_step_throws_back(form):
     """Of a free flight any step is exact, so that its error tells nothing of a stop within it."""
     # Without the stop it would be at -14 m; what the steps leave, of a contact of 10 ms.
-    assert float(thrown(0.44, form=form)) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
+    assert float(thrown(0.44, form=form)) == approx(float(height_behind_the_stop(0.44)), abs=1e-3)
 
 
 @pytest.mark.slow
 def test_derivatives_across_a_stop_that_is_met_within_a_step():
     value, slope = jax.value_and_grad(thrown)(jnp.asarray(0.44))
-    assert float(value) == pytest.approx(float(height_behind_the_stop(0.44)), abs=1e-3)
-    assert float(slope) == pytest.approx(float(jax.grad(height_behind_the_stop)(0.44)), rel=1e-3)
+    assert float(value) == approx(float(height_behind_the_stop(0.44)), abs=1e-3)
+    assert float(slope) == approx(float(jax.grad(height_behind_the_stop)(0.44)), rel=1e-3)
 
 
 def test_a_barrier_turns_back_what_cannot_pass_it():
@@ -99,7 +100,7 @@ def test_a_force_that_jumps_has_no_derivative_and_says_so():
     with pytest.warns(fm.FlexmbWarning, match="force of a law or of a controller jumps as the mechanism moves"):
         jax.grad(place)(5.0)
     # A motion without derivatives is what it is: 0.1 s of flight, then F/m.
-    assert place(5.0) == pytest.approx(1 - 0.13 + 5.0 / 2 * 0.03**2 / 2, abs=1e-5)
+    assert place(5.0) == approx(1 - 0.13 + 5.0 / 2 * 0.03**2 / 2, abs=1e-5)
 
 
 def test_derivatives_across_the_limit_of_a_controller():
@@ -127,7 +128,7 @@ def test_derivatives_across_the_limit_of_a_controller():
 
     p = jnp.array([limit, k])
     value, slopes = fm.jit(jax.value_and_grad(place))(p)
-    assert value == pytest.approx(float(by_hand(p)), abs=1e-5)
+    assert value == approx(float(by_hand(p)), abs=1e-5)
     np.testing.assert_allclose(slopes, jax.grad(by_hand)(p), rtol=1e-4)
 
 

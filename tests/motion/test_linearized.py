@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import motions
+from cases.tolerances import approx
 from jax.tree_util import Partial
 
 import flexmb as fm
@@ -38,10 +39,10 @@ def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     lin = fm.motion.linearize_motion(motion).instant(0)
     x, v, left = 0.3, 0.7, 1 - 0.3**2
     a = -x * v**2 / left - 9.81 * x * np.sqrt(left)
-    assert lin.M0[0, 0] == pytest.approx(2 / left, rel=1e-9)
-    assert lin.C0[0, 0] == pytest.approx(4 * x * v / left**2, rel=1e-9)
+    assert lin.M0[0, 0] == approx(2 / left, rel=1e-9)
+    assert lin.C0[0, 0] == approx(4 * x * v / left**2, rel=1e-9)
     stiffness = 2 * (2 * x * a / left**2 + v**2 * (1 + 3 * x**2) / left**3 + 9.81 / left**1.5)
-    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == pytest.approx(stiffness, rel=1e-9)
+    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == approx(stiffness, rel=1e-9)
 
 
 def test_a_force_that_follows_a_bar_takes_no_stiffness_from_it():
@@ -56,5 +57,5 @@ def test_a_force_that_follows_a_bar_takes_no_stiffness_from_it():
     b.dof("hinge", "phi")
     b.start("hinge", "phi", 0.3)
     lin = fm.motion.linearize_motion(fm.simulate(b.build(), [0.0, 0.01])).instant(0)
-    assert lin.M0[0, 0] == pytest.approx(0.5, rel=1e-12)
-    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == pytest.approx(0.0, abs=1e-12)
+    assert lin.M0[0, 0] == approx(0.5, rel=1e-12)
+    assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == approx(0.0, abs=1e-12)

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.motions import oscillation, sprung_mass
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.motion.controlled_form import Feedback
@@ -163,7 +164,7 @@ def test_a_controller_that_gives_no_number_is_named_with_the_time(controller, wh
     expected = 0.02 * np.ceil(quarter / 0.02) if isinstance(controller, fm.motion.Sampled) else quarter
     # The tolerance of the motion, 1e-5 of 0.1 m and ten steps, over its speed of 1.5 m/s; six digits are printed.
     found = float(re.findall(r"at t = ([\d.]+) s", str(fault.value))[0])
-    assert found == pytest.approx(expected, abs=1e-5)
+    assert found == approx(expected, abs=1e-5)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from jax.tree_util import Partial
 
 import flexmb as fm
@@ -74,7 +75,7 @@ def test_failures_are_those_of_the_general_loop(options, code):
     assert {fm.RESULTS(int(found.result)).name for found in (own, other)} == {code}
     np.testing.assert_array_equal(np.isfinite(own.x), np.isfinite(other.x))
     # A motion that runs away gains energy, which the own loop alone looks at here: some steps more.
-    assert int(own.steps) == pytest.approx(int(other.steps), abs=60 if code == "ran_away" else 0)
+    assert int(own.steps) == approx(int(other.steps), abs=60 if code == "ran_away" else 0)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from references import motion_references as motion
 from references import motion_rod_cases, shooting
 from references.motion_integrators import gauss, runge_kutta
@@ -329,7 +330,7 @@ def test_stored_rows_are_solved_anew(name):
     """The first times of each problem, on a coarser mesh; all of them by `motion_rod_cases.py`."""
     count, resolution, error = AGAIN[name]
     entry, (solver, data, times, _, _) = REFERENCE[name], PROBLEMS[name]
-    assert tuple(entry["times"]) == pytest.approx(times)
+    assert tuple(entry["times"]) == approx(times)
     assert data.items() <= entry["data"].items()
     found = solver(times[:count], **data, **resolution)
     for key, value in found.items():

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import motions
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.motion.coordinates_form import coordinates_form
@@ -30,7 +31,7 @@ def test_a_coarse_step_ends_on_the_constraints(solver):
     places, velocities = stepped(model.parameters.reference)
     mass, rate = (np.asarray(of[model.labels.known("mass")]) for of in (places, velocities))
     # What two corrections leave of a gap of some hundredths; the velocity is corrected with the places before the last.
-    assert np.linalg.norm(mass) == pytest.approx(1.0, abs=1e-7)
-    assert mass @ rate == pytest.approx(0.0, abs=1e-4)
+    assert np.linalg.norm(mass) == approx(1.0, abs=1e-7)
+    assert mass @ rate == approx(0.0, abs=1e-4)
     # As far as it falls in that time, to the error of a coarse step.
-    assert mass[1] == pytest.approx(-9.81 * step**2 / 2, rel=0.1)
+    assert mass[1] == approx(-9.81 * step**2 / 2, rel=0.1)

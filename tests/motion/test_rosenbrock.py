@@ -1,7 +1,7 @@
 """Coefficients of the Rosenbrock method against its order conditions."""
 
 import numpy as np
-import pytest
+from cases.tolerances import approx
 
 from flexmb.motion.rosenbrock import RODAS5P
 
@@ -28,6 +28,6 @@ def test_order_conditions_of_the_coefficients():
     }
     for name, (found, expected) in conditions.items():
         # Coefficients of sixteen digits, whose sums have terms up to a hundred.
-        assert found == pytest.approx(expected, abs=1e-11), name
+        assert found == approx(expected, abs=1e-11), name
     # The last stage is the solution, so that constraints hold at the end of a step.
     np.testing.assert_allclose(both[-1], weights, rtol=0, atol=1e-12)

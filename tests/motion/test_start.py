@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -274,7 +275,7 @@ def spectral_guide(prescribed=False, dof=False, element=planar.spectral_beam, do
 def test_leaf_springs_bend_where_their_stage_is_put(element, tolerance):
     """Found beside the stage's coordinate are degrees of freedom that may stay zero: stretches, and higher orders."""
     model = spectral_guide(element=element)
-    assert float(fm.simulate(model, [0.0, 1e-5]).observe().energy[0]) == pytest.approx(BENT, rel=tolerance)
+    assert float(fm.simulate(model, [0.0, 1e-5]).observe().energy[0]) == approx(BENT, rel=tolerance)
     assert model.q_labels == spectral_guide(element=element, dof=True).q_labels
 
 
@@ -288,10 +289,10 @@ def test_leaf_springs_that_stretch_at_the_start_are_told():
         fm.simulate(model, [0.0, 1e-5])
     least = float(re.search(r"of which (\S+) J", str(heard[0].message))[1])
     # The estimate is one of small deformations, x/L = 0.01.
-    assert least == pytest.approx(BENT, rel=1e-3)
+    assert least == approx(BENT, rel=1e-3)
     # What the message says to do.
     found = fm.simulate(model, [0.0, 1e-5], initial=fm.equilibrium(spectral_guide(prescribed=True)))
-    assert float(found.observe().energy[0]) == pytest.approx(BENT, rel=1e-3)
+    assert float(found.observe().energy[0]) == approx(BENT, rel=1e-3)
 
 
 def test_leaf_springs_that_stretch_along_a_trajectory_are_told():
@@ -322,7 +323,7 @@ def test_a_loop_that_is_turned_as_a_whole_holds_no_strain():
     b.input("O", "phi")
     law = fm.trajectory.septic(0.0, -1.1, 0.1)
     plan = fm.trajectory.inverse_dynamics(b.build(), {"O.phi": law}, np.linspace(0, 0.1, 5))
-    assert float(plan.motion.at("K")[-1][0]) == pytest.approx(0.313 * np.cos(1.1) + 0.017 * np.sin(1.1), rel=1e-9)
+    assert float(plan.motion.at("K")[-1][0]) == approx(0.313 * np.cos(1.1) + 0.017 * np.sin(1.1), rel=1e-9)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -44,7 +45,7 @@ def swing(width=0.01):
 def test_a_pulse_after_long_rest_is_met(given):
     found = fm.simulate(mass_on_spring(), TIMES, loads={"mass.x": pulse}, **given)
     # Tolerance of a step, 1e-5 of the motion, over some dozens.
-    assert float(found.at("mass")[-1, 0]) - 1 == pytest.approx(swing(), rel=1e-3)
+    assert float(found.at("mass")[-1, 0]) - 1 == approx(swing(), rel=1e-3)
 
 
 def test_where_functions_change_suddenly():

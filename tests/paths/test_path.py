@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cases.commands import command
 from cases.snapping import BASE, EULER, column, limit_of, load_at, toggle, truss
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -29,12 +30,12 @@ def test_path_of_the_flat_truss():
     # Limit points up and down, at y and -y. Half a unit of the last printed digit; then closed form.
     assert [c.kind for c in path.critical_points] == ["limit", "limit"]
     up, down = path.critical_points
-    assert 5 * up.load_factor == pytest.approx(3.8108719042, abs=5e-11)
-    assert 5 * up.load_factor == pytest.approx(limit_of(1e4, 1.0), rel=1e-10)
-    assert down.load_factor == pytest.approx(-up.load_factor, rel=1e-10)
+    assert 5 * up.load_factor == approx(3.8108719042, abs=5e-11)
+    assert 5 * up.load_factor == approx(limit_of(1e4, 1.0), rel=1e-10)
+    assert down.load_factor == approx(-up.load_factor, rel=1e-10)
     height = up.x[path.labels.coordinates("apex")[1]]
     # Located to 1e-12 of a step, by the load's rate.
-    assert height == pytest.approx(HIGHEST, abs=1e-10)
+    assert height == approx(HIGHEST, abs=1e-10)
     # Stable outside the limit points alone.
     np.testing.assert_array_equal(path.stable, np.abs(y) > height)
     assert np.all(np.diff(y) < 0)  # no point is visited twice
@@ -50,12 +51,12 @@ def test_derivative_of_a_limit_load():
         return 5 * fm.limit_load(truss(*p))
 
     at = np.array([1e4, 1.0])
-    assert limit(at) == pytest.approx(limit_of(*at), rel=1e-12)
+    assert limit(at) == approx(limit_of(*at), rel=1e-12)
     found = jax.jacfwd(limit)(jnp.asarray(at))
     # Central differences of the closed form: truncation and round-off below 1e-9 of the value.
     for k, step in enumerate((1.0, 1e-4)):
         up, down = (limit_of(*(at + s * step * np.eye(2)[k])) for s in (1, -1))
-        assert float(found[k]) == pytest.approx((up - down) / (2 * step), rel=1e-7)
+        assert float(found[k]) == approx((up - down) / (2 * step), rel=1e-7)
     with pytest.raises(NotImplementedError, match="once"):
         jax.grad(jax.grad(lambda h: limit((1e4, h))))(1.0)
     # The displacement's own derivative has no bound there: dP/dw = 0.
@@ -73,7 +74,7 @@ def test_derivative_of_the_limit_load_of_beams():
     # Central differences: truncation 1e-8, round-off 1e-13 over the step.
     for k, step in enumerate((1e-4, 1e-4, 1e-4)):
         up, down = (limit(jnp.asarray(at + s * step * np.eye(3)[k])) for s in (1, -1))
-        assert float(found[k]) == pytest.approx(float(up - down) / (2 * step), rel=1e-6)
+        assert float(found[k]) == approx(float(up - down) / (2 * step), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -103,7 +104,7 @@ def test_snap_back_under_a_prescribed_displacement():
     # du/dy = 0 where b^2/l^3 = 1/L0 + k/2EA.
     height = np.sqrt((BASE**2 / (1 / np.hypot(BASE, 1.0) + k / 2e4)) ** (2 / 3) - BASE**2)
     assert [c.kind for c in path.critical_points] == ["limit", "limit"]
-    assert travel * path.critical_points[0].load_factor == pytest.approx(driven(height), rel=1e-10)
+    assert travel * path.critical_points[0].load_factor == approx(driven(height), rel=1e-10)
     assert path.load_factor[-1] == 1.0
 
 
@@ -146,7 +147,7 @@ def test_euler_column():
     (found,) = path.critical_points
     assert found.kind == "bifurcation"
     # Cubic beams overestimate by O(n^-4): 5.1e-4 with 4, 16 times less with 8; strain of the column 1e-8.
-    assert 1.3 * found.load_factor - 1 == pytest.approx(5.1e-4 / 16, rel=0.1)
+    assert 1.3 * found.load_factor - 1 == approx(5.1e-4 / 16, rel=0.1)
     # Straight to the end, and said to be unstable there.
     for i in range(9):
         np.testing.assert_allclose(path.at(str(i))[:, 1], 0, atol=1e-9)
@@ -190,8 +191,8 @@ def test_preload_and_increment_are_told_apart():
     path = fm.path(column(8, 2.0, preload=1.0))
     # The same total load, Euler's of eight cubic beams: located to 1e-10.
     whole = 1.0 + 2.0 * path.critical_points[0].load_factor
-    assert 0.4 + 2.6 * other.critical_points[0].load_factor == pytest.approx(whole, rel=1e-10)
-    assert whole / EULER - 1 == pytest.approx(5.1e-4 / 16, rel=0.1)
+    assert 0.4 + 2.6 * other.critical_points[0].load_factor == approx(whole, rel=1e-10)
+    assert whole / EULER - 1 == approx(5.1e-4 / 16, rel=0.1)
     # Multipliers are of what more of the increment; strain of the column 1e-8.
     foretold = path.load_factor[path.stable] + path.multipliers[path.stable, 0]
     np.testing.assert_allclose(foretold, path.critical_points[0].load_factor, rtol=1e-6)
@@ -262,7 +263,7 @@ def test_stability_without_a_potential():
     # Divergence by the sign of the determinant: weak axis, pi^2 EI/4; 2 cubic beams, 5.1e-4 as the column with 4.
     path = fm.path(strut(1.2 * EULER, 0.0))
     assert [c.kind for c in path.critical_points] == ["bifurcation"]
-    assert 1.2 * path.critical_points[0].load_factor - 1 == pytest.approx(5.1e-4, rel=0.1)
+    assert 1.2 * path.critical_points[0].load_factor - 1 == approx(5.1e-4, rel=0.1)
     np.testing.assert_array_equal(path.stable, path.load_factor < path.critical_points[0].load_factor)
     # Flutter: a pair of eigenvalues of (K, M) turns complex, which no determinant tells.
     path = fm.path(strut(0.0, 4.0))
@@ -374,7 +375,7 @@ def test_two_bifurcations_at_once():
         b.force(f"apex {k}", (0, -0.3))
     model = b.build()
     one, other = fm.path(model, max_steps=20, throw=False).critical_points[:2]
-    assert one.load_factor == pytest.approx(other.load_factor, abs=2e-6)
+    assert one.load_factor == approx(other.load_factor, abs=2e-6)
     # Both motions are told.
     assert abs(one.phi @ other.phi) < 1e-2 * np.linalg.norm(one.phi) * np.linalg.norm(other.phi)
     with pytest.raises(fm.AnalysisError, match="came back") as caught:
@@ -382,7 +383,7 @@ def test_two_bifurcations_at_once():
     aside = np.asarray(caught.value.path.x[:, [model.labels.coordinates(f"apex {k}")[0] for k in (0, 10)]]) - [0, 10]
     steepest = np.abs(aside[np.argmax(np.abs(aside[:, 0]))])
     assert steepest[0] > 1
-    assert steepest[1] == pytest.approx(steepest[0], rel=1e-6) or steepest[1] < 1e-6
+    assert steepest[1] == approx(steepest[0], rel=1e-6) or steepest[1] < 1e-6
 
 
 @pytest.mark.slow
@@ -403,7 +404,7 @@ def test_a_closed_branch_ends_where_it_began():
     again = np.argwhere(np.triu(apart < 1e-6, 1))
     assert again.tolist() == [[again[0][0], len(x) - 1]]
     apex = np.asarray(path.at("apex"))
-    assert np.min(apex[:, 0]) == pytest.approx(-np.max(apex[:, 0]), rel=0.1)
+    assert np.min(apex[:, 0]) == approx(-np.max(apex[:, 0]), rel=0.1)
 
 
 @pytest.mark.slow
@@ -416,7 +417,7 @@ def test_a_closed_branch_points_to_an_imperfection():
     assert "imperfection" in fm.RESULTS.closed_path.message
     size = float(re.findall(words, str(caught.value))[0])
     for path in (fm.path(model, imperfection={1: size}), fm.path(model, switch={1: 1, 2: 1})):
-        assert path.load_factor[-1] == pytest.approx(1.0, rel=1e-12)
+        assert path.load_factor[-1] == approx(1.0, rel=1e-12)
         assert path.stable[-1]
         assert path.at("apex")[-1, 1] < -4
     # Who follows no branch, or is bent already, is told of neither.
@@ -474,7 +475,7 @@ def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
     assert caught.value.code == "neutral_branch"
     found = caught.value.path
     # That of the extensible column, by EI pi^2/(4 L^2)/EA.
-    assert [point.load_factor for point in found.critical_points] == [pytest.approx(1 / 1.1, rel=3e-6)]
+    assert [point.load_factor for point in found.critical_points] == [approx(1 / 1.1, rel=3e-6)]
     assert np.all(found.stable)
     bent = fm.path(model, imperfection={1: 1e-6}, sparse=sparse)
     assert bent.critical_points == ()
@@ -558,18 +559,18 @@ def test_command_line(tmp_path):
     data = json.loads(result.stdout)
     assert (data["status"], data["mode"], data["stable"]) == ("ok", 10, True)
     assert [c["kind"] for c in data["critical_points"]] == ["limit", "limit"]
-    assert 5 * data["critical_points"][0]["load_factor"] == pytest.approx(3.8108719042, abs=5e-11)
+    assert 5 * data["critical_points"][0]["load_factor"] == approx(3.8108719042, abs=5e-11)
     assert all(set(step) >= STEP for step in data["path"])
     first, last = data["path"][0], data["path"][-1]
     assert (first["load_factor"], last["load_factor"]) == (0.0, 1.0)
     assert data["x"] == last["x"]
     assert data["sig"] == last["sig"]
-    assert data["reactions"]["1"][1] == pytest.approx(2.5, abs=1e-9)
+    assert data["reactions"]["1"][1] == approx(2.5, abs=1e-9)
     unstable = [step for step in data["path"] if not step["stable"]]
     assert unstable
     assert all(step["frequencies_hz"] == [None] for step in unstable)
     # Deflection under a unit force: 1/K.
-    assert first["compliance"]["2"][1] == pytest.approx(1 / first["k0"][0][0], rel=1e-12)
+    assert first["compliance"]["2"][1] == approx(1 / first["k0"][0][0], rel=1e-12)
     with np.load(saved) as arrays:
         np.testing.assert_array_equal(arrays["path_x_2"], [step["x"]["2"] for step in data["path"]])
 

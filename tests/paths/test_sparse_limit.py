@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.snapping import limit_of, toggle, truss
+from cases.tolerances import approx
 
 import flexmb as fm
 
@@ -17,12 +18,12 @@ def test_limit_load_of_a_truss_and_its_derivatives():
         return 5 * fm.limit_load(truss(*p), sparse=True)
 
     at = np.array([1e4, 1.0])
-    assert limit(at) == pytest.approx(limit_of(*at), rel=1e-12)
+    assert limit(at) == approx(limit_of(*at), rel=1e-12)
     by_height = (limit_of(1e4, 1.0 + 1e-5) - limit_of(1e4, 1.0 - 1e-5)) / 2e-5
     for differentiate in (jax.jacfwd, jax.jacrev):
         found = differentiate(limit)(jnp.asarray(at))
-        assert float(found[0]) == pytest.approx(limit_of(*at) / 1e4, rel=1e-11)
-        assert float(found[1]) == pytest.approx(by_height, rel=1e-9)
+        assert float(found[0]) == approx(limit_of(*at) / 1e4, rel=1e-11)
+        assert float(found[1]) == approx(by_height, rel=1e-9)
 
 
 def test_limit_load_of_beams_is_that_of_dense_matrices():
@@ -33,7 +34,7 @@ def test_limit_load_of_beams_is_that_of_dense_matrices():
 
     at = jnp.array([1.0, 1.0, 0.05])
     (load, found), (dense, wanted) = (jax.value_and_grad(limit)(at, sparse) for sparse in (True, False))
-    assert float(load) == pytest.approx(float(dense), rel=1e-12)
+    assert float(load) == approx(float(dense), rel=1e-12)
     np.testing.assert_allclose(found, wanted, rtol=1e-10)
 
 
@@ -54,4 +55,4 @@ def test_within_another_program(monkeypatch):
         with pytest.raises(TypeError, match="first derivatives of them"):
             traced(1.0)
     monkeypatch.setattr("flexmb.paths.limit.by_sparse", lambda model, sparse: True)
-    assert 5 * float(jax.jit(limit)(1.0)) == pytest.approx(limit_of(1e4, 1.0), rel=1e-12)
+    assert 5 * float(jax.jit(limit)(1.0)) == approx(limit_of(1e4, 1.0), rel=1e-12)

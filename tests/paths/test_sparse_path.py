@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.sparse.linalg
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -63,7 +64,7 @@ def test_a_path_by_sparse_factors_is_that_of_dense_matrices(case):
 def have_the_same_critical_points(sparse, dense):
     assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
     for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
-        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+        assert one.load_factor == approx(other.load_factor, rel=1e-9)
         np.testing.assert_allclose(one.phi, other.phi, atol=1e-6)
 
 
@@ -111,7 +112,7 @@ def test_a_frame_loses_its_stiffness_again_and_again(options):
     assert len(dense.critical_points) > 4
     assert [p.kind for p in sparse.critical_points] == [p.kind for p in dense.critical_points]
     for one, other in zip(sparse.critical_points, dense.critical_points, strict=True):
-        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+        assert one.load_factor == approx(other.load_factor, rel=1e-9)
     negative = [np.sum(np.linalg.eigvalsh(k) < 0) for k in np.asarray(dense.K0 + dense.N0 + dense.G0)]
     np.testing.assert_array_equal(sparse.negative, negative)
     np.testing.assert_array_equal(sparse.stable, np.array(negative) == 0)
@@ -156,10 +157,10 @@ def test_post_buckling(side):
         path = fm.path(b.build(check=False), sparse=True, switch=side)
         (critical,) = path.critical_points
         assert critical.kind == "bifurcation"
-        assert ratio * critical.load_factor == pytest.approx(1, rel=1e-4)
+        assert ratio * critical.load_factor == approx(1, rel=1e-4)
         assert path.stable[-1]
         errors.append(np.max(np.abs(path.at(f"n{beams}")[-1] - np.array([x, side * y]))))
-    assert errors[0] / errors[1] == pytest.approx(4, rel=0.2)
+    assert errors[0] / errors[1] == approx(4, rel=0.2)
     assert errors[1] < 2e-3
 
 
@@ -168,7 +169,7 @@ def test_where_a_sparse_path_ends():
     model = arch(sparse=True)
     path = fm.path(model, sparse=True, stop={"n4.y": -0.05})
     assert path.stopped_by == "n4.y"
-    assert float(path.at("n4")[-1, 1]) == pytest.approx(0.1 - 0.05, abs=1e-12)
+    assert float(path.at("n4")[-1, 1]) == approx(0.1 - 0.05, abs=1e-12)
     with pytest.raises(fm.AnalysisError, match="allowed number of steps") as caught:
         fm.path(model, sparse=True, max_steps=3)
     assert len(caught.value.path.load_factor) == 4
@@ -243,9 +244,9 @@ def test_divergence_and_flutter_are_those_of_dense_matrices(load, moment):
     assert not found.stable[-1]
     assert [p.kind for p in found.critical_points] == [p.kind for p in dense.critical_points]
     for one, other in zip(found.critical_points, dense.critical_points, strict=True):
-        assert one.load_factor == pytest.approx(other.load_factor, rel=1e-9)
+        assert one.load_factor == approx(other.load_factor, rel=1e-9)
     if load:
         (critical,) = found.critical_points
-        assert 1.2 * critical.load_factor == pytest.approx(1, rel=1e-4)
+        assert 1.2 * critical.load_factor == approx(1, rel=1e-4)
     else:
         assert set(found.negative.tolist()) == {0}

@@ -5,6 +5,7 @@ import dataclasses
 import matplotlib as mpl
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from paths.test_sparse_path import HALF, arch
 
 import flexmb as fm
@@ -151,7 +152,7 @@ def stayed(sparse):
 def test_laws_with_a_potential():
     dense, sparse = (fm.path(stayed(of), sparse=of, stop={"load_factor": 0.3}) for of in (False, True))
     (critical,) = dense.critical_points
-    assert sparse.critical_points[0].load_factor == pytest.approx(critical.load_factor, rel=1e-9)
+    assert sparse.critical_points[0].load_factor == approx(critical.load_factor, rel=1e-9)
     np.testing.assert_allclose(sparse.x, dense.x, atol=1e-10)
     np.testing.assert_allclose(sparse.sigma[1:], dense.sigma[1:], rtol=1e-7, atol=1e-6)
     wanted, found = (fm.buckling_loads(stayed(of), count=4, sparse=of) for of in (False, True))
@@ -187,8 +188,8 @@ def test_a_square_column_buckles_to_both_sides_at_once(count):
     first, second = path.critical_points
     assert first.kind == second.kind == "bifurcation"
     # Cubic beams: 0.01 / count^4 measured; shear and axial strain as the square of thickness over length.
-    assert first.load_factor == pytest.approx(2 / 3, rel=2e-4)
-    assert second.load_factor == pytest.approx(first.load_factor, abs=first.uncertainty)
+    assert first.load_factor == approx(2 / 3, rel=2e-4)
+    assert second.load_factor == approx(first.load_factor, abs=first.uncertainty)
     assert abs(first.phi @ second.phi) < 1e-9 * np.linalg.norm(first.phi) * np.linalg.norm(second.phi)
     assert sorted(set(path.negative.tolist())) == [0, 2]
 
@@ -219,7 +220,7 @@ def test_a_hanging_body_is_left_to_dense_matrices(monkeypatch):
     path = fm.path(b.build())
     assert type(path).__name__ == "Path"
     # N L / EA.
-    assert float(path.at("bob")[-1, 1]) == pytest.approx(-1.001, abs=1e-12)
+    assert float(path.at("bob")[-1, 1]) == approx(-1.001, abs=1e-12)
 
 
 @pytest.mark.slow
@@ -236,7 +237,7 @@ def test_a_path_ends_at_a_stress():
     stop = {"stress": 50e6}
     wanted, found = (fm.path(model, sparse=of, stop=stop) for model, of in zip(models, (False, True), strict=True))
     assert wanted.stopped_by == found.stopped_by == "stress"
-    assert float(found.load_factor[-1]) == pytest.approx(float(wanted.load_factor[-1]), rel=1e-8)
+    assert float(found.load_factor[-1]) == approx(float(wanted.load_factor[-1]), rel=1e-8)
     with pytest.raises(ValueError, match="but the path begins with"):
         fm.path(strip(False), sparse=True, stop={"stress": 1e3})
 
@@ -254,7 +255,7 @@ def test_a_multiplier_has_its_derivative_where_held_and_free_deformations_are_co
     h = 1e-3
     ends = [float(fm.buckling_loads(first(model, 1 + s * h), count=1, sparse=True)[0]) for s in (1, -1)]
     # Truncation h^2.
-    assert float(slope) == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-5)
+    assert float(slope) == approx((ends[0] - ends[1]) / (2 * h), rel=1e-5)
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cases.snapping import EULER, column, load_at, truss
+from cases.tolerances import approx
 from scipy.optimize import fsolve
 
 import flexmb as fm
@@ -18,8 +19,8 @@ def test_a_displacement_is_met_on_the_way_back():
     assert path.stopped_by == "apex.y"
     assert "stopped by: apex.y, at load factor" in str(path)
     # The coordinate is held to the last digit; the load is the closed form, round-off of EA.
-    assert float(path.at("apex")[-1, 1]) == pytest.approx(-0.3, abs=1e-15)
-    assert 5 * float(path.load_factor[-1]) == pytest.approx(float(load_at(-0.3)), abs=1e-9)
+    assert float(path.at("apex")[-1, 1]) == approx(-0.3, abs=1e-15)
+    assert 5 * float(path.load_factor[-1]) == approx(float(load_at(-0.3)), abs=1e-9)
     assert np.all(np.asarray(path.at("apex")[:-1, 1]) > -0.3)
     # A load factor just below the limit point is met before that, within a step that ends beyond it.
     top = path.critical_points[0].load_factor
@@ -36,7 +37,7 @@ def test_load_factors_and_critical_points_that_end_a_path():
     # Beyond 1: closed form.
     path = fm.path(FLAT, stop={"load_factor": 2.0, "apex.y": 1.0})
     assert (path.stopped_by, float(path.load_factor[-1])) == ("load_factor", 2.0)
-    assert float(load_at(np.asarray(path.at("apex")[-1, 1]))) == pytest.approx(10.0, abs=1e-9)
+    assert float(load_at(np.asarray(path.at("apex")[-1, 1]))) == approx(10.0, abs=1e-9)
     # At the second limit point itself.
     path = fm.path(FLAT, stop={"critical_points": 2})
     assert path.stopped_by == "critical_points"
@@ -66,7 +67,7 @@ def test_a_coordinate_that_turns_back_within_a_step():
     target = np.sqrt(17.0) - 1e-6
     path = fm.path(STEEP, switch=1, stop={"apex.x": target})
     assert path.stopped_by == "apex.x"
-    assert float(path.at("apex")[-1, 0]) == pytest.approx(target, abs=1e-15)
+    assert float(path.at("apex")[-1, 0]) == approx(target, abs=1e-15)
     assert float(path.load_factor[-1]) > 0
     assert out_of_balance(path) < 1e-12
     # A little more is out of reach; the path closes, and says so.
@@ -80,7 +81,7 @@ def test_any_bifurcation_is_left_to_either_side():
     for number, side, first in ((1, -1, -1e-3), (2, 1, 0.4), (3, -1, -0.4)):
         path = fm.path(STEEP, switch={number: side}, stop={"apex.x": first})
         assert path.stopped_by == "apex.x"
-        assert float(path.at("apex")[-1, 0]) == pytest.approx(first, abs=1e-15)
+        assert float(path.at("apex")[-1, 0]) == approx(first, abs=1e-15)
         assert sum(c.kind == "bifurcation" for c in path.critical_points) == number
         # Not where it comes to the axis again, under the opposite load.
         assert path.load_factor[-1] * path.critical_points[-1].load_factor > 0
@@ -92,13 +93,13 @@ def test_any_bifurcation_is_left_to_either_side():
     assert [c.kind for c in path.critical_points] == ["bifurcation"] * 2
     assert abs(apex[-1, 0]) < 1e-9
     assert apex[-1, 1] < -4
-    assert load_at(apex[-1, 1], *STEEPNESS) == pytest.approx(load[-1], abs=1e-12)
+    assert load_at(apex[-1, 1], *STEEPNESS) == approx(load[-1], abs=1e-12)
     assert path.stable[-1]
     path = fm.path(STEEP, switch={1: 1, 2: -1}, stop={"critical_points": 3})
     assert [c.kind for c in path.critical_points] == ["bifurcation"] * 2 + ["limit"]
     l0 = np.hypot(1.0, 4.0)
     top = load_at(np.sqrt(l0 ** (2 / 3) - 1), *STEEPNESS)
-    assert path.critical_points[-1].load_factor == pytest.approx(-top, rel=1e-9)
+    assert path.critical_points[-1].load_factor == approx(-top, rel=1e-9)
 
 
 def test_a_stress_is_met():
@@ -119,9 +120,9 @@ def test_a_stress_is_met():
     assert path.stopped_by == "stress"
     with pytest.warns(fm.FlexmbWarning, match="strength"):
         found = fm.stress(path.model, at=path.linearization())
-    assert float(found.maximum) == pytest.approx(250e6, rel=1e-9)
+    assert float(found.maximum) == approx(250e6, rel=1e-9)
     # The moment is that of a beam but for round-off of its elongation, 1e-16 of its length, over its depth.
-    assert float(path.load_factor[-1]) == pytest.approx((250e6 * modulus - 10.0) / 40.0, rel=1e-9)
+    assert float(path.load_factor[-1]) == approx((250e6 * modulus - 10.0) / 40.0, rel=1e-9)
     with pytest.raises(ValueError, match=r"stress.* is 5e\+07 Pa, but the path begins with 6e\+07 Pa"):
         fm.path(model, stop={"stress": 50e6})
 
@@ -236,7 +237,7 @@ def test_an_imperfection_turns_a_bifurcation_into_a_limit_point():
         equations, [*apex, found.load_factor * np.hypot(1, 4)], xtol=1e-13, full_output=True
     )
     assert success == 1
-    assert found.load_factor == pytest.approx(expected[2] / np.hypot(1.0, 4.0), rel=1e-9)
+    assert found.load_factor == approx(expected[2] / np.hypot(1.0, 4.0), rel=1e-9)
     # The load is stationary there: half the digits of the place.
     np.testing.assert_allclose(apex, expected[:2], atol=1e-6)
 
@@ -290,7 +291,7 @@ def test_a_motion_that_would_start_stressed_says_so():
         with pytest.warns(fm.FlexmbWarning, match="starts where the nodes were placed"):
             fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0)
         given = fm.equilibrium(bent, increment=0.0)
-        assert float(given.at("top")[0]) == pytest.approx(1e-3, rel=1e-3)
+        assert float(given.at("top")[0]) == approx(1e-3, rel=1e-3)
         fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
 
 

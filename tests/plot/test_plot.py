@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cases.commands import command
 from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, plot, spatial
@@ -129,7 +130,7 @@ def test_spatial_spectral_beam_ends_at_its_nodes():
     arc = undeformed(model)["leaf"].points
     chord = LENGTH / 2
     sagitta = 1 / 4.0 - np.sqrt(1 / 4.0**2 - chord**2)
-    assert np.max(np.linalg.norm(arc[:, :2], axis=1)) == pytest.approx(sagitta, rel=1e-6)
+    assert np.max(np.linalg.norm(arc[:, :2], axis=1)) == approx(sagitta, rel=1e-6)
 
 
 def test_kinds_of_elements_come_from_nodes_and_companions():
@@ -178,7 +179,7 @@ def test_an_element_of_ones_own_draws_by_its_points_and_rotations():
     x[model.labels.known("A.rotation")] = 0.3
     (line,) = lines(model, x)
     start = line.points[1] - line.points[0]
-    assert np.arctan2(start[1], start[0]) == pytest.approx(0.3, abs=0.01)
+    assert np.arctan2(start[1], start[0]) == approx(0.3, abs=0.01)
     b = fm.Builder()
     corners = [(0, 0, 0), (1, 0, 0), (1, 2, 0)]
     for name, place in zip("pqr", corners, strict=True):
@@ -217,7 +218,7 @@ def test_mechanism_shows_supports_dofs_loads_and_names(guide):
     clamped = next(line for line in ax.lines if line.get_label() == "clamped")
     np.testing.assert_allclose(clamped.get_xydata(), [[0, 0], [0.1, 0]])
     arrow = collection(ax, "force left1")
-    assert (float(arrow.U[0]), float(arrow.V[0])) == pytest.approx((0, -0.015))
+    assert (float(arrow.U[0]), float(arrow.V[0])) == approx((0, -0.015))
     # Lengths count in what the extent suggests; what is drawn stays in metres.
     assert ax.get_xlabel() == "x [mm]"
     assert ax.xaxis.get_major_formatter()(0.1) == "100"
@@ -286,9 +287,9 @@ def test_modes_have_their_frequency_in_the_title(guide):
     moved = np.concatenate([s for label in ("beam", "rigid") for s in collection(ax, label).get_segments()])
     still = np.concatenate(collection(ax, "undeformed").get_segments())
     # The stage sways by the amplitude times the extent; both leaf springs are cubics with their middle at half of it.
-    assert np.max(np.abs(moved[:, 0] - still[:, 0])) == pytest.approx(0.2 * LENGTH, rel=1e-3)
+    assert np.max(np.abs(moved[:, 0] - still[:, 0])) == approx(0.2 * LENGTH, rel=1e-3)
     leaf_spring = collection(ax, "beam").get_segments()[0]
-    assert abs(leaf_spring[48, 0]) == pytest.approx(0.1 * LENGTH, rel=1e-3)
+    assert abs(leaf_spring[48, 0]) == approx(0.1 * LENGTH, rel=1e-3)
 
 
 def test_buckling_and_unstable_modes_say_so(guide):
@@ -384,7 +385,7 @@ def test_stress_has_the_colours_of_a_cantilever():
     ax = plot.stress(fm.stress(model, at=lin), lin)
     drawn = collection(ax, "von Mises stress [MPa]")
     clamp = 6 * 0.01 * LENGTH / (0.018 * 0.0005**2) / 1e6
-    assert drawn.get_clim() == pytest.approx((0, clamp), rel=1e-4)
+    assert drawn.get_clim() == approx((0, clamp), rel=1e-4)
     # Linear along the leaf spring, from its clamp to nothing at the tip.
     colours = np.asarray(drawn.get_array())
     # Shear of 3 F/(2 A) adds to it at the tip, 0.003 MPa.
@@ -396,7 +397,7 @@ def test_stress_has_the_colours_of_a_cantilever():
     assert texts_of(ax) == {f"{clamp:.4g} MPa, 'leaf' at foot"}
     signed = plot.stress(fm.linear.section_resultants(model, at=lin), lin)
     drawn = collection(signed, "bending moment y [N m]")
-    assert drawn.get_clim() == pytest.approx((-1e-3, 1e-3), rel=1e-4)
+    assert drawn.get_clim() == approx((-1e-3, 1e-3), rel=1e-4)
     drawn = collection(plot.stress(fm.stress(model, at=lin), lin, "shear force z"), "shear force z [N]")
     np.testing.assert_allclose(np.abs(np.asarray(drawn.get_array())), 0.01, rtol=1e-3)
 
@@ -508,7 +509,7 @@ def test_time_history_energies_and_frequency_of_a_motion(swinging):
     hertz = plot.frequencies(swinging).lines[0].get_ydata()
     np.testing.assert_allclose(hertz, 5 / (2 * np.pi), rtol=1e-6)
     beam = collection(plot.mechanism(swinging, time=0.5), "bar").get_segments()[0]
-    assert beam[-1, 0] == pytest.approx(1 + 0.01 * np.cos(2.5), abs=1e-7)
+    assert beam[-1, 0] == approx(1 + 0.01 * np.cos(2.5), abs=1e-7)
 
 
 @pytest.mark.slow
@@ -525,7 +526,7 @@ def test_any_two_quantities_of_a_path_or_a_motion(snapping, swinging):
     # EA (h / l)^2 / l at rest, by a polynomial through four steps of a tenth of the way to the limit.
     slope = ax.lines[labels.index("slope at the start")]
     rise = np.diff(slope.get_ydata()) / np.diff(slope.get_xdata())
-    assert 1e3 * float(rise[0]) == pytest.approx(1000 * 0.2**2 / 1.04**1.5, rel=0.02)
+    assert 1e3 * float(rise[0]) == approx(1000 * 0.2**2 / 1.04**1.5, rel=0.02)
     ax = plot.history(swinging, x="displacement cart.x", y="acceleration cart.x")
     # 100 N/m and 4 kg; ten times the tolerance of the integration.
     x, y = (np.asarray(v) for v in ax.lines[0].get_data())
@@ -547,8 +548,8 @@ def test_bode_plot_has_its_resonance_and_only_outputs_that_respond():
     # Only the sways of both ends respond to first order.
     assert len(magnitudes) == 2
     hertz, size = (np.asarray(values) for values in magnitudes[0].lines[0].get_data())
-    assert hertz[np.argmax(size)] == pytest.approx(float(fm.frequencies(fm.linearize(model))[0]), rel=1e-3)
-    assert size[0] == pytest.approx(1 / 945, rel=0.02)
+    assert hertz[np.argmax(size)] == approx(float(fm.frequencies(fm.linearize(model))[0]), rel=1e-3)
+    assert size[0] == approx(1 / 945, rel=0.02)
     assert [ax.get_title() for ax in magnitudes] == [
         f"force right1 x → position {end} x" for end in ("left1", "right1")
     ]

@@ -7,6 +7,7 @@ import time
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.spacar.arithmetic import value_of
@@ -147,7 +148,7 @@ def test_what_is_huge_is_refused_at_once():
 
 
 def test_numbers_may_be_traced():
-    assert jax.grad(lambda a: value_of("a**3/2 + b", {"a": a, "b": 1.0}))(2.0) == pytest.approx(6.0)
+    assert jax.grad(lambda a: value_of("a**3/2 + b", {"a": a, "b": 1.0}))(2.0) == approx(6.0)
 
 
 @pytest.mark.slow
@@ -164,7 +165,7 @@ def test_a_file_names_the_line_and_says_no_more_than_a_line():
 def test_a_file_without_names_needs_no_numbers():
     text = "PLTRUSS 1 1 2\nX 2 1 0\nFIX 1\nFIX 2 2\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nESTIFF 1 {100 * pi}\nEND\nEND\n"
     found = fm.read_spacar(text)
-    assert float(found.builder.members["1"].properties["section"].EA) == pytest.approx(100 * math.pi, rel=1e-15)
+    assert float(found.builder.members["1"].properties["section"].EA) == approx(100 * math.pi, rel=1e-15)
     assert found.parameters == ()
     with pytest.raises(fm.SpacarError, match=r"text:9: ESTIFF: .* there is no parameter 'k' .* by numbers=\{\.\.\} in"):
         fm.read_spacar(text.replace("pi", "k"))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cases.commands import command
 from cases.spacar_checks import assert_same, faults
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import spatial
@@ -56,7 +57,7 @@ def test_twist_by_the_closed_form(text, ends):
     expected = LENGTH / GIT * (1 - (ends and ends * np.tanh(al / ends) / al))
     found = fm.compliance(fm.read_spacar(text).builder.build(dofs="named"), "8")
     assert found.shape == (3, 3)
-    assert float(found[0, 0]) == pytest.approx(expected, rel=1e-12)
+    assert float(found[0, 0]) == approx(expected, rel=1e-12)
 
 
 def by_hand():
@@ -151,7 +152,7 @@ def test_the_command_line_answers(mode, tmp_path):
         # the twist rate fades as sinh(alpha x).
         alpha = np.sqrt(GIT / EIW)
         warped = 0.01 * np.tanh(0.05 * alpha) / (2 * EIW * alpha)
-        assert found["x"]["6"][0] == pytest.approx(warped, rel=1e-9)
+        assert found["x"]["6"][0] == approx(warped, rel=1e-9)
         assert found["x"]["9"] == [0.0]
         held = EIW * alpha / np.sinh(0.05 * alpha) * warped
         np.testing.assert_allclose([found["reactions"][n][0] for n in ("3", "9")], [-held, -held], rtol=1e-9)

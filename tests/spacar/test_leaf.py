@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cases.commands import command
 from cases.spacar_checks import assert_same, faults
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -142,7 +143,7 @@ def test_answers_of_the_command_line(tmp_path):
     # Bending at the foot: of the soft axis and of the stiff one, and tension; the tip is drawn down a little.
     soft, stiff = 0.018 * 0.5e-3**2 / 6, 0.5e-3 * 0.018**2 / 6
     expected = 0.1 * 0.1 / soft + 0.3 * 0.1 / stiff + 0.2 / 9e-6
-    assert data["stress"]["maximum"] == pytest.approx(expected, rel=0.03)
+    assert data["stress"]["maximum"] == approx(expected, rel=0.03)
     assert (data["stress"]["element"], data["stress"]["place"]) == (1, 0.0)
     states = run(tmp_path, CHAIN, 9)
     assert states["outputs"] == ["position 5.3", "deformation 2.8"]

@@ -7,6 +7,7 @@ import warnings
 import jax
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -64,7 +65,7 @@ def test_frequency_of_a_guide_is_its_closed_form():
     out = run_guide()
     assert out.ndof == 1
     assert out.freq.shape == (1, 1)
-    assert out.freq[0, 0] == pytest.approx(guide_frequency(0.5e-3), rel=1e-9)
+    assert out.freq[0, 0] == approx(guide_frequency(0.5e-3), rel=1e-9)
     assert sum(len(numbers) for numbers in out.overconstraints.values()) == 6
     # What is FIXED does not give way: no elongation, so that the support stiffness is infinite at zero stroke.
     sway = 24 * 210e9 * 50e-3 * 0.5e-3**3 / 12 / 0.1**3
@@ -81,10 +82,10 @@ def test_derivative_through_the_script():
         return fm.frequencies(fm.spacar.spacar_light_model(*guide(t)))[0]
 
     value, slope = fm.jit(jax.value_and_grad(frequency))(0.5e-3)
-    assert value == pytest.approx(guide_frequency(0.5e-3), rel=1e-9)
+    assert value == approx(guide_frequency(0.5e-3), rel=1e-9)
     step = 1e-8
     difference = (guide_frequency(0.5e-3 + step) - guide_frequency(0.5e-3 - step)) / (2 * step)
-    assert slope == pytest.approx(difference, rel=1e-7)
+    assert slope == approx(difference, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -118,11 +119,11 @@ def test_support_stiffness_falls_with_the_stroke():
     out = stroke(0.05 * 0.1, 4)
     assert [out.freq.shape[1], len(out.linearizations)] == [2, 2]
     stiffness = 1 / out.node(3).CMglob[1, 1, :] * 0.1**3 / bending
-    assert stiffness[0] == pytest.approx(960000, rel=1e-4)
+    assert stiffness[0] == approx(960000, rel=1e-4)
     # Order two in the number of beams: 2.8 % with four.
-    assert stiffness[1] == pytest.approx(352530.027, rel=0.03)
+    assert stiffness[1] == approx(352530.027, rel=0.03)
     np.testing.assert_allclose(out.node(3).p[:, -1] - [0.05, 0.1, 0], [5e-3, -0.0015012 * 0.1, 0], atol=2e-7)
-    assert out.node(3).Freac[0, -1] == pytest.approx(1.202960515 * bending / 0.1**2, rel=1e-3)
+    assert out.node(3).Freac[0, -1] == approx(1.202960515 * bending / 0.1**2, rel=1e-3)
     assert out.element(1).e.shape == (4, 6, 2)
     assert out.step(2).element(4).e.shape == (4, 6)
     np.testing.assert_array_equal(out.step(2).node(3).p, out.node(3).p[:, 1])
@@ -234,7 +235,7 @@ def test_supports_carry_the_loads():
         np.testing.assert_allclose(total, [0, -force, gravity], atol=1e-9)
         moment = out.node(1).Mreac[2, i] + out.node(4).Mreac[2, i] + 0.1 * out.node(4).Freac[1, i]
         applied = (-0.025 if i == 1 else 0.025) + force * out.node(3).p[0, i]
-        assert moment == pytest.approx(-applied, abs=1e-9)
+        assert moment == approx(-applied, abs=1e-9)
     np.testing.assert_array_equal(out.node(3).Freac, 0)
 
 
@@ -296,7 +297,7 @@ def test_state_space_with_a_damping_ratio():
     np.testing.assert_allclose(-lowest.real / np.abs(lowest), 0.01, rtol=1e-4)
     np.testing.assert_allclose(np.abs(lowest[::2]) / (2 * np.pi), out.freq[:4, 0], rtol=1e-6)
     # At rest, force to displacement is the compliance.
-    assert system.dcgain()[0, 0] == pytest.approx(out.node(3).CMglob[0, 0, 0], rel=1e-6)
+    assert system.dcgain()[0, 0] == approx(out.node(3).CMglob[0, 0, 0], rel=1e-6)
 
 
 @pytest.mark.slow
@@ -338,7 +339,7 @@ def test_reactions_at_a_turned_support():
     moments = foot.Mreac + end.Mreac + np.cross(end.p, end.Freac)
     np.testing.assert_allclose(moments, 0, atol=1e-8 * np.abs(foot.Mreac).max())
     q = end.r_quat
-    assert 2 * np.arctan2(q[2], q[0]) == pytest.approx(0.4, abs=1e-12)
+    assert 2 * np.arctan2(q[2], q[0]) == approx(0.4, abs=1e-12)
     # Forces and displacements, moments and rotations in axes that have turned with the node.
     axes = np.kron(np.eye(2), Rotation.from_quat(q, scalar_first=True).as_matrix())
     size = np.abs(end.CMglob).max()
@@ -356,7 +357,7 @@ def test_local_axes_are_those_of_the_script():
     y = np.array([1, 0, 2.0]) - 0.6 * x
     y /= np.linalg.norm(y)
     np.testing.assert_allclose(out.element(1).Ri, np.stack([x, y, np.cross(x, y)], axis=1), atol=1e-14)
-    assert out.element(1).L0 == pytest.approx(0.5, rel=1e-14)
+    assert out.element(1).L0 == approx(0.5, rel=1e-14)
     np.testing.assert_allclose(out.element(2).Ri[:, 0], [0, 0, 1], atol=1e-14)
     np.testing.assert_allclose(out.element(2).Ri.T @ out.element(2).Ri, np.eye(3), atol=1e-14)
 
@@ -585,7 +586,7 @@ def restrained(ends: int) -> float:
 def test_leaf_springs_in_a_row_share_their_warping(script, ends):
     """REFERENCES.md S1-leaf-section: one and two clamped ends, at the end of the second."""
     model = fm.spacar.spacar_light_model(*script)
-    assert 1 / float(fm.compliance(model, "n3")[3, 3]) == pytest.approx(restrained(ends), rel=1e-10)
+    assert 1 / float(fm.compliance(model, "n3")[3, 3]) == approx(restrained(ends), rel=1e-10)
 
 
 @pytest.mark.slow
@@ -603,7 +604,7 @@ def test_warping_as_by_the_builder_and_by_the_closed_form():
     np.testing.assert_allclose(out.node(2).CMglob[..., 0], fm.compliance(b.build(), "2"), rtol=1e-9, atol=1e-15)
     closed = fm.spacar.spacar_light_model(*twisted([1], warping=False, cw=True))
     # That of a narrow strip, It = w t^3/3: 0.25 % of alpha, which the factor feels by a seventh.
-    assert 1 / float(fm.compliance(closed, "n2")[3, 3]) == pytest.approx(restrained(2), rel=4e-4)
+    assert 1 / float(fm.compliance(closed, "n2")[3, 3]) == approx(restrained(2), rel=4e-4)
 
 
 def test_warping_that_nothing_asks_for_is_warned_of():

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.spacar_checks import faults
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.answers.answers import modes
@@ -207,7 +208,7 @@ def test_what_a_simulation_takes_from_a_file(monkeypatch):
     np.testing.assert_array_equal(taken["times"], [0, 0.5, 1, 1.5, 2])
     assert taken["rtol"] == 1e-6
     # The absolute tolerance of a file is in metres, that of a simulation in extents of the mechanism, here 4 m by 1 m.
-    assert 1e-3 / taken["atol"] == pytest.approx(4, rel=0.05)
+    assert 1e-3 / taken["atol"] == approx(4, rel=0.05)
     arguments = {name: [float(v) for v in motion.keywords.values()] for name, motion in taken["motion"].items()}
     assert arguments == {"5.x": [0.5, 3, 0], "2.e3": [0.5, 0, 7]}
 

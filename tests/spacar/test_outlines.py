@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from cases.commands import command
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -53,7 +54,7 @@ def test_stress_of_sizes_is_that_of_beam_theory(tmp_path):
         for name, row, (_, _, iy, iz, z, y) in zip(SHAPES, np.asarray(found.sigma_x), SHAPES.values(), strict=True):
             expected = FORCE * L * (z / iy if along == "z" else y / iz)
             # The tip goes aside by 1e-5 of the length.
-            assert np.max(row[0]) == pytest.approx(expected, rel=1e-6), (along, name)
+            assert np.max(row[0]) == approx(expected, rel=1e-6), (along, name)
     # What is written has the same stress.
     fm.write_spacar(read["z"], tmp_path / "again.dat")
     again = fm.read_spacar(tmp_path / "again.dat")
@@ -136,7 +137,7 @@ def test_the_command_line_answers_and_draws_it(tmp_path):
     found = json.loads(result.stdout)["stress"]
     # Half of the force on each leaf spring, and half of its moment at either end: 6 M/(w t^2). The axial force of 0.5 N
     # adds 0.2 %, and moves 0.2 % of the force from the pressed to the pulled leaf spring.
-    assert found["maximum"] == pytest.approx(6 * 0.5 * 0.05 / (0.018 * 0.0005**2), rel=5e-3)
+    assert found["maximum"] == approx(6 * 0.5 * 0.05 / (0.018 * 0.0005**2), rel=5e-3)
     assert (found["element"], found["place"]) == (1, 0.0)
     # Beside the mode, as the tutorial's figure 4.11.
     text = (tmp_path / "a.svg").read_text()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from cases.spacar_checks import assert_same, faults
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -180,7 +181,7 @@ def test_rigid_by_default_and_without_section_without_numbers():
 def test_prescribed_value_is_the_coordinate_itself():
     text = BAR.replace("DYNX", "INPUTX").replace("XM 2 1", "INPUTX 2 1 0.13\nDELINPX 2 1 0.02")
     loads = fm.read_spacar(text).builder.loads
-    assert loads["initial"]["prescribed"]["node", "2", 1] == pytest.approx(0.03, rel=1e-12)
+    assert loads["initial"]["prescribed"]["node", "2", 1] == approx(0.03, rel=1e-12)
     assert loads["increment"]["prescribed"]["node", "2", 1] == 0.02
 
 
@@ -210,7 +211,7 @@ def test_settings():
     assert model.settings["ITERSTEP"]["tolerance"] == 5e-7
     assert model.settings["STARTDX"] == [(2, 1, 0.2, 1.0)]
     # The file gives the coordinate itself, a Builder how far it starts from its undeformed place.
-    assert model.builder.starts["node", "2", 1] == pytest.approx((0.2 - model.builder.nodes["2"].start[0], 1.0))
+    assert model.builder.starts["node", "2", 1] == approx((0.2 - model.builder.nodes["2"].start[0], 1.0))
     assert model.builder.nodes["2"].start[0] != 0
     assert model.settings["USERSIG"] == ("wall", max)
 
@@ -761,7 +762,7 @@ def test_components_of_a_spatial_rotation_keep_their_meaning_with_a_warning():
     found, _ = fm.control.state_matrices(read.builder.build())
     static = -np.asarray(found.C) @ np.linalg.solve(found.A, found.B)
     # Twist L/(G It) = 1 of a unit moment; the dual is twice the moment, the parameter half the angle.
-    assert static[0, 0] == pytest.approx(0.25, rel=1e-9)
+    assert static[0, 0] == approx(0.25, rel=1e-9)
     assert not fm.read_spacar(SIGNALS.format(input="3 2", output="3 2")).warnings
 
 

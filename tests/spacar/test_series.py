@@ -7,6 +7,7 @@ import pytest
 import scipy.optimize
 from cases.commands import command
 from cases.spacar_checks import assert_same, faults
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -58,7 +59,7 @@ def test_guide_with_one_spectral_beam_a_leaf_spring(tmp_path):
     usual = run(guide(tmp_path, ""), 7)
     assert (usual["nx"], usual["ne"], usual["nxo"], usual["neo"], usual["ndof"]) == (28, 25, 6, 17, 5)
     # The leaf spring's own mass changes its shape and lowers the frequency by 1e-5; order four knows that to 1e-4.
-    assert usual["frequencies_hz"][0] == pytest.approx(exact_frequency(), rel=1e-9)
+    assert usual["frequencies_hz"][0] == approx(exact_frequency(), rel=1e-9)
     assert usual["frequencies_hz"][0] < cubic["frequencies_hz"][0] * (1 - 5e-6)
     assert usual["dofs"][0] == {"kind": "x", "of": 3, "component": 1}
     # What the loop leaves open is made up by single coefficients of the bendings.
@@ -81,7 +82,7 @@ def test_buckling_load_of_the_guide(tmp_path):
 
     # The tutorial's 78.75 N is that of cubic beams.
     expected = scipy.optimize.brentq(sway, 60, 79)
-    assert data["load_multipliers"][0] == pytest.approx(expected, rel=1e-6)
+    assert data["load_multipliers"][0] == approx(expected, rel=1e-6)
     assert set(data["compliance"]) == set("12345678")
 
 
@@ -109,7 +110,7 @@ def test_path_of_a_cantilever_through_its_buckling_load(tmp_path):
     # Closed form; P/EA = 2.5e-8.
     (critical,) = data["critical_points"]
     assert critical["kind"] == "bifurcation"
-    assert 3 * critical["load_factor"] == pytest.approx(np.pi**2 / 4, rel=1e-7)
+    assert 3 * critical["load_factor"] == approx(np.pi**2 / 4, rel=1e-7)
     assert [s["load_factor"] < critical["load_factor"] for s in data["path"]] == [s["stable"] for s in data["path"]]
     assert data["path"][-1]["load_factor"] == 1.0
     assert len(data["dofs"]) == 12
@@ -408,6 +409,6 @@ def test_a_leaf_spring_too_many_is_released_by_a_coefficient(tmp_path):
     assert release["component"] > 6
     # As one cubic beam a leaf spring (printed 10.6464, half a unit), and as the release written into the file.
     released = run(path, 7, "--release", "auto")
-    assert released["frequencies_hz"][0] == pytest.approx(10.6464, abs=5e-5)
+    assert released["frequencies_hz"][0] == approx(10.6464, abs=5e-5)
     path.write_text(text.replace("DYNX 3 2", f"DYNX 3 2\nRLSE {release['element']} {release['component']}"))
     np.testing.assert_allclose(run(path, 7)["frequencies_hz"], released["frequencies_hz"], rtol=1e-9)

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 
@@ -34,31 +35,31 @@ def test_truss_guide_printed_numbers():
     b.input("2", "x")
     b.output("2", "x")
     lin = fm.linearize(b.build())
-    assert lin.M0[0, 0] == pytest.approx(0.2107, abs=5e-5)
-    assert lin.K0[0, 0] == pytest.approx(945, rel=1e-12)
-    assert fm.frequencies(lin.model)[0] == pytest.approx(10.658436, rel=1e-6)
+    assert lin.M0[0, 0] == approx(0.2107, abs=5e-5)
+    assert lin.K0[0, 0] == approx(945, rel=1e-12)
+    assert fm.frequencies(lin.model)[0] == approx(10.658436, rel=1e-6)
     ss = fm.to_statespace(lin)
-    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4484.84, abs=5e-3)
+    assert np.asarray(ss.A)[1, 0] == approx(-4484.84, abs=5e-3)
     # From the printed damping 0.00365: 3 digits.
-    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.1732, abs=5e-5)
-    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.745859, abs=5e-7)
+    assert np.asarray(ss.A)[1, 1] == approx(-0.1732, abs=5e-5)
+    assert np.asarray(ss.B)[1, 0] == approx(4.745859, abs=5e-7)
     np.testing.assert_allclose(ss.C, [[1, 0]], atol=1e-15)
     np.testing.assert_allclose(ss.D, [[0]], atol=1e-15)
     b.force("2", (1.0, 0.0))
     static = fm.equilibrium(b.build())
-    assert static.at("2")[0] == pytest.approx(0.1 + 1 / 945, abs=1e-12)
-    assert static.sigma[0] == pytest.approx(1.0, rel=1e-12)
+    assert static.at("2")[0] == approx(0.1 + 1 / 945, abs=1e-12)
+    assert static.sigma[0] == approx(1.0, rel=1e-12)
 
 
 def test_planar_guide_frequency_and_state_space():
     lin = fm.linearize(mechanisms.planar_guide(ratio=0.005).build())
-    assert fm.frequencies(lin.model)[0] == pytest.approx(10.6448474, abs=5e-8)
-    assert lin.K0[0, 0] == pytest.approx(945, rel=1e-12)
+    assert fm.frequencies(lin.model)[0] == approx(10.6448474, abs=5e-8)
+    assert lin.K0[0, 0] == approx(945, rel=1e-12)
     ss = fm.to_statespace(lin)
-    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4473.409, abs=5e-4)
+    assert np.asarray(ss.A)[1, 0] == approx(-4473.409, abs=5e-4)
     # The tutorial enters EdI = 5.3e-6, two digits of 5.274e-6.
-    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.602135 * 5.274e-6 / 5.3e-6, rel=1e-4)
-    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.733766, abs=5e-7)
+    assert np.asarray(ss.A)[1, 1] == approx(-0.602135 * 5.274e-6 / 5.3e-6, rel=1e-4)
+    assert np.asarray(ss.B)[1, 0] == approx(4.733766, abs=5e-7)
     # Outputs x3 y3 x5 y5 phi4 phi6: rows 1 and 3 [1 0], the others zero in the straight state.
     expected = np.zeros((6, 2))
     expected[[0, 2], 0] = 1
@@ -68,8 +69,8 @@ def test_planar_guide_frequency_and_state_space():
 def test_planar_guide_buckling_sign_and_mode():
     model = mechanisms.planar_guide(force=(0, -1.0)).build()
     found = fm.buckling(model)
-    assert found.multipliers[0] == pytest.approx(78.75, abs=5e-5)
-    assert fm.buckling_loads(mechanisms.planar_guide(force=(0, 1.0)).build())[0] == pytest.approx(-78.75, abs=5e-5)
+    assert found.multipliers[0] == approx(78.75, abs=5e-5)
+    assert fm.buckling_loads(mechanisms.planar_guide(force=(0, 1.0)).build())[0] == approx(-78.75, abs=5e-5)
     # The bar sways: both its ends by the same, nothing else moves.
     ends = [i for node in ("left1", "right1") for i in model.labels.coordinates(node)]
     np.testing.assert_allclose(np.asarray(found.shapes)[ends, 0], [1, 0, 1, 0], atol=1e-12)
@@ -78,7 +79,7 @@ def test_planar_guide_buckling_sign_and_mode():
 @pytest.mark.slow
 def test_planar_guide_without_the_elongation_term_buckles_too_late():
     model = mechanisms.planar_guide(force=(0, -1.0), second_order=False).build()
-    assert fm.buckling_loads(model)[0] == pytest.approx(94.5, rel=1e-9)
+    assert fm.buckling_loads(model)[0] == approx(94.5, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -100,20 +101,20 @@ def test_planar_guide_with_three_degrees_of_freedom():
     found = fm.frequencies(lin.model)
     np.testing.assert_allclose(found[:2], [10.644716, 2128.9695], rtol=1e-6)
     # The third mode is ill-conditioned in J; with m = 0.206 the closed form gives 3586.424 (T4, trap 4).
-    assert found[2] == pytest.approx(3586.424, rel=1e-6)
+    assert found[2] == approx(3586.424, rel=1e-6)
     printed = mechanisms.planar_guide(elongation=True, inertia=-0.0001716).build()
-    assert fm.frequencies(printed)[2] == pytest.approx(3583.3, rel=1e-3)
+    assert fm.frequencies(printed)[2] == approx(3583.3, rel=1e-3)
 
 
 @pytest.mark.slow
 def test_spatial_guide():
     # One bending of the right leaf spring released in its stiff plane, as if cut partly (T5).
     model = mechanisms.spatial_guide(extra=(5,), ratio=0.005).build()
-    assert fm.frequencies(model)[0] == pytest.approx(10.646359, rel=1e-6)
+    assert fm.frequencies(model)[0] == approx(10.646359, rel=1e-6)
     ss = fm.to_statespace(model)
-    assert np.asarray(ss.A)[1, 0] == pytest.approx(-4474.680, rel=1e-6)
-    assert np.asarray(ss.A)[1, 1] == pytest.approx(-0.602306 * 5.274e-6 / 5.3e-6, rel=1e-4)
-    assert np.asarray(ss.B)[1, 0] == pytest.approx(4.735111, abs=5e-7)
+    assert np.asarray(ss.A)[1, 0] == approx(-4474.680, rel=1e-6)
+    assert np.asarray(ss.A)[1, 1] == approx(-0.602306 * 5.274e-6 / 5.3e-6, rel=1e-4)
+    assert np.asarray(ss.B)[1, 0] == approx(4.735111, abs=5e-7)
     expected = np.zeros((6, 2))
     expected[[1, 4], 0] = 1
     np.testing.assert_allclose(ss.C, expected, atol=1e-12)
@@ -151,7 +152,7 @@ def test_release_on_request_removes_the_overconstraint():
         b.build()
     model = b.build(release="auto")
     assert model.counts()["ndof"] == 1
-    assert fm.frequencies(model)[0] == pytest.approx(10.646359, rel=1e-6)
+    assert fm.frequencies(model)[0] == approx(10.646359, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -160,7 +161,7 @@ def test_refined_guide_approaches_the_continuum():
     found = [float(fm.frequencies(mechanisms.planar_guide(beams=n, dofs=False).build())[0]) for n in (1, 2, 4)]
     errors = np.abs(np.array(found) / 10.644743 - 1)
     # Half a unit of the last digit is 5e-8; one beam is 1e-5 too high.
-    assert errors[0] == pytest.approx(1e-5, rel=0.1)
+    assert errors[0] == approx(1e-5, rel=0.1)
     assert errors[1] < 1e-6
     assert errors[2] < 1e-7
 

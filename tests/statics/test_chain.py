@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -41,7 +42,7 @@ def test_elastica():
     # Order two of the beams: 6e-5 is measured with 50, 2.4e-4 with 25; five digits are printed.
     np.testing.assert_allclose(found.position("n50"), (1 - 0.16064, 0.49346), atol=2e-4)
     # The load's lever, from forces alone.
-    assert float(found.reaction("n0", "phi")) == pytest.approx(-2.0 * float(found.position("n50")[0]), rel=1e-7)
+    assert float(found.reaction("n0", "phi")) == approx(-2.0 * float(found.position("n50")[0]), rel=1e-7)
 
 
 def arm():

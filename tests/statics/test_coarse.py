@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -51,7 +52,7 @@ def test_an_arc_is_right_as_long_as_nothing_is_said(share):
     exact = LENGTH / angle * np.array([np.sin(angle), 1 - np.cos(angle)])
     error = np.linalg.norm(np.asarray(found.at("b")) - exact) / exact[1]
     turned = float(found.e[1]) / LENGTH
-    assert abs(turned) == pytest.approx(angle / 2, rel=0.1)
+    assert abs(turned) == approx(angle / 2, rel=0.1)
     assert (error < 0.06, bool(words)) == (True, abs(turned) > 0.2)
 
 
@@ -88,7 +89,7 @@ def test_a_twist():
     for angle, is_said in ((0.15, False), (0.24, True)):
         found, words = said(lambda angle=angle: fm.equilibrium(turned((TWIST * angle / LENGTH, 0, 0))))
         a = 2 * np.arcsin(np.asarray(found.x)[-3])
-        assert np.sin(2 * a) / 2 == pytest.approx(angle, rel=1e-9)
+        assert np.sin(2 * a) / 2 == approx(angle, rel=1e-9)
         assert bool(words) == is_said
 
 
@@ -126,7 +127,7 @@ def test_more_beams_do_not_help_where_they_are_stretched(strain):
     for count, near in ((4, 2e-3), (16, 2e-4)):
         # Off by the square of their length: 1e-3 with 4.
         found, words = said(lambda count=count: fm.equilibrium(pulled(strain, count=count)))
-        assert found.position(f"n{count}", "y") == pytest.approx(deflection(strain, stiffer), rel=near)
+        assert found.position(f"n{count}", "y") == approx(deflection(strain, stiffer), rel=near)
         assert [word for word in words if "use more beams" in word] == []
         assert len(words) == (strain > 0.01)
     if words:
@@ -135,7 +136,7 @@ def test_more_beams_do_not_help_where_they_are_stretched(strain):
         assert "off by about 10%, however many they are: use spectral beams" in words[0]
     found, words = said(lambda: fm.equilibrium(pulled(strain, planar.spectral_beam(5), count=1)))
     # Digits that a force of 1e-4 leaves, and six coefficients fewer than kL = 4 needs.
-    assert found.position("n1", "y") == pytest.approx(deflection(strain, BEND), rel=1e-4)
+    assert found.position("n1", "y") == approx(deflection(strain, BEND), rel=1e-4)
     assert words == []
 
 

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -30,7 +31,7 @@ def test_second_derivatives_of_a_configuration(outer):
     # Of y = sqrt(L^2 - (0.6 + q)^2) with L = 1 and q = 0.2: -(x/y)^2/y by L twice, L x/y^3 by both, -(L/y)^2/y by q.
     (by_length, both), (_, by_moved) = fm.jit(outer(jax.grad(height, (0, 1)), (0, 1)))(1.0, jnp.asarray(0.2))
     found = [float(one) for one in (by_length, both, by_moved)]
-    assert found == pytest.approx([-0.64 / 0.216, 0.8 / 0.216, -1 / 0.216], rel=1e-12)
+    assert found == approx([-0.64 / 0.216, 0.8 / 0.216, -1 / 0.216], rel=1e-12)
 
 
 def crank(x, velocity):
@@ -62,7 +63,7 @@ def test_short_flexures_of_a_long_chain_are_no_dead_point():
     # An arc turns its chord by what an end does, e/l, and its last end by twice that.
     turned = -2e-3 * np.arange(11)
     chords = 1e-3 * (turned[:-1] - 1e-3), (1 - 1e-3) * turned[1:]
-    assert found.at("n10")[1] == pytest.approx(np.sum(chords), rel=1e-3)
+    assert found.at("n10")[1] == approx(np.sum(chords), rel=1e-3)
 
 
 @pytest.mark.parametrize("away", [0.4, 1e-3, 1e-6, 1e-8])

@@ -4,6 +4,7 @@ import jax
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -61,7 +62,7 @@ def test_turns_on_the_way_end_where_little_is_left():
 def test_roll_up_converges_with_order_two_and_is_refused_where_it_cannot_be():
     # A4: M = 2 pi EI/L closes the circle; 8 SPACAR beams cannot carry that moment.
     gaps = [float(np.hypot(*fm.equilibrium(cantilever(n, moment=2 * np.pi)).at(str(n)))) for n in (16, 32)]
-    assert gaps[0] / gaps[1] == pytest.approx(4, rel=0.15)
+    assert gaps[0] / gaps[1] == approx(4, rel=0.15)
     assert gaps[1] < 1.5e-2
     with pytest.raises(fm.AnalysisError, match="equilibrium was not found"):
         fm.equilibrium(cantilever(8, moment=2 * np.pi))
@@ -90,7 +91,7 @@ def test_zero_and_small_loads_converge():
     moved = [float(fm.equilibrium(g).at("left1")[0]) for g in guide]
     assert moved[0] == 0.0
     # Small loads: force over 945 N/m.
-    assert moved[1] == pytest.approx(1e-3 / 945, rel=1e-6)
+    assert moved[1] == approx(1e-3 / 945, rel=1e-6)
     assert 0.009 < moved[2] < 0.0101
 
 
@@ -110,4 +111,4 @@ def test_a_stretched_strip_bends_as_theory_says(kind, count, squared):
     k = np.sqrt(1e3 * stretched * (1 + stretched) / squared)
     wanted = across / (1e3 * stretched) * (1 + stretched) * (1 - np.tanh(k) / k)
     # The strain itself is taken to be the same along the strip; the two formulas differ by 4e-3.
-    assert found == pytest.approx(wanted, rel=1e-4)
+    assert found == approx(wanted, rel=1e-4)

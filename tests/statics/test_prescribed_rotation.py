@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from cases import mechanisms
+from cases.tolerances import approx
 from scipy.spatial.transform import Rotation
 
 import flexmb as fm
@@ -52,7 +53,7 @@ def test_a_body_turned_at_its_clamp_moves_rigidly(angle):
     np.testing.assert_allclose(found.at("B.rotation"), expected, atol=1e-13)
     own = [e.of in ("AM", "MB") for e in model.labels.e]
     np.testing.assert_allclose(found.e[np.array(own)], 0, atol=1e-13)
-    assert deformation(model, found.e, "turn of A.e1") == pytest.approx(angle, abs=1e-12)
+    assert deformation(model, found.e, "turn of A.e1") == approx(angle, abs=1e-12)
 
 
 @pytest.mark.slow
@@ -70,7 +71,7 @@ def test_roll_up_by_the_angle_of_the_tip_in_space(angle):
     np.testing.assert_allclose(found.at("B"), tip, atol=1e-9)
     # The multiplier is the stress in the hinge: what it puts on the tip is the opposite.
     moment = -deformation(model, found.sigma, "turn of B.e1")
-    assert moment == pytest.approx(SECTION.EIy * angle / LENGTH, rel=1e-9)
+    assert moment == approx(SECTION.EIy * angle / LENGTH, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -85,8 +86,8 @@ def test_roll_up_by_the_angle_of_the_tip_in_the_plane(angle):
     found = fm.equilibrium(b.build())
     tip = LENGTH / angle * np.array([np.sin(angle), 1 - np.cos(angle)])
     np.testing.assert_allclose(found.at("B"), tip, atol=1e-9)
-    assert found.at("B.rotation")[0] == pytest.approx(angle, rel=1e-12)
-    assert found.reactions[b.build().labels.known("B.rotation")[0]] == pytest.approx(angle / LENGTH, rel=1e-9)
+    assert found.at("B.rotation")[0] == approx(angle, rel=1e-12)
+    assert found.reactions[b.build().labels.known("B.rotation")[0]] == approx(angle / LENGTH, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -102,7 +103,7 @@ def test_a_free_tilt_takes_no_moment():
         model = cantilever("B", (0, 0, 1), small, tilt, y=y)
         moment = fm.equilibrium(model).reaction("B", "rz")
         # The position of the tip is free, so that the curvature is constant; what is left is of the angle's square.
-        assert moment / small == pytest.approx(expected, rel=1e-6), tilt
+        assert moment / small == approx(expected, rel=1e-6), tilt
 
 
 @pytest.mark.slow
@@ -132,7 +133,7 @@ def test_the_opposite_of_the_stress_resultant_put_on_the_node_turns_it_as_far():
     b.prescribe("B", "rotation", 1e-3)
     model = b.build()
     reaction = fm.equilibrium(model).reactions[model.labels.known("B.rotation")[0]]
-    assert reaction == pytest.approx(SECTION.EIy * 1e-3 / LENGTH, rel=1e-5)
+    assert reaction == approx(SECTION.EIy * 1e-3 / LENGTH, rel=1e-5)
 
 
 def cross_pivot_in_space(angle):
@@ -159,8 +160,8 @@ def test_cross_pivot_in_space():
         model = cross_pivot_in_space(angle)
         found = fm.equilibrium(model)
         moment = -deformation(model, found.sigma, "turn of body.e1")
-        assert moment / angle == pytest.approx(stiffness, rel=1e-6)
-        assert np.linalg.norm(found.at("body")) == pytest.approx(shift, rel=1e-5)
+        assert moment / angle == approx(stiffness, rel=1e-6)
+        assert np.linalg.norm(found.at("body")) == approx(shift, rel=1e-5)
     for degrees in (225, 270):
         # Past half a turn, against the planar mechanism, whose angle is a coordinate.
         angle = np.radians(degrees)
@@ -186,7 +187,7 @@ def test_derivative_by_the_angle():
     step = 1e-4
     difference = float(moment(jnp.array(2.0 + step)) - moment(jnp.array(2.0 - step))) / (2 * step)
     # Truncation, the square of the step; round-off of x, 1e-16 times the ratio 1e9 of the stiffnesses, over it.
-    assert fm.jit(jax.grad(moment))(jnp.array(2.0)) == pytest.approx(difference, rel=1e-6)
+    assert fm.jit(jax.grad(moment))(jnp.array(2.0)) == approx(difference, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -269,7 +270,7 @@ def test_the_moment_that_turns_a_shaft_in_other_results():
     """Of a linearisation, a path and a stroke; GI_t times the angle over the length of a beam that is exact."""
     exact = shaft(spatial.spectral_beam(2))
     turned_by_name(exact, 0.2)
-    assert fm.equilibrium(exact.build()).reaction("B", "rx") == pytest.approx(1.6, rel=1e-9)
+    assert fm.equilibrium(exact.build()).reaction("B", "rx") == approx(1.6, rel=1e-9)
     b = shaft()
     turned_by_axis(b, 0.2, increment=True)
     model = b.build()
@@ -278,7 +279,7 @@ def test_the_moment_that_turns_a_shaft_in_other_results():
         for ask in (found.reaction, found.force_needed):
             np.testing.assert_allclose(np.ravel(ask("B", "rx"))[-1], MOMENT, rtol=1e-9)
     for text in ("reaction B.rx", "moment B.rx"):
-        assert path.along(text).values[-1] == pytest.approx(MOMENT, rel=1e-9)
+        assert path.along(text).values[-1] == approx(MOMENT, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -337,7 +338,7 @@ def test_a_rotation_is_held_about_global_axes():
     b.fix("B", "rz")
     compliance = np.diag(np.asarray(fm.compliance(b.build(), "B")))
     np.testing.assert_allclose(1 / compliance[1:3], [12 * SHAFT.EIz, 3 * SHAFT.EIy], rtol=1e-9)
-    assert compliance[5] == pytest.approx(0, abs=1e-15)
+    assert compliance[5] == approx(0, abs=1e-15)
     # The moment that holds it, half of the force times the length.
     b.force("B", (0, 1e-6, 0))
     np.testing.assert_allclose(fm.equilibrium(b.build()).reaction("B")[3:], [0, 0, -0.5e-6], atol=1e-15)

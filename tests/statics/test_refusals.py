@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from scipy.optimize import brentq
 
 import flexmb as fm
@@ -46,7 +47,7 @@ def test_below_it_the_branch_is_the_one_that_starts_unloaded(share):
     drop = 1 - float(fm.equilibrium(truss(share * LIMIT)).at("apex")[1])
     # Closed form of the bars' engineering strain, A7.
     bar = np.hypot(10, 1 - drop)
-    assert 2e4 * (1 / bar - 1 / np.hypot(10, 1)) * (1 - drop) == pytest.approx(share * LIMIT, rel=1e-8, abs=1e-9)
+    assert 2e4 * (1 / bar - 1 / np.hypot(10, 1)) * (1 - drop) == approx(share * LIMIT, rel=1e-8, abs=1e-9)
     assert drop < 0.4236074652
 
 
@@ -86,12 +87,12 @@ def test_a_derivative_near_a_limit_load_comes_with_its_code(below, result):
     bar = np.hypot(10, height)
     if result is not fm.RESULTS.not_converged:
         # The state is right, so that it is not refused; its place is known to the root of round-off.
-        assert fm.equilibrium(truss(load)).at("apex")[1] == pytest.approx(float(height), abs=1e-7)
-        assert 2e4 * (1 / bar - 1 / np.hypot(10, 1)) * height == pytest.approx(load, rel=1e-12)
+        assert fm.equilibrium(truss(load)).at("apex")[1] == approx(float(height), abs=1e-7)
+        assert 2e4 * (1 / bar - 1 / np.hypot(10, 1)) * height == approx(load, rel=1e-12)
     if result is fm.RESULTS.successful:
         # dP/dw = 2 EA (1/L0 - b^2/l^3), closed form; next to zero it knows as many digits as K does.
         stiffness = 2e4 * (1 / np.hypot(10, 1) - 100 / bar**3)
-        assert -slope == pytest.approx(1 / stiffness, rel=1e-7)
+        assert -slope == approx(1 / stiffness, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -99,7 +100,7 @@ def test_the_derivative_of_the_limit_load_itself_exists():
     # 3.8108719042 is rounded up: nothing carries it.
     with pytest.raises(fm.AnalysisError, match="limit load"):
         fm.equilibrium(truss(LIMIT))
-    assert LIMIT * fm.limit_load(truss(LIMIT)) == pytest.approx(CLOSED_LIMIT, rel=1e-12)
+    assert LIMIT * fm.limit_load(truss(LIMIT)) == approx(CLOSED_LIMIT, rel=1e-12)
 
 
 @pytest.mark.slow
@@ -123,10 +124,10 @@ def column(load, aside=0.0, **options):
 def test_a_straight_column_beyond_its_buckling_load_is_called_unstable():
     model = column(3.0)
     with pytest.warns(fm.FlexmbWarning, match="The equilibrium is not stable"):
-        assert fm.equilibrium(model).at("tip")[1] == pytest.approx(0, abs=1e-12)
+        assert fm.equilibrium(model).at("tip")[1] == approx(0, abs=1e-12)
     assert fm.frequencies(model)[0] < 0
     # All loads scale: the multiplier counts from none.
-    assert fm.buckling_loads(model)[0] == pytest.approx(2.4674011003 / 3, rel=1e-5)
+    assert fm.buckling_loads(model)[0] == approx(2.4674011003 / 3, rel=1e-5)
 
 
 def test_at_a_bifurcation_the_state_is_found_and_called_critical():
@@ -137,7 +138,7 @@ def test_at_a_bifurcation_the_state_is_found_and_called_critical():
 
     critical: Any = brentq(lambda factor: float(modes_at(factor).eigenvalues[0]), 0.8, 0.85, xtol=1e-14)
     # Euler's load, closed form; strain P/EA.
-    assert 3 * critical == pytest.approx(2.4674011003, rel=5e-6)
+    assert 3 * critical == approx(2.4674011003, rel=5e-6)
     codes = {}
     for off in (-1e-2, -1e-3, -1e-6, 0.0, 1e-6, 1e-3, 1e-2):
         beyond = pytest.warns(fm.FlexmbWarning, match="not stable: its stiffness is negative in 1 motion")
@@ -257,7 +258,7 @@ def test_two_bars_in_line_have_no_stiffness_across_until_they_are_stretched(load
     b.fix("apex", "x")
     b.force("apex", (0, -load))
     drop = brentq(lambda w: 2 * (1e4 * (np.hypot(10, w) / 10 - 1) + 100) * w / np.hypot(10, w) - load, 0, 2)
-    assert -fm.equilibrium(b.build()).at("apex")[1] == pytest.approx(drop, rel=1e-10)
+    assert -fm.equilibrium(b.build()).at("apex")[1] == approx(drop, rel=1e-10)
 
 
 def test_rigid_bars_in_line_are_refused_by_name():

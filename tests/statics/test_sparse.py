@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.sparse
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -73,7 +74,7 @@ def test_derivatives_are_those_of_central_differences():
     for function, derivative in ((tip, jax.grad), (first, jax.jacfwd)):
         difference = (float(function(start + h)) - float(function(start - h))) / (2 * h)
         # Truncation h^2, round-off 1e-10 over h.
-        assert float(derivative(function)(start)) == pytest.approx(difference, rel=1e-6)
+        assert float(derivative(function)(start)) == approx(difference, rel=1e-6)
 
 
 def test_a_thousand_beams_against_the_closed_form():
@@ -132,7 +133,7 @@ def test_a_rigid_motion_has_no_frequency():
     found = fm.frequencies(b.build(check=False), count=2, sparse=True)
     dense = fm.frequencies(b.build())
     assert abs(float(found[0])) < 1e-3 * float(dense[1])
-    assert float(found[1]) == pytest.approx(float(dense[1]), rel=1e-6)
+    assert float(found[1]) == approx(float(dense[1]), rel=1e-6)
 
 
 def hardening(e, ed, *, stiffness):
@@ -187,7 +188,7 @@ def test_derivatives_under_jit_are_those_of_central_differences():
         step = h * number * np.eye(3)[i]
         difference = (float(end(NUMBERS + step)) - float(end(NUMBERS - step))) / (2 * h * number)
         # Truncation h^2.
-        assert float(found[i]) == pytest.approx(difference, rel=1e-6)
+        assert float(found[i]) == approx(difference, rel=1e-6)
 
 
 def where(*_, **__):
@@ -218,7 +219,7 @@ def test_sweep_and_tune_against_the_closed_form():
     # F L^3 / (3 EI); large deflections add the square of the tip's angle, 1e-14.
     np.testing.assert_allclose(found["tip"], 1e-6 * 0.3**3 / (3 * designs), rtol=1e-9)
     tuned = fm.tune(cantilever, answers, {"EI": 1.0}, {"EI": (0.2, 5.0)}, targets={"tip": 6e-9})
-    assert float(tuned.dimensions["EI"]) == pytest.approx(1.5, rel=1e-4)
+    assert float(tuned.dimensions["EI"]) == approx(1.5, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -430,10 +431,10 @@ def test_turns_are_counted(angle):
     found = turned(0.05)
     place = [str(name) for name in found.labels.e].index("spring.e1")
     # Round-off of the load steps.
-    assert found.e[place] == pytest.approx(angle, abs=1e-12)
-    assert found.sigma[place] == pytest.approx(0.05 * angle, abs=1e-12)
+    assert found.e[place] == approx(angle, abs=1e-12)
+    assert found.sigma[place] == approx(0.05 * angle, abs=1e-12)
     np.testing.assert_allclose(found.at("c"), 0.1 * np.array([np.cos(angle), np.sin(angle), 0]), atol=1e-12)
-    assert jax.grad(lambda k: turned(k).sigma[place])(0.05) == pytest.approx(angle, abs=1e-12)
+    assert jax.grad(lambda k: turned(k).sigma[place])(0.05) == approx(angle, abs=1e-12)
 
 
 @pytest.mark.slow
@@ -448,7 +449,7 @@ def test_a_rope_of_rigid_links_hangs():
     b.gravity((0, -9.81))
     model = b.build(check=False)
     found = fm.equilibrium(model, sparse=True)
-    assert float(found.reaction("n0", "y")) == pytest.approx(9.81, rel=1e-12)
+    assert float(found.reaction("n0", "y")) == approx(9.81, rel=1e-12)
     exact = np.array([2.404825557695773, 5.520078110286311]) / (4 * np.pi) * np.sqrt(9.81)
     # Links are stiffer by some 1/n^2.
     np.testing.assert_allclose(fm.frequencies(model, count=2, sparse=True), exact, rtol=1e-3)
@@ -471,7 +472,7 @@ def test_what_hangs_is_found_inside_compiled_code_too():
     for asked in (ends, jax.jit(ends)):
         place, weight = asked(9.81)
         np.testing.assert_allclose(place, (0.0, -length), atol=1e-9)
-        assert float(weight) == pytest.approx(2 * length * 9.81, rel=1e-9)
+        assert float(weight) == approx(2 * length * 9.81, rel=1e-9)
 
 
 def test_light_loads_on_stiff_parts_have_all_digits():

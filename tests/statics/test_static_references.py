@@ -6,6 +6,7 @@ One spectral beam stands for a whole leaf spring. Where the reference has no ext
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 from references.rod_references import REFERENCE
 
 import flexmb as fm
@@ -99,7 +100,7 @@ def test_distributed_load_as_weight(row):
     b.gravity((0.0, load))
     found = fm.equilibrium(b.build())
     np.testing.assert_allclose(found.at("1"), [x, y], atol=1e-7)
-    assert a + found.at("1.rotation")[0] == pytest.approx(angle, abs=1e-7)
+    assert a + found.at("1.rotation")[0] == approx(angle, abs=1e-7)
 
 
 @pytest.mark.slow("(0.0, 0.0) (0.0, -0.5)", "(0.0, 0.0) (0.0, -1.0)", "(0.0, 0.0) (0.0, -2.0)")
@@ -126,7 +127,7 @@ def test_cross_pivot_under_load(row):
     b.force("body", (0, force))
     model = b.build()
     found = fm.equilibrium(model)
-    assert found.reactions[model.labels.coordinates("body.rotation")[0]] == pytest.approx(moment, rel=2e-6)
+    assert found.reactions[model.labels.coordinates("body.rotation")[0]] == approx(moment, rel=2e-6)
     np.testing.assert_allclose(found.at("body"), [x, y], atol=1e-7)
 
 
@@ -161,9 +162,9 @@ def test_guide_in_the_plane(row):
     moved = [*np.asarray(found.at("platform")) - [0, 0.1], found.at("platform.rotation")[0]]
     np.testing.assert_allclose(moved, [x, y, phi], rtol=1e-6, atol=1e-10)
     c = np.asarray(fm.compliance(model, "platform"))
-    assert 1 / c[0, 0] == pytest.approx(drive, rel=1e-6)
+    assert 1 / c[0, 0] == approx(drive, rel=1e-6)
     # x held, phi free: one over the compliance left once x is taken out.
-    assert 1 / (c[1, 1] - c[0, 1] ** 2 / c[0, 0]) == pytest.approx(support, rel=1e-5)
+    assert 1 / (c[1, 1] - c[0, 1] ** 2 / c[0, 0]) == approx(support, rel=1e-5)
 
 
 @pytest.mark.slow
@@ -177,9 +178,9 @@ def test_guide_in_space(row):
     # One spectral beam a leaf spring; 1e-4 is asked for.
     np.testing.assert_allclose(np.asarray(found.at("platform")) - [0, 0.1, 0], moved[:3], rtol=2e-6, atol=1e-9)
     c = np.asarray(fm.compliance(model, "platform"))
-    assert 1 / c[0, 0] == pytest.approx(drive, rel=5e-6)
+    assert 1 / c[0, 0] == approx(drive, rel=5e-6)
     for k, support in ((1, support_y), (2, support_z)):
-        assert 1 / (c[k, k] - c[0, k] ** 2 / c[0, 0]) == pytest.approx(support, rel=1e-4)
+        assert 1 / (c[k, k] - c[0, k] ** 2 / c[0, 0]) == approx(support, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -242,7 +243,7 @@ def test_a_frame_that_snaps_through_and_back():
     x, y = model.labels.coordinates("load")
     for found, (u, v, critical, *_) in zip(path.critical_points, limits, strict=True):
         # Series of order seven at rotations of 3 rad: 2e-5.
-        assert found.load_factor * load == pytest.approx(critical, rel=2e-5)
+        assert found.load_factor * load == approx(critical, rel=2e-5)
         # Where the load is stationary the place is known to the root of that, and the extent is 120.
         np.testing.assert_allclose([found.x[x] - 24, 120 - found.x[y]], [u, v], atol=0.2)
     # Falling through the first limit and rising through the second, the frame is unstable between them.

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
+from cases.tolerances import approx
 from cases.trajectories import arm
 
 import flexmb as fm
@@ -81,7 +82,7 @@ def test_nonlinear_arm_follows_nearly(model, found):
     """10 mm at 0.5 m turn by 0.02 rad, whose sine is 0.02²/6 less: 0.67 µm, and what bending adds or takes, 0.1 µm."""
     motion = fm.simulate(model, TIMES[::20], loads={"0.rotation.phi": found.inputs["torque"]}, rtol=1e-8)
     off = np.abs(np.asarray(motion.position("2", "y")) - found.y[::20, 0])
-    assert np.max(off) == pytest.approx(0.02**2 / 6 * 0.01, abs=1e-7)
+    assert np.max(off) == approx(0.02**2 / 6 * 0.01, abs=1e-7)
 
 
 def test_what_cannot_be_inverted_is_refused(model, found):

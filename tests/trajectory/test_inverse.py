@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cases.mechanisms import planar_guide
 from cases.motions import meshing_wheels
+from cases.tolerances import approx
 from cases.trajectories import arm
 
 import flexmb as fm
@@ -124,7 +125,7 @@ def test_second_derivative_of_a_torque():
         return jax.grad(jax.grad(lambda t: place(law(t))))(0.15) * jax.grad(place)(law(0.15))
 
     found, expected = (float(fm.jit(jax.jacfwd(jax.jacfwd(of)))(0.4)) for of in (torque, exact))
-    assert found == pytest.approx(expected, rel=1e-10)
+    assert found == approx(expected, rel=1e-10)
 
 
 @pytest.mark.slow
@@ -161,13 +162,13 @@ def test_input_of_a_tip_by_a_dimension():
     turning = (second + 0.8 * jnp.sin(phi) * (rate / (0.8 * jnp.cos(phi))) ** 2) / (0.8 * jnp.cos(phi))
     torque = 1.5 * 0.8**2 * turning + 1.5 * 9.81 * 0.8 * np.cos(phi)
     of_pivot, both = fm.jit(lambda length: force(length, ["pivot.phi"])), fm.jit(jax.value_and_grad(force))
-    expected = pytest.approx(float(torque @ jnp.arange(1.0, 6.0)), rel=1e-11)
+    expected = approx(float(torque @ jnp.arange(1.0, 6.0)), rel=1e-11)
     value, slope = map(float, both(0.8))
     assert value == expected
     assert float(of_pivot(0.8)) == expected
     step = 1e-4
     difference = float(both(0.8 + step)[0] - both(0.8 - step)[0]) / (2 * step)
-    assert slope == pytest.approx(difference, rel=1e-6)
+    assert slope == approx(difference, rel=1e-6)
 
 
 def test_wrong_inputs_are_refused():

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.trajectory.laws import Law, as_law
@@ -36,7 +37,7 @@ def test_polynomials_have_their_limits(make, peaks):
     np.testing.assert_allclose(value, [-1, -1, 0, 1, 1], rtol=0, atol=1e-14)
     np.testing.assert_allclose(np.array(rates[:2])[:, [0, 1, 3, 4]], 0.0, rtol=0, atol=1e-12 * 60)
     for name, limit in zip(("velocity", "acceleration", "jerk"), expected, strict=True):
-        assert float(make(-1.0, 1.0, **{name: limit}).duration) == pytest.approx(0.5, rel=1e-7)
+        assert float(make(-1.0, 1.0, **{name: limit}).duration) == approx(0.5, rel=1e-7)
 
 
 @pytest.mark.slow("10.0-limits0-5.75", "10.0-limits1-5.707106781186548")
@@ -57,7 +58,7 @@ def test_scurve_takes_the_shortest_time(way, limits, duration):
     v, a, j = limits
     for sign in (1.0, -1.0):
         found = law.scurve(0.3, 0.3 + sign * way, velocity=v, acceleration=a, jerk=j, begin=1.0)
-        assert float(found.duration) == pytest.approx(duration, rel=1e-12)
+        assert float(found.duration) == approx(duration, rel=1e-12)
         t = np.linspace(1.0, 1.0 + duration, 801)[1:-1]
         value, *rates = derivatives(found, t)
         for rate, limit in zip(rates, limits, strict=True):
@@ -75,10 +76,10 @@ def test_splines_pass_through_points_and_have_derivatives():
     both = law.spline([0.0, 1.0], [2.0, 3.0])
     np.testing.assert_allclose(both(0.3), law.quintic(2.0, 3.0, 1.0)(0.3), rtol=1e-14)
     slow = law.stretched(law.spline([0, 1, 2.5], [0, 1, 0.5]), velocity=0.5, jerk=100.0)
-    assert slow.peaks()[0] == pytest.approx(0.5, rel=1e-12)
+    assert slow.peaks()[0] == approx(0.5, rel=1e-12)
     # Within a trace too, of what is known.
     limited = fm.jit(lambda limit: law.stretched(both, velocity=1.5 * limit)(2.0))
-    assert float(limited(1.0)) == pytest.approx(3.0, rel=1e-12)
+    assert float(limited(1.0)) == approx(3.0, rel=1e-12)
     with pytest.raises(TypeError, match=r"jax\.jit must not trace its coefficients"):
         jax.eval_shape(lambda c: law.stretched(Law(both.breaks, c), velocity=1.0).coefficients, both.coefficients)
 
@@ -90,7 +91,7 @@ def test_splines_pass_through_points_and_have_derivatives():
     difference = (middle(1 + step) - middle(1 - step)) / (2 * step)
     for derivative in (jax.jacfwd, jax.grad):
         # Linear in the point: round-off over the step is left.
-        assert float(jax.jit(derivative(middle))(1.0)) == pytest.approx(float(difference), rel=1e-11)
+        assert float(jax.jit(derivative(middle))(1.0)) == approx(float(difference), rel=1e-11)
 
 
 @pytest.mark.parametrize(("shaper", "order"), [(law.zv, 1), (law.zvd, 2)])
@@ -111,7 +112,7 @@ def test_shapers_leave_no_vibration(shaper, order):
         left.append(abs(np.trapezoid(np.exp(root * t) * velocity, t)))
     assert left[0] < 1e-6
     assert 0.5e-3**order < left[1] / 2 < 2 * (1.6e-3) ** order
-    assert float(shaped(0.7)) == pytest.approx(1.0, rel=1e-14)
+    assert float(shaped(0.7)) == approx(1.0, rel=1e-14)
 
 
 def test_a_law_that_goes_nowhere_stays():

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from jax.tree_util import Partial
 from scipy.special import jv, yv
 
@@ -128,7 +129,7 @@ def test_vibrations_on_a_trajectory_against_the_nonlinear_motion(swung):
         assert found.form == "perturbation method"
     assert sizes[0] > 0.01
     assert errors[0] < 0.02 * sizes[0]
-    assert sizes[0] / sizes[1] == pytest.approx(2, rel=0.01)
+    assert sizes[0] / sizes[1] == approx(2, rel=0.01)
     assert errors[0] / errors[1] > 4
     # Accelerations are those of the machine, nothing held any longer: by differences of the velocities.
     seen = found.observe()
@@ -201,7 +202,7 @@ def test_error_falls_with_the_square_of_the_amplitude():
         errors.append(float(jnp.max(jnp.abs(found.q - (released(1.0 + amplitude)[1] - nominal)))))
     assert errors[0] < 1e-3
     # 2 but for the next term, a tenth of it at most.
-    assert np.log10(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
+    assert np.log10(errors[0] / errors[1]) == approx(2, abs=0.05)
 
 
 @pytest.mark.slow

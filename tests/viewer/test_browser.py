@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.tolerances import approx
 from cases.workbench import browsing, faults, needs_browser, requests
 
 import flexmb as fm
@@ -262,15 +263,13 @@ def test_pointing_tells_names_and_values(page, view, modes):
     found = re.fullmatch(r"beam left 1, 18 × 0.5 mm, bending moment y (\S+) N m here, (\S+) N m at most", told)
     assert found, told
     expected = values[part.count // 2], values[np.argmax(np.abs(values))]
-    assert [float(number) for number in found.groups()] == pytest.approx(expected, rel=1e-4)
+    assert [float(number) for number in found.groups()] == approx(expected, rel=1e-4)
 
 
 def test_colours_are_those_of_the_scale(page, view):
     until(page, "Boolean(v.project)")
     assert ask(page, "document.getElementById('legend-label').textContent") == view.colours.label
-    assert float(ask(page, "document.getElementById('legend-high').textContent")) == pytest.approx(
-        view.colours.high, rel=1e-3
-    )
+    assert float(ask(page, "document.getElementById('legend-high').textContent")) == approx(view.colours.high, rel=1e-3)
     # coolwarm is blue at its lower end and red at its upper end; the moment is largest at both ends of a leaf spring.
     part = view.lines.parts[0]
     values = view.colours.values[0, part.start : part.start + part.count]
@@ -309,7 +308,7 @@ def test_the_saved_picture_shows_the_mechanism(page):
     )
     assert corner == [255, 255, 255, 255]
     # The rigid bar, in its own grey.
-    assert middle == pytest.approx([107, 111, 115, 255], abs=3)
+    assert middle == approx([107, 111, 115, 255], abs=3)
 
 
 @pytest.mark.slow
@@ -354,17 +353,17 @@ def test_a_motion_plays_its_states(browser, tmp_path):
     page.execute_script("window.flexmb.seek(0.2)")
     # Half way between 0.1 and 0.3 s, however the times are spaced.
     x = np.asarray(motion.at("cart"))[:, 0]
-    assert points(page)[-1, 0] == pytest.approx((x[1] + x[2]) / 2, abs=1e-6)
+    assert points(page)[-1, 0] == approx((x[1] + x[2]) / 2, abs=1e-6)
     assert ask(page, "document.getElementById('position-text').textContent") == "0.2000 s"
     # So are the colours: 2 N on a scale that ends at 4 N, then its lower end.
-    assert ask(page, "v.motion.values[0]") == pytest.approx(2.0, rel=1e-6)
+    assert ask(page, "v.motion.values[0]") == approx(2.0, rel=1e-6)
     red, _, blue = ask(page, "Array.from(v.sweep.colours.slice(0, 3))")
     assert red > blue + 50
     move(page, "position", 1)
-    assert ask(page, "Array.from(v.sweep.colours.slice(0, 3))") == pytest.approx([59, 76, 192], abs=1)
+    assert ask(page, "Array.from(v.sweep.colours.slice(0, 3))") == approx([59, 76, 192], abs=1)
     move(page, "position", 0.2)
     move(page, "amplitude", 3)
-    assert points(page)[-1, 0] == pytest.approx(1 + 3 * ((x[1] + x[2]) / 2 - 1), abs=1e-5)
+    assert points(page)[-1, 0] == approx(1 + 3 * ((x[1] + x[2]) / 2 - 1), abs=1e-5)
 
 
 @pytest.mark.slow

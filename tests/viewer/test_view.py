@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from cases.commands import command
 from cases.mechanisms import LENGTH, THICKNESS, WIDTH, leaf, planar_guide, spatial_guide
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -118,7 +119,7 @@ def test_modes_move_as_their_shape(guide, modes):
         np.testing.assert_allclose(moved[i, :2], scaled[guide.labels.known(name)], rtol=1e-6, atol=1e-9)
     # An amplitude of 1 moves by the extent, some point of the lines by just that.
     displaced = np.linalg.norm(view.lines.states[0], axis=1)
-    assert np.max(displaced) == pytest.approx(LENGTH, rel=1e-3)
+    assert np.max(displaced) == approx(LENGTH, rel=1e-3)
     # The displacement of a cubic: it is linear in its ends, so that a finite step gives it too.
     step = 1e-3 * scaled
     ends = [np.concatenate([line.points for line in lines(guide, x + s * step)]) for s in (-1, 1)]
@@ -224,7 +225,7 @@ def test_colours_of_a_cantilever():
     view = fm.view(lin, fm.stress(lin.model, at=lin))
     clamp = 6 * 0.01 * LENGTH / (WIDTH * THICKNESS**2) / 1e6
     assert view.colours.label == "von Mises stress [MPa]"
-    assert (view.colours.low, view.colours.high) == pytest.approx((0, clamp), rel=1e-4)
+    assert (view.colours.low, view.colours.high) == approx((0, clamp), rel=1e-4)
     np.testing.assert_allclose(view.colours.values[0], clamp * (1 - view.lines.places), atol=3e-3)
     told = data_of(view)["colours"]
     assert told["high"] == view.colours.high
@@ -250,7 +251,7 @@ def test_colours_along_a_path(pressed):
     force = np.array([float(s.resultants.values[0, 0, 0]) for s in stresses])
     expected = np.repeat(force[:, None] / (WIDTH * THICKNESS) / 1e6, len(view.lines.base), axis=1)
     np.testing.assert_allclose(view.colours.values, expected, rtol=1e-6)
-    assert -view.colours.low == view.colours.high == pytest.approx(np.max(np.abs(expected)))
+    assert -view.colours.low == view.colours.high == approx(np.max(np.abs(expected)))
     np.testing.assert_allclose(view.along, pressed.load_factor)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cases import mechanisms
 from cases.documents import drawn, planar_guide, spatial_guide
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.answers.answers import modes
@@ -164,7 +165,7 @@ def test_a_path_reaches_its_load_with_the_displacement_of_the_equilibrium():
     names = found["view"]["nodes"]["names"]
     last = floats(found["view"]["nodes"]["states"]).reshape(-1, len(names), 3)[-1]
     own = fm.equilibrium(mechanisms.planar_guide(force=(1.0, -5.0)).build())
-    assert last[names.index("left1"), 0] == pytest.approx(float(own.at("left1")[0]), rel=1e-6)
+    assert last[names.index("left1"), 0] == approx(float(own.at("left1")[0]), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -185,7 +186,7 @@ def test_a_coordinate_is_led_by_the_input_there_is():
     assert found["status"] == "done"
     line = next(line for line in found["text"].splitlines() if "input" in line)
     stiffness = 24 * mechanisms.leaf().rigidity().EIy / mechanisms.LENGTH**3
-    assert float(line.split()[-1]) == pytest.approx(stiffness * 1e-3, rel=1e-3)
+    assert float(line.split()[-1]) == approx(stiffness * 1e-3, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -195,7 +196,7 @@ def test_the_stroke_tells_the_stress_along_it():
     rows = dict(found["rows"])
     assert rows["stress"].startswith(own.measured("stress", -1))
     np.testing.assert_allclose(floats(found["view"]["along"]), own.stroke, rtol=1e-6)
-    assert found["view"]["colours"]["high"] == pytest.approx(float(np.max(own.curves["stress"])) / 1e6, rel=1e-6)
+    assert found["view"]["colours"]["high"] == approx(float(np.max(own.curves["stress"])) / 1e6, rel=1e-6)
     with pytest.raises(KeyboardInterrupt):
         ran(planar_guide(), "stroke", Job(patience=3))
 
@@ -203,11 +204,11 @@ def test_the_stroke_tells_the_stress_along_it():
 @pytest.mark.slow
 def test_answers_over_a_dimension():
     found = ran(having(FORCE), "sweep", name="t", low="0.4e-3", high="0.6e-3", points="5")
-    assert [row["t"] for row in found["rows"]] == pytest.approx(np.linspace(0.4e-3, 0.6e-3, 5))
+    assert [row["t"] for row in found["rows"]] == approx(np.linspace(0.4e-3, 0.6e-3, 5))
     for row in found["rows"]:
         model = mechanisms.planar_guide(row["t"], force=(1.0, -5.0)).build()
-        assert row["frequency 1"] == pytest.approx(float(fm.frequencies(model)[0]), rel=1e-9)
-        assert row["stress"] == pytest.approx(float(fm.stress(model).maximum), rel=1e-9)
+        assert row["frequency 1"] == approx(float(fm.frequencies(model)[0]), rel=1e-9)
+        assert row["stress"] == approx(float(fm.stress(model).maximum), rel=1e-9)
     with pytest.raises(ValueError, match="from a lower to a higher"):
         ran(planar_guide(), "sweep", name="t", low="1", high="0.5")
 

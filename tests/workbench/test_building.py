@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import documents, mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.workbench.building import build, free_names, numbers_of, positions, structure
@@ -19,15 +20,15 @@ def test_the_planar_guide_as_a_document_is_that_of_the_builder():
     built = build(documents.planar_guide())
     assert (built.problems, built.skipped) == ([], [])
     actual = frequency(built.model())
-    assert actual == pytest.approx(10.6448474, rel=1e-8)
-    assert actual == pytest.approx(frequency(mechanisms.planar_guide().build()), rel=1e-13)
+    assert actual == approx(10.6448474, rel=1e-8)
+    assert actual == approx(frequency(mechanisms.planar_guide().build()), rel=1e-13)
 
 
 def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
     built = build(documents.spatial_guide())
     assert (built.problems, built.skipped) == ([], [])
     theirs = mechanisms.spatial_guide(extra=(6,)).build()
-    assert frequency(built.model()) == pytest.approx(frequency(theirs), rel=1e-13)
+    assert frequency(built.model()) == approx(frequency(theirs), rel=1e-13)
 
 
 @pytest.mark.slow
@@ -47,11 +48,11 @@ def test_derivatives_by_fields_and_by_names_agree_with_differences():
     by_name = jax.grad(of_names)({"t": 0.5e-3, "L": 0.1, "d": 0.1})
     # The frequency goes as t^(3/2), but for the mass of the leaf springs.
     f = float(of_fields(numbers))
-    assert float(by_name["t"]) * 0.5e-3 / f == pytest.approx(1.5, abs=0.02)
-    assert float(slope["2/thickness"]) == pytest.approx(float(by_name["t"]), rel=1e-12)
+    assert float(by_name["t"]) * 0.5e-3 / f == approx(1.5, abs=0.02)
+    assert float(slope["2/thickness"]) == approx(float(by_name["t"]), rel=1e-12)
     h = 1e-9
     up, down = ({**numbers, "2/thickness": jnp.asarray(0.5e-3 + s)} for s in (h, -h))
-    assert float(slope["2/thickness"]) == pytest.approx(float(of_fields(up) - of_fields(down)) / (2 * h), rel=1e-6)
+    assert float(slope["2/thickness"]) == approx(float(of_fields(up) - of_fields(down)) / (2 * h), rel=1e-6)
     assert np.isfinite(list(map(float, slope.values()))).all()
     assert free_names(document) == ["t", "L", "d"]
     assert positions(document)["right1"] == [0.1, 0.1]
@@ -115,7 +116,7 @@ def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
             )
             for s in (step, -step)
         )
-        assert float(slopes[name]) == pytest.approx((up - down) / (2 * step), rel=1e-6)
+        assert float(slopes[name]) == approx((up - down) / (2 * step), rel=1e-6)
 
 
 @pytest.mark.slow

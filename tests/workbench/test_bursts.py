@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cases import documents
 from cases.mechanisms import THICKNESS
+from cases.tolerances import approx
 from cases.workbench import Client, served
 
 import flexmb as fm
@@ -65,7 +66,7 @@ def test_after_a_burst_the_last_value_is_answered_and_nothing_comes_twice(client
     ]
     last = client.reply(numbers[-1])["revision"]
     told = current(client, last)
-    assert told["values"]["frequency 1"]["value"] == pytest.approx(frequency(client), rel=1e-9)
+    assert told["values"]["frequency 1"]["value"] == approx(frequency(client), rel=1e-9)
     heard = client.heard[before:]
     answers = [one for one in heard if one["tell"] == "answers" and one["status"] == "ok"]
     revisions = [one["of_revision"] for one in answers]
@@ -88,7 +89,7 @@ def test_a_new_structure_is_counted_before_it_is_answered(client):
     ]
     revision = client.ask("edit", ops=ops, label="Draw")["revision"]
     told = current(client, revision)
-    assert told["values"]["frequency 1"]["value"] == pytest.approx(frequency(client), rel=1e-9)
+    assert told["values"]["frequency 1"]["value"] == approx(frequency(client), rel=1e-9)
     counted, *_ = [k for k, one in enumerate(client.heard) if is_of(one, "count", "ok", revision)]
     answered, *_ = [k for k, one in enumerate(client.heard) if is_of(one, "answers", "ok", revision)]
     assert begin <= counted < answered

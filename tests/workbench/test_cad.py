@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 from cases.mechanisms import DISTANCE, LENGTH, THICKNESS, WIDTH, planar_guide, spatial_guide, steel
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -42,14 +43,14 @@ def test_leaf_springs_are_solids_of_their_sections(builder, step_reader, tmp_pat
     left, right, bar = found.solids()
     for leaf in (left, right):
         assert leaf.is_valid
-        assert leaf.volume == pytest.approx(1e9 * LENGTH * WIDTH * THICKNESS, rel=CLOSE)
+        assert leaf.volume == approx(1e9 * LENGTH * WIDTH * THICKNESS, rel=CLOSE)
     # A hundredth of the mechanism is the diameter of what has no section.
-    assert bar.volume == pytest.approx(np.pi / 4 * (0.01 * 100) ** 2 * 1e3 * DISTANCE, rel=CLOSE)
+    assert bar.volume == approx(np.pi / 4 * (0.01 * 100) ** 2 * 1e3 * DISTANCE, rel=CLOSE)
     up = model.labels.dimension - 1
     for i, leaf in enumerate((left, right)):
         middle = np.array([leaf.center().X, leaf.center().Y, leaf.center().Z])
-        assert middle[up] == pytest.approx(1e3 * LENGTH / 2, abs=CLOSE)
-        assert middle[up - 1] == pytest.approx(1e3 * DISTANCE * i, abs=CLOSE)
+        assert middle[up] == approx(1e3 * LENGTH / 2, abs=CLOSE)
+        assert middle[up - 1] == approx(1e3 * DISTANCE * i, abs=CLOSE)
     assert [child.label for child in found.children] == ["left_1", "right_1", "bar"]
 
 
@@ -59,13 +60,13 @@ def test_deformed_as_the_equilibrium_is(builder, step_reader, tmp_path):
     left, *_ = step_reader(cad.step(model, x), tmp_path / "guide.step").solids()
     assert left.is_valid
     # The centreline is a cubic, longer than the leaf spring by terms of fourth order in its slope, (6/5 v^2/2)^2.
-    assert left.volume == pytest.approx(1e9 * LENGTH * WIDTH * THICKNESS, rel=1e-4)
+    assert left.volume == approx(1e9 * LENGTH * WIDTH * THICKNESS, rel=1e-4)
     names = [str(entry) for entry in model.labels.x]
     axis = "xy"[model.labels.dimension - 2]
     top = 1e3 * x[names.index(f"left1.{axis}")]
     assert top > 5
     # The end is turned by nothing: its section reaches half a thickness further.
-    assert max(getattr(v, axis.upper()) for v in left.vertices()) == pytest.approx(top + 1e3 * THICKNESS / 2, abs=1e-3)
+    assert max(getattr(v, axis.upper()) for v in left.vertices()) == approx(top + 1e3 * THICKNESS / 2, abs=1e-3)
 
 
 SECTIONS = {
@@ -85,7 +86,7 @@ def test_every_section_has_its_volume(section, area, step_reader, tmp_path):
     b.fix("A")
     (solid,) = step_reader(cad.step(b.build()), tmp_path / "beam.step").solids()
     assert solid.is_valid
-    assert solid.volume == pytest.approx(1e9 * area * 0.13, rel=1e-5)
+    assert solid.volume == approx(1e9 * area * 0.13, rel=1e-5)
 
 
 def test_a_notched_spring_has_its_shape(step_reader, tmp_path):
@@ -99,7 +100,7 @@ def test_a_notched_spring_has_its_shape(step_reader, tmp_path):
     (solid,) = step_reader(cad.step(b.build()), tmp_path / "notch.step").solids()
     # A block without two segments of a disc, of which flat pieces between the sections leave little out.
     segment = r**2 * np.arccos((r - depth) / r) - (r - depth) * np.sqrt(2 * r * depth - depth**2)
-    assert solid.volume == pytest.approx(1e9 * 0.01 * (0.009 * 0.01 - 2 * segment), rel=1e-2)
+    assert solid.volume == approx(1e9 * 0.01 * (0.009 * 0.01 - 2 * segment), rel=1e-2)
 
 
 def area_of(points):
@@ -115,7 +116,7 @@ def test_a_drawing_in_the_plane(dxf_reader):
     assert not drawing.audit().errors
     space = drawing.modelspace()
     outlines = space.query("LWPOLYLINE[layer=='outlines']")
-    assert [area_of(one.get_points()) for one in outlines] == pytest.approx([1e6 * LENGTH * THICKNESS] * 2)
+    assert [area_of(one.get_points()) for one in outlines] == approx([1e6 * LENGTH * THICKNESS] * 2)
     assert all(one.closed for one in outlines)
     assert len(space.query("LWPOLYLINE[layer=='centrelines']")) == 2
     assert len(space.query("LWPOLYLINE[layer=='rigid']")) == 1

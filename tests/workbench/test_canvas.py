@@ -24,6 +24,7 @@ from cases.drawing import (
     typed,
 )
 from cases.mechanisms import leaf
+from cases.tolerances import approx
 from cases.workbench import ask, faults, needs_browser, opened, until
 
 import flexmb as fm
@@ -56,7 +57,7 @@ def test_arrow_keys_move_what_is_selected_in_one_step_of_the_history(page):
     step, steps = ask(page, "w.canvas.step"), len(ask(page, "s.state.undo"))
     press(page, Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_DOWN)
     until(page, f"s.state.positions.A[0] > {1.9 * step} && s.state.positions.A[1] < {-0.9 * step}")
-    assert [float(value) for value in nodes(page)["A"]] == pytest.approx([2 * step, -step], rel=1e-9)
+    assert [float(value) for value in nodes(page)["A"]] == approx([2 * step, -step], rel=1e-9)
     assert len(ask(page, "s.state.undo")) == steps + 1
 
 
@@ -75,7 +76,7 @@ def test_a_node_on_names_keeps_its_arithmetic(page):
     drag(page, (0.1, 0.05), (0.12, 0.08))
     # Its x is a name, which the hand moves; its y follows from that and is left alone.
     assert nodes(page)["B"] == ["w", "w/2"]
-    assert float(ask(page, "s.state.document.names.w.value")) == pytest.approx(0.12)
+    assert float(ask(page, "s.state.document.names.w.value")) == approx(0.12)
     assert "w/2" in ask(page, "w.canvas.spoken.textContent")
 
 
@@ -119,8 +120,8 @@ def test_clicks_meet_nodes_middles_and_lines_through_other_nodes(page):
     assert ask(page, met.format(0.05, 0) + ".share") == 0.5
     # Above C, off the grid: in line with it, and on the grid along the other axis.
     x, y, _ = ask(page, met.format(0.0333, 0.04) + ".point")
-    assert (x, y) == (0.0333, pytest.approx(0.04, abs=ask(page, "w.canvas.step")))
-    assert y == pytest.approx(round(y / ask(page, "w.canvas.step")) * ask(page, "w.canvas.step"), rel=1e-12)
+    assert (x, y) == (0.0333, approx(0.04, abs=ask(page, "w.canvas.step")))
+    assert y == approx(round(y / ask(page, "w.canvas.step")) * ask(page, "w.canvas.step"), rel=1e-12)
     # A beam from the middle of another divides that one, in one step.
     steps = len(ask(page, "s.state.undo"))
     take(page, "b", "planar.beam")
@@ -174,7 +175,7 @@ def test_in_space_a_node_goes_along_the_axis_that_is_pulled(browser, workbench):
     drag(page, start, end)
     x, y, z = (float(value) for value in nodes(page)["B"])
     assert (x, y) == (0.1, 0.05)
-    assert z == pytest.approx(0.14, abs=ask(page, "w.canvas.step"))
+    assert z == approx(0.14, abs=ask(page, "w.canvas.step"))
     # On the plane zx at another height, by keys alone.
     press(page, "n", "y", "]")
     typed(page, "0, 0, 0")
@@ -314,4 +315,4 @@ def test_a_new_scene_keeps_eye_and_phase_and_the_sign_of_a_mode(page):
         "const nodes = {...view.nodes, states: turned(view.nodes.states)};"
         "swing.replace({view: {...view, states: turned(view.states), acrossStates, nodes}});"
     )
-    assert ask(page, "Array.from(w.canvas.swing.data.nodes.states)") == pytest.approx(after)
+    assert ask(page, "Array.from(w.canvas.swing.data.nodes.states)") == approx(after)

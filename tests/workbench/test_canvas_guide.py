@@ -21,6 +21,7 @@ from cases.drawing import (
     write,
 )
 from cases.mechanisms import BAR, COIL, LENGTH, WIDTH, leaf
+from cases.tolerances import approx
 from cases.workbench import ask, needs_browser, until
 
 import flexmb as fm
@@ -82,14 +83,14 @@ def test_the_guide_of_the_tutorial_from_an_empty_page_by_mouse(page):
     idle(page)
     put(page, "width", str(WIDTH))
     put(page, "thickness", "0.5e-3")
-    assert answer(page, "frequency 1") == pytest.approx(FREQUENCY, abs=5e-5)
+    assert answer(page, "frequency 1") == approx(FREQUENCY, abs=5e-5)
     tool("Force")
     click(page, (0, 0.1))
     assert things(page, "force")[0]["args"] == {"node": "B", "force": ["0", "-1"]}
-    assert answer(page, "multiplier 1") == pytest.approx(BUCKLING, abs=5e-5)
+    assert answer(page, "multiplier 1") == approx(BUCKLING, abs=5e-5)
     frequency = fm.frequencies(guide().build())[0]
     click(page, (0.05, 0.03))
-    assert answer(page, "frequency 1") == pytest.approx(float(frequency), rel=1e-9)
+    assert answer(page, "frequency 1") == approx(float(frequency), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -128,8 +129,8 @@ def test_the_guide_by_keyboard_alone(page):
     press(page, Keys.ESCAPE)
     leaf_by_keys(page)
     assert nodes(page) == {"A": ["0", "0"], "B": ["0", "0.1"], "C": ["0.1", "0"], "D": ["0.1", "0.1"]}
-    assert answer(page, "multiplier 1") == pytest.approx(BUCKLING, abs=5e-5)
-    assert answer(page, "frequency 1") == pytest.approx(float(fm.frequencies(guide().build())[0]), rel=1e-9)
+    assert answer(page, "multiplier 1") == approx(BUCKLING, abs=5e-5)
+    assert answer(page, "frequency 1") == approx(float(fm.frequencies(guide().build())[0]), rel=1e-9)
 
 
 def leaf_by_keys(page):
@@ -171,8 +172,8 @@ def test_a_node_that_is_dragged_takes_the_frequencies_along_and_undo_brings_all_
     assert nodes(page)["C"] == ["0.12", "0.12"]
     assert len(ask(page, "s.state.undo")) == steps + 1
     moved = guide((0.12, 0.12), None)
-    assert answer(page, "frequency 1") == pytest.approx(float(fm.frequencies(moved.build())[0]), rel=1e-9)
-    assert answer(page, "frequency 1") != pytest.approx(before, rel=1e-3)
+    assert answer(page, "frequency 1") == approx(float(fm.frequencies(moved.build())[0]), rel=1e-9)
+    assert answer(page, "frequency 1") != approx(before, rel=1e-3)
     assert shown(page) != picture
     step_back(page)
     assert answer(page, "frequency 1") == before

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from cases.tolerances import approx
 from cases.workbench import Client, Process, cantilever, served
 
 import flexmb as fm
@@ -141,10 +142,10 @@ def test_a_builder_is_opened_and_taken_back():
         document = client.until(lambda: client.told.get("document"))["document"]
         assert [one.get("name", one["call"]) for one in document["things"]][:2] == ["A", "B"]
         before = float(fm.frequencies(b.build())[0])
-        assert float(fm.frequencies(own.model())[0]) == pytest.approx(before, rel=1e-12)
+        assert float(fm.frequencies(own.model())[0]) == approx(before, rel=1e-12)
         mass = next(one["id"] for one in document["things"] if one["call"] == "mass")
         client.ask("edit", ops=[{"op": "set", "address": f"{mass}/mass", "to": "0.4"}])
-        assert float(fm.frequencies(own.model())[0]) == pytest.approx(before / 2, rel=1e-9)
+        assert float(fm.frequencies(own.model())[0]) == approx(before / 2, rel=1e-9)
         # A builder of one's own, to go on with.
         taken = own.builder()
         taken.node("C", (0, 1))

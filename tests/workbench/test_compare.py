@@ -2,6 +2,7 @@
 
 import pytest
 from cases.documents import planar_guide
+from cases.tolerances import approx
 
 from flexmb.workbench.compare import Pinned, differences, percent
 from flexmb.workbench.document import apply
@@ -24,14 +25,12 @@ def test_what_differs_is_told_and_nothing_else():
     now, _ = apply(before, ops)
     width = before.by_id[by_name["leaf"]]["args"]["width"]
     found = differences(Pinned(before, 3, answers(a=10.0, b=5.0)), now, answers(a=20.0, c=1.0))
-    assert [(one["label"], one["now"], one["percent"]) for one in found["names"]] == [
-        ("t", "0.6e-3", pytest.approx(20.0))
-    ]
+    assert [(one["label"], one["now"], one["percent"]) for one in found["names"]] == [("t", "0.6e-3", approx(20.0))]
     assert [(one["label"], one["before"], one["now"]) for one in found["fields"]] == [
         ("leaf: width", width, "0.027"),
         ("bar: released", None, "2"),
     ]
-    assert found["fields"][0]["percent"] == pytest.approx(50.0)
+    assert found["fields"][0]["percent"] == approx(50.0)
     assert (found["added"], found["removed"], found["revision"]) == (["Z"], ["dof"], 3)
     assert [(one["key"], one["before"], one["now"], one["percent"]) for one in found["answers"]] == [
         ("a", 10.0, 20.0, 100.0),

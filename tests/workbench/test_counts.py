@@ -2,6 +2,7 @@
 
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -111,7 +112,7 @@ def test_mass_is_advised_where_none_is():
     b.fix("B", "x")
     (own,) = mass_advice(b.build())
     assert own["text"] == "Put a mass on node 'B'"
-    assert fm.frequencies(done(b, own["ops"]).build())[0] == pytest.approx(
+    assert fm.frequencies(done(b, own["ops"]).build())[0] == approx(
         # One mass of 0.1 kg on a spring EA/L of 1e7 N/m.
         (1e7 / 0.1) ** 0.5 / (2 * 3.141592653589793),
         rel=1e-12,

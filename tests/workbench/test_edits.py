@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from cases import documents
+from cases.tolerances import approx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -102,7 +103,7 @@ def test_names_of_things_stay_text():
     for name in ("x" * 100, "<script>alert(1)</script>", "ä ö 'quoted' \"twice\"", "1"):
         document = edited(GUIDE, {"op": "rename", "id": "3", "to": name})
         assert thing(document, "left 1")["args"]["nodes"] == [name, "left1"]
-        assert frequency(document) == pytest.approx(10.6448474, rel=1e-8)
+        assert frequency(document) == approx(10.6448474, rel=1e-8)
 
 
 def test_references_follow_a_name():
@@ -181,10 +182,10 @@ def test_a_copy_stands_beside_its_original_and_refers_to_its_own():
     assert len(report.ids) == 2 * (len(ids) - 2)
     places, problems = positions(document), build(document).problems
     assert problems == []
-    assert places["right5"] == pytest.approx([0.7, 0.1], rel=1e-12)
+    assert places["right5"] == approx([0.7, 0.1], rel=1e-12)
     one = fm.frequencies(build(GUIDE).model())
     three = fm.frequencies(build(document).model())
-    assert np.asarray(three) == pytest.approx(np.repeat(np.asarray(one), 3), rel=1e-9)
+    assert np.asarray(three) == approx(np.repeat(np.asarray(one), 3), rel=1e-9)
 
 
 def test_an_element_that_is_copied_takes_its_nodes_along():
@@ -219,7 +220,7 @@ def test_a_joined_node_gives_all_it_has():
     document, report = apply(document, [{"op": "join", "from": "right1", "into": "X"}])
     assert report.also == []
     assert thing(document, "bar")["args"]["nodes"] == ["left1", "X"]
-    assert frequency(document) == pytest.approx(10.6448474, rel=1e-8)
+    assert frequency(document) == approx(10.6448474, rel=1e-8)
     _, report = apply(GUIDE, [{"op": "join", "from": "right1", "into": "left1"}])
     assert report.also == ["11"]
 
@@ -234,11 +235,11 @@ def test_a_split_element_is_two_that_act_as_one():
     document, report = apply(elastic, [{"op": "split", "element": "left 1", "at": "0.25"}])
     assert names(document)[4:7] == ["left2", "left 1", "left 2"]
     assert report.ids == ["15", "16"]
-    assert positions(document)["left2"] == pytest.approx([0, 0.025])
+    assert positions(document)["left2"] == approx([0, 0.025])
     assert thing(document, "left2")["args"]["position"] == ["0", "0.25*L"]
     # Without loads along them beams are exact; their mass is not lumped alike.
     light = edited(document, {"op": "set", "address": "1/rho", "to": "0"})
-    assert frequency(light) == pytest.approx(
+    assert frequency(light) == approx(
         frequency(edited(elastic, {"op": "set", "address": "1/rho", "to": "0"})), rel=1e-6
     )
 
@@ -270,7 +271,7 @@ def test_an_exploded_block_is_the_same_mechanism(name, dimension):
     built = build(parts)
     assert (built.problems, built.skipped) == ([], [])
     here, there = (np.asarray(fm.frequencies(build(one).model())) for one in (document, parts))
-    assert there[:5] == pytest.approx(here[:5], rel=1e-9)
+    assert there[:5] == approx(here[:5], rel=1e-9)
 
 
 def test_problems_name_the_field_and_the_rest_is_built():
@@ -331,7 +332,7 @@ def test_things_are_built_after_what_they_need_in_whatever_order_they_stand():
     for thing_ in GUIDE.things:
         document = edited(document, {"op": "order", "id": thing_["id"], "before": document.things[0]["id"]})
     assert [t["id"] for t in document.things] == [t["id"] for t in reversed(GUIDE.things)]
-    assert frequency(document) == pytest.approx(10.6448474, rel=1e-8)
+    assert frequency(document) == approx(10.6448474, rel=1e-8)
 
 
 # -- any edits whatever ----------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -129,4 +130,4 @@ def test_signs_of_series_are_those_of_their_function(room, d, kind, y_turns):
     ours = deformation(state, references, **given)
     images = [[image(x, k) for x, k in zip(nodes, kinds, strict=True)] for nodes in (state, references)]
     theirs = deformation(*images, **there, **given)
-    assert theirs == pytest.approx(signs * ours, abs=1e-9 * np.max(np.abs(ours)))
+    assert theirs == approx(signs * ours, abs=1e-9 * np.max(np.abs(ours)))

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
@@ -69,17 +70,17 @@ def test_answers_are_those_of_the_public_functions(page):
     told = last(page.show(guide(), support_node="left1"), "answers")
     model, values = guide().build(), told["values"]
     assert (told["status"], told["stale"], told["of_revision"]) == ("ok", False, page.revision)
-    assert values["frequency 1"]["value"] == pytest.approx(float(fm.frequencies(model)[0]), rel=1e-12)
-    assert values["multiplier 1"]["value"] == pytest.approx(float(fm.buckling_loads(model)[0]), rel=1e-12)
+    assert values["frequency 1"]["value"] == approx(float(fm.frequencies(model)[0]), rel=1e-12)
+    assert values["multiplier 1"]["value"] == approx(float(fm.buckling_loads(model)[0]), rel=1e-12)
     found = fm.stress(model)
-    assert values["stress"]["value"] == pytest.approx(float(found.maximum), rel=1e-12)
+    assert values["stress"]["value"] == approx(float(found.maximum), rel=1e-12)
     assert values["stress"]["where"]["element"] == found.where.element
     assert values["mass"]["value"] == float(fm.mass(model))
-    assert values["stiffness x"]["value"] == pytest.approx(float(fm.stiffness(model, "left1", "x")), rel=1e-12)
+    assert values["stiffness x"]["value"] == approx(float(fm.stiffness(model, "left1", "x")), rel=1e-12)
     assert values["stiffness y"]["value"] is None
     assert values["stiffness y"]["text"] == "rigid"
     # Tutorial WA 1239 (2012): two leaf springs in sway buckle at pi^2 EI/L^2 each; one beam each gives 78.75 N.
-    assert values["multiplier 1"]["value"] == pytest.approx(78.75, abs=0.005)
+    assert values["multiplier 1"]["value"] == approx(78.75, abs=0.005)
 
 
 @pytest.mark.slow
@@ -154,7 +155,7 @@ def test_loads_that_are_zero_yet_are_none(page):
         told = last(page.show(b), "answers")
         assert ({"displacement", "stress"} <= set(told["values"])) is there
         assert ("no buckling" in " ".join(told["words"])) is not there
-    assert told["values"]["displacement"]["value"] == pytest.approx(1e-3, rel=1e-2)
+    assert told["values"]["displacement"]["value"] == approx(1e-3, rel=1e-2)
 
 
 def test_the_newest_wins_and_there_are_no_more_answers_than_documents():
@@ -176,7 +177,7 @@ def test_the_newest_wins_and_there_are_no_more_answers_than_documents():
     page.live.stop()
     answers = [one for one in page.heard if one["tell"] == "answers" and one["status"] == "ok"]
     assert [one["revision"] for one in answers] in ([0, 49], [49])
-    assert answers[-1]["values"]["frequency 1"]["value"] == pytest.approx(
+    assert answers[-1]["values"]["frequency 1"]["value"] == approx(
         float(fm.frequencies(guide(sizes[-1]).build())[0]), rel=1e-12
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cases import documents
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.workbench.building import build
@@ -129,9 +130,9 @@ def test_a_mirrored_arm_has_the_same_frequencies(arm, axis):
     document = arm()
     here, place = loaded(document)
     there, image = loaded(mirrored(document, axis))
-    assert there == pytest.approx(here, rel=1e-7)
+    assert there == approx(here, rel=1e-7)
     place["xyz".index(axis)] = 0.06 - place["xyz".index(axis)]
-    assert image == pytest.approx(place, abs=1e-9)
+    assert image == approx(place, abs=1e-9)
 
 
 BLOCKS = {
@@ -175,7 +176,7 @@ def frequencies(document):
 @pytest.mark.parametrize("name", BLOCKS)
 def test_a_mirrored_block_in_the_plane_has_the_same_frequencies(name):
     document = with_block(2, name)
-    assert frequencies(mirrored(document, "x")) == pytest.approx(frequencies(document), rel=1e-7)
+    assert frequencies(mirrored(document, "x")) == approx(frequencies(document), rel=1e-7)
 
 
 @pytest.mark.slow
@@ -183,7 +184,7 @@ def test_a_mirrored_block_in_the_plane_has_the_same_frequencies(name):
 @pytest.mark.parametrize("axis", "xz")
 def test_a_mirrored_block_in_space_has_the_same_frequencies(name, more, axis):
     document = with_block(3, name, **more)
-    assert frequencies(mirrored(document, axis)) == pytest.approx(frequencies(document), rel=1e-7)
+    assert frequencies(mirrored(document, axis)) == approx(frequencies(document), rel=1e-7)
 
 
 @pytest.mark.slow
@@ -199,7 +200,7 @@ def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_nam
     parts, _ = apply(document, [{"op": "explode", "id": "5"}])
     there = mirrored(parts, "x")
     assert build(there).problems == []
-    assert frequencies(there) == pytest.approx(frequencies(parts), rel=1e-7)
+    assert frequencies(there) == approx(frequencies(parts), rel=1e-7)
 
 
 @pytest.mark.slow

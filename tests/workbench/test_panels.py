@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 from cases.workbench import ask, faults, needs_browser, opened, requests, served, until, wait_for
 
 import flexmb as fm
@@ -179,13 +180,13 @@ def test_bad_input_is_marked_at_its_field_and_the_last_good_answers_are_greyed(p
     assert kept == good["frequency 1"]
     write(box, "t")
     until(page, "!document.querySelector('#inspector [aria-invalid=true]')")
-    assert answered(page)["frequency 1"] == pytest.approx(good["frequency 1"], rel=1e-12)
+    assert answered(page)["frequency 1"] == approx(good["frequency 1"], rel=1e-12)
     # What is half typed is no design: "1" never was, so what stays is what was there before.
     write(box, "1/0")
     until(page, "document.querySelector('#inspector [aria-invalid=true]')")
     until(page, "document.getElementById('answers').classList.contains('stale')")
     kept = float(page.find_element("css selector", "[data-answer='frequency 1'] data").get_attribute("value"))
-    assert kept == pytest.approx(good["frequency 1"], rel=1e-12)
+    assert kept == approx(good["frequency 1"], rel=1e-12)
 
 
 @pytest.mark.slow
@@ -352,7 +353,7 @@ def test_a_file_that_was_saved_opens_as_the_same_mechanism(page, folder, ending)
     until(page, "s.state.document.things.length > 5")
     again = answered(page)
     for key in ("frequency 1", "frequency 2", "mass"):
-        assert again[key] == pytest.approx(shown[key], rel=1e-12)
+        assert again[key] == approx(shown[key], rel=1e-12)
     assert set(ask(page, "s.state.document.names")) == {"t", "L"}
     if document := page.find_elements("css selector", "dialog[open] .buttons button"):
         document[0].click()
@@ -476,7 +477,7 @@ def test_a_target_is_met_at_a_click(page):
     until(page, "s.state.document.names.t.value !== '0.0005'")
     tab(page, "answers")
     shown = answered(page)
-    assert shown["frequency 1"] == pytest.approx(20, rel=1e-9)
+    assert shown["frequency 1"] == approx(20, rel=1e-9)
     names = ask(page, "s.state.document.names")
     assert names["L"]["value"] == texts["L"]["value"]
     np.testing.assert_allclose(frequencies(float(names["t"]["value"]))[0], 20, rtol=1e-9)

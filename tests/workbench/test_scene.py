@@ -5,6 +5,7 @@ import base64
 import numpy as np
 import pytest
 from cases import mechanisms
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.viewer.page import page_data
@@ -59,9 +60,7 @@ def test_states_are_those_of_the_public_functions(found):
 def test_colours_are_stress_or_sensitivity(found):
     view = Scenes().of_answers(wanting(found, colour="stress"))["view"]
     assert view["colours"]["label"] == "von Mises stress [MPa]"
-    assert np.nanmax(numbers(view["colours"]["values"])) == pytest.approx(
-        found.values["stress"]["value"] / 1e6, rel=0.05
-    )
+    assert np.nanmax(numbers(view["colours"]["values"])) == approx(found.values["stress"]["value"] / 1e6, rel=0.05)
     slopes = {"left 1": 1.0, "right 1": -2.0}
     view = Scenes().of_answers(wanting(found, colour="sensitivity"), slopes, "percent")["view"]
     assert (view["colours"]["label"], view["colours"]["low"], view["colours"]["high"]) == ("percent", -2.0, 2.0)
@@ -86,4 +85,4 @@ def test_a_mode_keeps_its_side():
     first = numbers(scenes.of_answers(one)["view"]["states"])
     assert one.modes is not None
     one.modes = type(one.modes)(**{**vars(one.modes), "shapes": -one.modes.shapes})
-    assert numbers(scenes.of_answers(one)["view"]["states"]) == pytest.approx(first, rel=1e-6, abs=1e-9)
+    assert numbers(scenes.of_answers(one)["view"]["states"]) == approx(first, rel=1e-6, abs=1e-9)

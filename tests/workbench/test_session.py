@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from cases.disk import full, not_regular
+from cases.tolerances import approx
 from cases.workbench import cantilever, thing
 
 import flexmb as fm
@@ -84,8 +85,8 @@ def test_answers_follow_an_edit(opened):
     # Massless beam with a mass at its end, loaded across: k = 3 E I / L^3.
     stiffness = 3 * 210e9 * DEPTH * THICKNESS**3 / 12 / LENGTH**3
     expected = (stiffness / MASS) ** 0.5 / (2 * 3.141592653589793)
-    assert found["values"]["frequency 1"]["value"] == pytest.approx(expected, rel=1e-3)
-    assert found["values"]["frequency 1"]["value"] == pytest.approx(
+    assert found["values"]["frequency 1"]["value"] == approx(expected, rel=1e-3)
+    assert found["values"]["frequency 1"]["value"] == approx(
         float(fm.frequencies(session.builder().build())[0]), rel=1e-9
     )
 
@@ -367,7 +368,7 @@ def test_a_target_is_one_step_that_is_seen_as_it_goes(opened):
     assert found["met"]
     assert len(told.newest["document"]["undo"]) == 2
     told.until(lambda n: n["answers"].get("of_revision") == session.history.revision)
-    assert told.newest["answers"]["values"]["frequency 1"]["value"] == pytest.approx(20, rel=1e-9)
+    assert told.newest["answers"]["values"]["frequency 1"]["value"] == approx(20, rel=1e-9)
     session.ask("undo", {})
     assert session.history.document.text == text
     # What cannot be is told, and changes nothing.
@@ -388,7 +389,7 @@ def test_a_pinned_design_is_compared(opened):
     assert [name["before"], name["now"]] == ["0.5e-3", "1e-3"]
     one = next(one for one in found["answers"] if one["key"] == "frequency 1")
     # Bending stiffness goes as the third power of the thickness, the mass stays.
-    assert one["now"] / one["before"] == pytest.approx(2**1.5, rel=1e-2)
+    assert one["now"] / one["before"] == approx(2**1.5, rel=1e-2)
     session.ask("unpin", {})
     assert set(told.newest["pinned"]) == {"tell"}
 

@@ -1,6 +1,7 @@
 """Sums and signs of texts have the value that numbers have, and numbers stay short."""
 
 import pytest
+from cases.tolerances import approx
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -40,7 +41,7 @@ def test_texts_have_the_values_of_numbers(a, b, c):
         (sums.reflected(a, b), 2 * y - x),
         (sums.between(a, b, c), x + z * (y - x)),
     ):
-        assert value(found) == pytest.approx(expected, abs=1e-13 * size), (a, b, c, found)
+        assert value(found) == approx(expected, abs=1e-13 * size), (a, b, c, found)
 
 
 @pytest.mark.parametrize(

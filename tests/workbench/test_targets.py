@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from cases import mechanisms
 from cases.documents import planar_guide
+from cases.tolerances import approx
 from scipy.optimize import brentq
 
 import flexmb as fm
@@ -58,9 +59,9 @@ def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
     found = targets.meet(document, [want("frequency 1", "20 Hz")], ["t"], job)
     t = root(lambda t: fm.frequencies(mechanisms.planar_guide(t).build())[0] - 20, 0.4e-3, 1.2e-3)
     assert found["met"]
-    assert found["design"]["t"] == pytest.approx(t, rel=1e-10)
+    assert found["design"]["t"] == approx(t, rel=1e-10)
     after = targets.applied(document, found)
-    assert frequency(after) == pytest.approx(20, rel=1e-10)
+    assert frequency(after) == approx(20, rel=1e-10)
     # One edit, which leaves bounds as they are and writes the number as it was written.
     assert [op["name"] for op in found["ops"]] == ["t"]
     assert after.names["t"] == {**document.names["t"], "value": found["ops"][0]["to"]["value"]}
@@ -75,7 +76,7 @@ def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
 def test_twice_the_buckling_load_takes_the_cube_root_of_two_in_thickness():
     """The load multiplier of a leaf spring in its stiff plane goes as its moment of inertia."""
     found = targets.meet(loaded(bounded(t=("0.1e-3", "2e-3"))), [want("multiplier 1", "2*78.75/5")], ["t"], Job())
-    assert found["design"]["t"] == pytest.approx(0.5e-3 * 2 ** (1 / 3), rel=1e-9)
+    assert found["design"]["t"] == approx(0.5e-3 * 2 ** (1 / 3), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -84,7 +85,7 @@ def test_the_nearest_design_is_found_and_limits_are_kept():
     document = bounded(t=("0.1e-3", "2e-3"), L=("0.02", "0.3"))
     found = targets.meet(document, [want("frequency 1", "20", "least")], ["t", "L"], Job())
     assert found["met"]
-    assert found["values"]["frequency 1"] == pytest.approx(20, rel=1e-5)
+    assert found["values"]["frequency 1"] == approx(20, rel=1e-5)
     assert found["values"]["frequency 1"] >= 20
 
     def size(t):
@@ -114,9 +115,9 @@ def test_what_cannot_be_reached_says_how_near_it_comes_and_what_limits_it():
     document = bounded(t=("0.1e-3", "0.6e-3"))
     found = targets.meet(document, [want("frequency 1", "20")], ["t"], Job())
     assert not found["met"]
-    assert found["design"]["t"] == pytest.approx(0.6e-3)
+    assert found["design"]["t"] == approx(0.6e-3)
     nearest = float(fm.frequencies(mechanisms.planar_guide(0.6e-3).build())[0])
-    assert found["values"]["frequency 1"] == pytest.approx(nearest)
+    assert found["values"]["frequency 1"] == approx(nearest)
     assert "t is at its upper bound 0.0006" in found["text"]
     assert f"{nearest:.5g} Hz" in found["text"]
     both = [want("frequency 1", "20"), want("multiplier 1", "3", "most")]
@@ -132,14 +133,14 @@ def test_a_stop_keeps_the_best_design_so_far():
     assert found["stopped"]
     assert "Stopped on the way" in found["text"]
     assert abs(found["values"]["frequency 1"] - 20) < abs(frequency(document) - 20)
-    assert frequency(targets.applied(document, found)) == pytest.approx(found["values"]["frequency 1"], rel=1e-9)
+    assert frequency(targets.applied(document, found)) == approx(found["values"]["frequency 1"], rel=1e-9)
 
 
 @pytest.mark.slow
 def test_a_name_without_bounds_gets_some_and_it_is_told():
     found = targets.meet(planar_guide(), [want("frequency 1", "20")], ["t"], Job())
     assert found["met"]
-    assert found["assumed"] == {"t": [pytest.approx(0.1e-3), pytest.approx(2.5e-3)]}
+    assert found["assumed"] == {"t": [approx(0.1e-3), approx(2.5e-3)]}
     assert "'t' has no bounds: 0.0001 to 0.0025 were taken" in found["text"]
 
 
@@ -195,7 +196,7 @@ def test_derivatives_agree_with_differences():
     ],
 )
 def test_values_with_and_without_units(text, unit, value):
-    assert wants.value_in("it", text, unit, {"f": 13.0}) == pytest.approx(value)
+    assert wants.value_in("it", text, unit, {"f": 13.0}) == approx(value)
 
 
 @pytest.mark.slow("given12-free12-has no effect on it")

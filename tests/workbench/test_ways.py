@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.workbench.building import build, numbers_of
@@ -63,13 +64,13 @@ def test_slopes_are_central_differences(key):
     for address, slope in told["by_field"].items():
         step = STEP * (abs(at[address]) or 0.1)
         expected = difference(lambda by, of=address: answers_at(document, {of: at[of] + by}, key), step)
-        assert slope == pytest.approx(expected, rel=1e-6, abs=1e-6 * scale / (abs(at[address]) or 0.1))
+        assert slope == approx(expected, rel=1e-6, abs=1e-6 * scale / (abs(at[address]) or 0.1))
     for name, slope in told["by_name"].items():
         own = at[f"names/{name}/value"]
         expected = difference(
             lambda by, of=name, own=own: answers_at(document, numbers_of(document, {of: own + by}), key), STEP * own
         )
-        assert slope == pytest.approx(expected, rel=1e-6, abs=1e-6 * scale / own)
+        assert slope == approx(expected, rel=1e-6, abs=1e-6 * scale / own)
 
 
 def difference(function, step: float) -> float:
@@ -102,12 +103,12 @@ def test_powers_of_dimensions_are_relative_slopes():
     document = guide()
     document = apply(document, [{"op": "set", "address": "1/rho", "to": "0"}, {"op": "delete", "ids": ["14"]}])[0]
     told = Ways(lambda: None).of(document, answers(document, sensitivity_of="frequency 1"), wait=True)
-    assert told["relative"]["t"] == pytest.approx(1.5, rel=1e-9)
-    assert told["relative"]["w"] == pytest.approx(0.5, rel=1e-9)
-    assert told["relative"]["L"] == pytest.approx(-1.5, rel=1e-9)
+    assert told["relative"]["t"] == approx(1.5, rel=1e-9)
+    assert told["relative"]["w"] == approx(0.5, rel=1e-9)
+    assert told["relative"]["L"] == approx(-1.5, rel=1e-9)
     assert "gap" not in told["by_name"], "it is no free name"
     # Both sides of both sections, 3/2 + 1/2, half of it each.
-    assert told["by_element"] == pytest.approx({"left": 1.0, "right": 1.0, "bar": 0.0}, rel=1e-9, abs=1e-12)
+    assert told["by_element"] == approx({"left": 1.0, "right": 1.0, "bar": 0.0}, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.slow
