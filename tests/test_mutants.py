@@ -22,10 +22,14 @@ def test_area():
 """
 
 
+# Where the tiny package lies.
+PACKAGE, TESTS = "flexmb", "tests"
+
+
 def tree(folder):
     """A package of one module, with its test."""
-    files = {"flexmb/shapes/area.py": MODULE, "tests/shapes/test_area.py": TEST}
-    files |= {"flexmb/__init__.py": "", "flexmb/shapes/__init__.py": "", "tests/conftest.py": ""}
+    files = {f"{PACKAGE}/shapes/area.py": MODULE, f"{TESTS}/shapes/test_area.py": TEST}
+    files |= {f"{PACKAGE}/__init__.py": "", f"{PACKAGE}/shapes/__init__.py": "", f"{TESTS}/conftest.py": ""}
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
@@ -53,4 +57,4 @@ def test_a_change_that_a_test_sees_is_killed(tmp_path):
     assert mutants.outcome(tmp_path, killed, 100.0, []) == mutants.KILLED
     assert mutants.outcome(tmp_path, left, 100.0, []) == mutants.SURVIVED
     assert mutants.outcome(tmp_path, killed, 0.01, []) == mutants.TIMEOUT
-    assert (tmp_path / "flexmb/shapes/area.py").read_text() == MODULE
+    assert (tmp_path / PACKAGE / "shapes" / "area.py").read_text() == MODULE

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Inexact, Int
+from jaxtyping import Array, Inexact
 
 # The most parts: their joints are left to dense factors.
 MOST_PARTS = 10
@@ -31,8 +31,6 @@ class BlockFactors(NamedTuple):
         before: The inverse times the coupling to the part's joint, (steps, b, b, parts).
         lower: Coupling of the joints to the block before, (b, b, parts).
         joints: Inverse of what is left of the joints, (parts b, parts b).
-        negative: Number of negative pivots within; with the negative eigenvalues of ``joints`` those of a symmetric
-            matrix (Haynsworth 1968, Determination of the inertia of a partitioned Hermitian matrix), ().
     """
 
     inverse: Inexact[Array, "s b b p"]
@@ -42,7 +40,6 @@ class BlockFactors(NamedTuple):
     before: Inexact[Array, "s b b p"]
     lower: Inexact[Array, "b b p"]
     joints: Inexact[Array, "r r"]
-    negative: Int[Array, ""]
 
     def solve(self, right: Inexact[Array, "b count"]) -> Inexact[Array, "b count"]:
         """Solution of A x = right.
@@ -97,13 +94,13 @@ def factorise_blocks(
     def eliminated(carry: tuple[Array, ...], step: tuple[Array, ...]):
         after, before, joint, left = carry
         down, middle, up = step
-        inverse, negative = _inverted(middle - _product(down, after))
+        inverse = _inverted(middle - _product(down, after))
         following, back = _product(inverse, up), -_product(inverse, _product(down, before))
-        kept = inverse, down, joint, following, back, negative
+        kept = inverse, down, joint, following, back
         return (following, back, -_product(joint, following), left - _product(joint, back)), kept
 
     start = (none, itself, up[0], middle[0])
-    (after, before, joint, left), (*kept, negative) = jax.lax.scan(eliminated, start, (down[1:], middle[1:], up[1:]))
+    (after, before, joint, left), kept = jax.lax.scan(eliminated, start, (down[1:], middle[1:], up[1:]))
     left = left - _product(down[0], jnp.roll(after, 1, axis=-1))
     back = -_product(down[0], jnp.roll(before, 1, axis=-1))
     whole = jnp.zeros((parts, size, parts, size), diagonal.dtype)
@@ -112,7 +109,7 @@ def factorise_blocks(
     whole = whole.at[every[1:], :, every[:-1]].add(jnp.moveaxis(back[..., 1:], 2, 0))
     whole = whole.at[every[:-1], :, every[1:]].add(jnp.moveaxis(joint[..., :-1], 2, 0))
     joints = jnp.linalg.inv(whole.reshape(parts * size, parts * size))
-    return BlockFactors(*kept, lower=down[0], joints=joints, negative=jnp.sum(negative))
+    return BlockFactors(*kept, lower=down[0], joints=joints)
 
 
 def _product(a: Inexact[Array, "b c parts"], b: Inexact[Array, "c *d parts"]):
@@ -121,16 +118,14 @@ def _product(a: Inexact[Array, "b c parts"], b: Inexact[Array, "c *d parts"]):
 
 
 def _inverted(a: Inexact[Array, "b b parts"]):
-    """Inverses of many small matrices by elimination, all at once, and how many of the pivots are negative."""
+    """Inverses of many small matrices by elimination, all at once."""
     size = a.shape[0]
     places = jnp.arange(size)
 
-    def eliminated(k: Array, carry: tuple[Array, Array]):
-        a, negative = carry
+    def eliminated(k: Array, a: Inexact[Array, "b b parts"]):
         here = (places == k)[:, None]
         row = jnp.where(here, 1.0, a[k]) / a[k, k]
         column = jnp.where(here, 0.0, a[:, k])
-        negative = negative + jnp.sum(a[k, k].real < 0)
-        return jnp.where(here[:, None], row, jnp.where(here[None], 0.0, a) - column[:, None] * row), negative
+        return jnp.where(here[:, None], row, jnp.where(here[None], 0.0, a) - column[:, None] * row)
 
-    return jax.lax.fori_loop(0, size, eliminated, (a, jnp.array(0)))
+    return jax.lax.fori_loop(0, size, eliminated, a)

@@ -18,6 +18,8 @@ from .turning import Turning, turning_of
 # By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
 # on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
 WIDE = 16
+# From so many coordinates and so many links on an equilibrium of a chain is quicker by sparse matrices than by dense.
+LONG, LINKS = 120, 20
 
 
 class Levels(Record):
@@ -115,6 +117,14 @@ def is_elastic(topology: Topology) -> bool:
     held = np.zeros(topology.n_e, bool)
     held[np.asarray(topology.e.held)] = True
     return all(block.x.shape[1] <= 4 or not np.any(held[np.asarray(block.e)]) for block in topology.blocks)
+
+
+def is_long_chain(topology: Topology) -> bool:
+    """Whether an equilibrium is solved by sparse matrices though the mechanism is not large."""
+    if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
+        return False
+    levels = levels_of(topology, WIDE)
+    return levels is not None and levels.place.shape[1] > LINKS
 
 
 def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:

@@ -17,6 +17,7 @@ from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
+from ..mechanics.levels import is_long_chain
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
@@ -24,7 +25,6 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan, told
-from .chain import is_long_chain
 from .choice import by_sparse
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
@@ -174,7 +174,7 @@ def equilibrium(
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
     """
     model = as_model(model, "equilibrium")
-    sparse = by_sparse(model, sparse) or (sparse is None and is_long_chain(model))
+    sparse = by_sparse(model, sparse) or (sparse is None and is_concrete(model) and is_long_chain(model.topology))
     model = model if sparse else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = sparse_equilibrium if sparse else _equilibrium

@@ -1,7 +1,6 @@
 """Turns of Newton's method in all coordinates with one multiplier a constraint: equations, and what follows from them.
 
-How the linear equations of a turn are answered is left to others: by sparse factors on the host (:mod:`.sparse`), or
-by blocks in the order of a chain (:mod:`.chain`).
+Sparse factors on the host (:mod:`.sparse`) solve the linear equations of a turn.
 """
 
 from typing import NamedTuple

@@ -31,7 +31,6 @@ from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_res
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collect, collects, or_nan
-from .chain import balanced_chain, chain_of, pivots_tell_unstable_chain
 from .search import Search, corrected, linear_equations, start
 from .solve import held_values
 from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
@@ -139,17 +138,10 @@ def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMa
 
 def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
     """Equilibrium by Newton's method on coordinates and multipliers."""
-    s: Any = None
     known, symmetric = is_concrete((topology, parameters, target)), not lacks_potential(topology)
-    unstable: Any = False
+    s, unstable = start(topology, parameters), False
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
-        s = start(topology, parameters)._replace(finished=True)
-    elif (levels := chain_of(topology)) is not None:
-        s, pivots = balanced_chain(topology, parameters, target, levels)
-        balanced = known and int(s.result) == RESULTS.successful
-        unstable = balanced and symmetric and pivots_tell_unstable_chain(topology, pivots)
-    if s is None or (known and int(s.result) != RESULTS.successful):
-        s = start(topology, parameters)
+        s = s._replace(finished=True)
     if known:
         while not s.finished:
             linear, still = linear_equations(topology, parameters, target, s)
@@ -170,9 +162,6 @@ def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> B
             onward = corrected(topology, parameters, target, s, linear, z, code, still)
             return jax.tree.map(lambda a, b: jnp.where(jnp.any(estimated != 0), a, b), again, onward)
 
-        again = start(topology, parameters)
-        found = s.result == RESULTS.successful
-        s = jax.tree.map(lambda a, b: jnp.where(found, a, b), s, again)
         s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
     balance = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result, s.done.strained)
     if unstable and symmetric:

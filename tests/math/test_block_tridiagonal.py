@@ -29,30 +29,3 @@ def test_it_is_solved(count, kind):
     wanted = np.linalg.solve(whole.reshape(count * size, -1), right.T.reshape(-1)).reshape(count, size).T
     found = jax.jit(lambda *blocks: factorise_blocks(*blocks).solve(right))(lower, diagonal, upper)
     np.testing.assert_allclose(found, wanted, atol=1e-12)
-
-
-def test_negative_eigenvalues_are_counted():
-    """Of a symmetric matrix, by NumPy; some within parts, some at their joints."""
-    draw, size, count = np.random.default_rng(3), 3, 20
-    every = draw.standard_normal((size, size, count))
-    diagonal = (
-        every + np.swapaxes(every, 0, 1) + np.where(np.arange(count) % 4 < 2, 6.0, -6.0) * np.eye(size)[..., None]
-    )
-    lower = 0.3 * draw.standard_normal((size, size, count))
-    lower[..., 0] = 0.0
-    upper = np.roll(np.swapaxes(lower, 0, 1), -1, axis=2)
-    whole = np.zeros((count, size, count, size))
-    for i in range(count):
-        whole[i, :, i] = diagonal[..., i]
-        if i:
-            whole[i, :, i - 1], whole[i - 1, :, i] = lower[..., i], upper[..., i - 1]
-    wanted = np.sum(np.linalg.eigvalsh(whole.reshape(count * size, -1)) < 0)
-
-    @jax.jit
-    def of(*blocks):
-        found = factorise_blocks(*blocks)
-        return found.negative, found.joints
-
-    negative, joints = of(lower, diagonal, upper)
-    assert 0 < int(negative) < wanted < count * size
-    assert int(negative) + np.sum(np.linalg.eigvalsh(joints) < 0) == wanted

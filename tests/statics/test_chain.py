@@ -1,4 +1,4 @@
-"""Chains solved in their order, beside tables and balances, and beside factors on the host."""
+"""Chains by sparse matrices, beside tables and balances, and beside dense matrices."""
 
 import numpy as np
 import pytest
@@ -6,29 +6,12 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.statics import equilibrium, sparse
+from flexmb.statics import equilibrium
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0, alpha=11.5e-6)
 
 
-@pytest.fixture
-def in_order_alone(monkeypatch):
-    """No factors on the host: what is answered is answered in the order of the chain."""
-
-    def refuse(*_, **__):
-        raise AssertionError("solved on the host")
-
-    monkeypatch.setattr(sparse, "_answer", refuse)
-
-
-def on_the_host(monkeypatch, model):
-    with monkeypatch.context() as patch:
-        patch.setattr(sparse, "chain_of", lambda topology: None)
-        return fm.equilibrium(model, sparse=True)
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("in_order_alone")
 def test_elastica():
     """Mattiasson 1981, Numerical results from large deflection beam and frame problems, table 1: P L^2 = 2 EI."""
     b = fm.Builder()
@@ -45,7 +28,7 @@ def test_elastica():
     assert float(found.reaction("n0", "phi")) == approx(-2.0 * float(found.position("n50")[0]), rel=1e-7)
 
 
-def arm():
+def arm(check):
     """An arm in space of eight pieces, one of them rigid and one that does not stretch, its tip held at a place."""
     section = fm.Rectangle(0.01, 1e-3, STEEL)
     b = fm.Builder()
@@ -65,15 +48,13 @@ def arm():
     b.prescribe("n8", "z", 0.002)
     b.force("n8", (0.3, 0.0, 0.0))
     b.temperature("piece 1", 20.0)
-    return b.build(check=False)
+    return b.build(check=check)
 
 
 @pytest.mark.slow
-def test_rigid_pieces_and_what_is_prescribed(monkeypatch, in_order_alone):
-    model = arm()
-    found = fm.equilibrium(model, sparse=True)
-    monkeypatch.undo()
-    wanted = on_the_host(monkeypatch, model)
+def test_rigid_pieces_and_what_is_prescribed():
+    found = fm.equilibrium(arm(check=False), sparse=True)
+    wanted = fm.equilibrium(arm(check=True), sparse=False)
     # Both iterate to 1e-9 of the extent, beyond which the error is its square.
     np.testing.assert_allclose(found.x, wanted.x, atol=1e-10)
     np.testing.assert_allclose(found.sigma, wanted.sigma, atol=1e-8 * float(np.max(np.abs(wanted.sigma))))
@@ -102,7 +83,6 @@ def test_a_motion_without_stiffness_is_named(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("in_order_alone")
 def test_bars_between_beams_far_apart_along_the_chain():
     """A loop of beams whose two sides a bar joins; dense matrices know of no order."""
     b = fm.Builder()

@@ -280,7 +280,6 @@ def test_memory_that_does_not_suffice_is_named(monkeypatch, ask):
     if ask != "equilibrium":
         lin = fm.linearize(model, sparse=True)
         asked = [lambda: fm.compliance(lin, "d"), lambda: fm.frequencies(lin, count=1)]
-    monkeypatch.setattr("flexmb.statics.sparse.chain_of", lambda topology: None)
     monkeypatch.setattr("scipy.sparse.linalg.splu", full)
     monkeypatch.setattr("flexmb.math.element_matrices._known", type(element_matrices._known)())
     for of in asked:
