@@ -4,9 +4,9 @@
 # **Question.** How fast does a stage on two leaf springs vibrate, and how does that depend on their thickness?
 #
 # Two leaf springs stand upright, 0.1 m long and 0.1 m apart. A rigid bar joins their tops. The leaf springs bend, so
-# that the bar moves to the left and to the right; they hardly stretch, so that it does not move up and down. This is
-# the straight guide of the tutorial *Prototype modelling of mechanical systems* (Aarts, Jonker, van Dijk, University of
-# Twente, 2012).
+# the bar moves to the left and to the right. They hardly stretch, so the bar does not move up and down. This mechanism
+# is the straight guide of the tutorial *Prototype modelling of mechanical systems* (Aarts, Jonker, van Dijk, University
+# of Twente, 2012).
 
 # %%
 import jax
@@ -20,18 +20,18 @@ fm.enable_x64()
 cache = fm.enable_cache(thorough=False)
 
 # %% [markdown]
-# `enable_x64` is always needed: a leaf spring is some 10⁵ times stiffer in tension than in bending, and single
-# precision has too few digits for both. `enable_cache` is optional. `thorough=False` compiles quickly; leave it out
-# where a model is computed many thousands of times.
+# `enable_x64` is always needed. A leaf spring is about 10⁵ times stiffer in tension than in bending, and single
+# precision has too few digits for both. `enable_cache` is optional. `thorough=False` compiles quickly. Omit it if you
+# compute a model many thousands of times.
 #
 # ## Nodes, elements, supports, masses
 #
-# A mechanism is made with a `Builder`. A **node** has a name and a position. An **element** joins nodes: here three
-# planar beams. Elements that meet at a node are clamped together, since they share its position and its rotation. A
-# beam with a section bends and stretches; a beam without one is rigid.
+# A `Builder` makes a mechanism. A **node** has a name and a position. An **element** joins nodes; this mechanism has
+# three planar beams. Elements that meet at a node share its position and its rotation, so they are clamped together. A
+# beam with a section bends and stretches. A beam without a section is rigid.
 #
-# A planar beam has three **deformations**: 1 is its elongation, 2 and 3 are the bending at its two ends. `released=(2,
-# 3)` lets the leaf springs bend and keeps their length.
+# A planar beam has three **deformations**: 1 is its elongation, 2 and 3 are the bending at its two ends.
+# `released=(2, 3)` lets the leaf springs bend and keeps their length.
 
 # %%
 length, width, apart = 0.1, 0.018, 0.1  # m
@@ -61,11 +61,11 @@ model = guide(0.5e-3)
 ax = fm.plot.mechanism(model, names=True)
 
 # %% [markdown]
-# Squares are clamped nodes, discs are lumped masses, the thick line is the rigid stage. The arrow is the **degree of
-# freedom** that `b.dof("B", "x")` names. Without that line flexmb finds one by itself.
+# Squares are clamped nodes, discs are lumped masses, and the thick line is the rigid stage. The arrow is the
+# **degree of freedom** that `b.dof("B", "x")` names. Without this line, flexmb chooses a degree of freedom by itself.
 #
-# `build()` checks the mechanism. There are twelve coordinates, six of them fixed. Nine deformations less the four that
-# are released leave five constraints. One degree of freedom is left, as it should be:
+# `build()` checks the mechanism. The mechanism has twelve coordinates, and six of them are fixed. It has nine
+# deformations. Four of them are released, so five are constraints. One degree of freedom is left, as intended:
 
 # %%
 counts = model.counts()
@@ -83,8 +83,8 @@ figure = fm.plot.modes(fm.modes(model))
 # %% [markdown]
 # ## The derivative by a dimension
 #
-# `guide` is an ordinary function from a thickness to a model, so `jax.grad` differentiates through it. `fm.jit`
-# compiles, faster than `jax.jit` and for slower code, which pays for a model of this size.
+# `guide` is an ordinary function from a thickness to a model, so `jax.grad` differentiates it. `fm.jit` compiles faster
+# than `jax.jit`, and its code runs slower. For a model of this size, this saves time.
 
 # %%
 slope = fm.jit(jax.grad(lambda thickness: fm.frequencies(guide(thickness))[0]))(0.5e-3)
@@ -93,9 +93,9 @@ print(f"{slope:.4f} Hz/m: one hundredth of a millimetre more gives {slope * 1e-5
 # %% [markdown]
 # ## A mistake is answered by its name
 #
-# If the right leaf spring could not bend, the stage could not move. The error says what works against what, and a
-# deformation whose release would remove the conflict. It does not know what the designer wants: here the bending of the
-# right leaf spring was forgotten.
+# If the right leaf spring cannot bend, the stage cannot move. The error names the elements that work against each
+# other. It also names a deformation whose release removes the conflict. The error cannot know the intention of the
+# designer: here the bending of the right leaf spring was forgotten.
 
 # %%
 leaf = fm.Rectangle(width, 0.5e-3, steel)
@@ -115,8 +115,8 @@ except fm.MechanismError as error:
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# In the sway of the guide each leaf spring has the stiffness $12EI/l^3$ with $I = wt^3/12$, and its mass counts for
-# 13/35 (the kinetic energy of the cubic that it bends in). So
+# When the guide sways, each leaf spring has the stiffness $12EI/l^3$ with $I = wt^3/12$. The leaf spring bends in a
+# cubic curve, whose kinetic energy counts 13/35 of its mass. Therefore
 #
 # $$f = \frac{1}{2\pi}\sqrt{\frac{2Ewt^3/l^3}{m + \tfrac{26}{35}\rho w t l}} .$$
 #

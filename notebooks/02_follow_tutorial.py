@@ -1,11 +1,11 @@
 # %% [markdown]
 # # The tutorial, chapters 2 to 4
 #
-# **Question.** Does flexmb give the numbers that the SPACAR tutorial prints, from its input files and from Python?
+# **Question.** Does flexmb compute the numbers that the SPACAR tutorial prints, from its input files and from Python?
 #
 # The tutorial *Prototype modelling of mechanical systems* (WA 1239, University of Twente, 2012) models one mechanism
 # three times: as a mass on a spring, in the plane, and in space. The input files of all its models ship with flexmb.
-# Here every model is read from its file, and the main one of each chapter is built in Python too.
+# This notebook reads every model from its file. It also builds the main model of each chapter in Python.
 
 # %%
 import control
@@ -30,16 +30,16 @@ printed = {}  # what the tutorial prints: number, its last digit, and what is co
 # %% [markdown]
 # ## Chapter 2: a mass on a spring
 #
-# The two leaf springs are one truss with their sway stiffness, the stage is a point mass at its end. The file says it
-# in a few lines: a planar truss (`PLTRUSS`) between nodes 1 and 2, node 1 fixed, its elongation released, and the x
-# coordinate of node 2 as degree of freedom.
+# One truss has the sway stiffness of the two leaf springs. The stage is a point mass at its end. The file defines a
+# planar truss (`PLTRUSS`) between nodes 1 and 2. Node 1 is fixed, and the elongation of the truss is released. The x
+# coordinate of node 2 is the degree of freedom.
 
 # %%
 print(mechanism_path("pf1dtrx").read_text())
 
 # %% [markdown]
-# In Python the same mechanism has names in place of numbers. `Rigidity` is a section that is given by its numbers: here
-# the axial rigidity $EA = k\,l$ and the mass per length.
+# In Python, the same mechanism has names in place of numbers. `Rigidity` is a section that is defined by its numbers.
+# Here these are the axial rigidity $EA = k\,l$ and the mass per length.
 
 # %%
 b = fm.Builder()
@@ -65,8 +65,8 @@ print(fm.frequencies(in_python), fm.frequencies(from_file))
 print(fm.equilibrium(from_file).at("2"))
 
 # %% [markdown]
-# Mode 7 of the predecessor is `fm.frequencies`, mode 9 is `fm.to_statespace`. Section 2.2 takes the elongation as
-# degree of freedom instead; the answer stays.
+# Mode 7 of SPACAR is `fm.frequencies`, and mode 9 is `fm.to_statespace`. Section 2.2 uses the elongation as degree of
+# freedom instead. The answer is the same.
 
 # %%
 system = fm.to_statespace(from_file)
@@ -79,9 +79,9 @@ printed["2.1 1/mass [1/kg]"] = 4.746, 3, system.B[1, 0]
 printed["2.2 frequency [Hz]"] = 10.6584, 4, fm.frequencies(shipped("pf1dtre"))[0]
 
 # %% [markdown]
-# Section 2.3 leaves further models as exercises: a support that is flexible, a base of the actuator that is, an
-# internal mode, and all of it. The actuator then acts between two bodies, so that the input is a stress in an element.
-# The tutorial prints no numbers for them. Their lowest frequencies:
+# Section 2.3 leaves further models as exercises: a flexible support, a flexible base of the actuator, an internal mode,
+# and all of them together. The actuator then acts between two bodies, so the input is a stress in an element. The
+# tutorial prints no numbers for these models. Their lowest frequencies are:
 
 # %%
 for name in ("pf1dsupport", "pf1dsupport2", "pf1dinternal", "pf1dfull"):
@@ -90,9 +90,9 @@ for name in ("pf1dsupport", "pf1dsupport2", "pf1dinternal", "pf1dfull"):
 # %% [markdown]
 # ## Chapter 3: the guide in the plane
 #
-# Three planar beams. The file's odd nodes are positions, its even ones rotations; in Python one name stands for both.
-# The stage is a rigid beam, so its mass sits on its ends, with the negative rotary inertia $-mb^2/12$ each, because two
-# masses at the ends have too much of it.
+# The guide has three planar beams. In the file, odd nodes are positions and even nodes are rotations. In Python, one
+# name means both. The stage is a rigid beam, so its mass is placed at its ends. Two masses at the ends have too much
+# rotary inertia. Each end therefore has the negative rotary inertia $-mb^2/12$.
 
 # %%
 leaf = fm.Rigidity(EA=1.89e6, EIy=0.039375, mass=0.07065)
@@ -121,8 +121,8 @@ one, one_file = planar_guide((2, 3), ("x",)), shipped("pf2d")
 print(fm.frequencies(one), fm.frequencies(one_file))
 
 # %% [markdown]
-# Buckling (mode 8): a load of 1 N downwards on the left end of the bar. `fm.buckling` gives what the load is multiplied
-# by until the guide buckles, with its sign.
+# Buckling (mode 8): a load of 1 N acts downwards on the left end of the bar. `fm.buckling` computes the load multiplier
+# at which the guide buckles, with its sign.
 
 # %%
 buckling = fm.buckling(shipped("pf2db"))
@@ -139,9 +139,9 @@ printed["3.1 damping/mass [1/s]"] = 0.6021, 4, -system.A[1, 1]
 printed["3.1 1/mass [1/kg]"] = 4.734, 3, system.B[1, 0]
 
 # %% [markdown]
-# The rows of $C$ that belong to y and to the rotation are zero: in the straight position the stage moves sideways only.
+# The rows of $C$ for y and for the rotation are zero: in the straight position the stage moves sideways only.
 #
-# Section 3.2 lets the leaf springs stretch: three degrees of freedom.
+# Section 3.2 lets the leaf springs stretch. The guide then has three degrees of freedom.
 
 # %%
 three, three_file = planar_guide((1, 2, 3), ("x", "y", "phi")), shipped("pf2d3dof")
@@ -152,14 +152,15 @@ printed["3.2 first frequency [kHz]"] = 0.0106, 4, frequencies[0] / 1e3
 printed["3.2 second frequency [kHz]"] = 2.1290, 4, frequencies[1] / 1e3
 
 # %% [markdown]
-# The third printed frequency, 3583.3 Hz, depends on the fourth digit of the printed rotary inertia; flexmb gives 3585.1
-# Hz with the inertia as it is printed.
+# The third printed frequency, 3583.3 Hz, depends on the fourth digit of the printed rotary inertia. With the printed
+# inertia, flexmb computes 3585.1 Hz.
 #
 # ## Chapter 4: the guide in space
 #
 # A spatial beam has six deformations: 1 elongation, 2 torsion, 3 and 4 bending that displaces along local z, 5 and 6
-# along local y. Its `y` vector says how it is turned about its axis. Two whole leaf springs would hold the rotation of
-# the bar about its own axis twice, so one of them has a cut, which releases one more bending (see notebook 03).
+# bending that displaces along local y. Its `y` vector is the direction of its local y axis. Two whole leaf springs
+# constrain the rotation of the bar about its own axis twice. One of them therefore has a cut, which releases one more
+# bending (see notebook 03).
 
 # %%
 rigidity = {"EA": 1.89e6, "GIt": 0.05895, "EIz": 0.039375, "mass": 0.07065}
@@ -192,9 +193,10 @@ printed["4.1 damping/mass [1/s]"] = 0.6023, 4, -system.A[1, 1]
 printed["4.1 1/mass [1/kg]"] = 4.735, 3, system.B[1, 0]
 
 # %% [markdown]
-# Section 4.2 takes two beams for the whole leaf spring and three for the cut one: 19 degrees of freedom. The tutorial
-# does not print the dimensions of the cut. Those of the shipped file are fitted to two of its frequencies, so that the
-# others are a test to about one in 10⁵; the first is 3 in 10⁴ below the print, for a reason that is not known.
+# Section 4.2 uses two beams for the whole leaf spring and three for the cut leaf spring: 19 degrees of freedom. The
+# tutorial does not print the dimensions of the cut. The dimensions in the shipped file are fitted to two of the printed
+# frequencies. The other frequencies are therefore a test to about one in 10⁵. The first frequency is 3 in 10⁴ below the
+# print, for an unknown reason.
 
 # %%
 fine = shipped("pf3d19dof")
@@ -204,9 +206,8 @@ for number, value in enumerate((10.6469, 148.5680, 252.1481, 270.9347, 619.9492)
     print(f"mode {number + 1}: {modes.frequencies[number]:9.4f} Hz, printed {value:9.4f}")
 
 # %% [markdown]
-# The model with one degree of freedom says all that matters for the transfer from the actuator to the stage: the Bode
-# plots of both models can hardly be told apart (figure 4.8 of the tutorial), since the drive excites none of the other
-# modes.
+# The model with one degree of freedom is sufficient for the transfer from the actuator to the stage. The Bode plots of
+# both models are almost equal (figure 4.8 of the tutorial), because the actuator excites none of the other modes.
 
 # %%
 hertz = np.geomspace(1, 1000, 1500)
@@ -225,7 +226,8 @@ plt.show()
 # %% [markdown]
 # ## All printed numbers
 #
-# Half a unit of the last printed digit is allowed, and the frequencies of section 4.2 as said above.
+# The allowed difference is half a unit of the last printed digit. The frequencies of section 4.2 are the exception
+# described above.
 
 # %%
 for what, (number, digits, found) in printed.items():

@@ -3,10 +3,10 @@
 #
 # **Question.** Is a guide of two leaf springs in space exactly constrained, and what does it cost if it is not?
 #
-# A body in space has six motions. Each leaf spring takes three of them away: it is stiff along its length, along its
-# width, and against rotation in its own plane. A guide that is to move one way needs five constraints, and two leaf
-# springs give six. The tutorial (WA 1239, 2012, section 4.1) finds the sixth and cuts one leaf spring. This notebook
-# does the same, and computes what happens without the cut.
+# A body in space has six motions. Each leaf spring removes three of them: it is stiff along its length, along its
+# width, and against rotation in its own plane. A guide with one direction of motion needs five constraints, and two
+# leaf springs have six. The tutorial (WA 1239, 2012, section 4.1) finds the sixth constraint and cuts one leaf spring.
+# This notebook does the same, and computes the result without the cut.
 
 # %%
 import flexmb as fm
@@ -18,10 +18,10 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The guide
 #
-# The leaf springs stand along z, the bar lies along y, the width of the leaf springs along x. A spatial beam has six
-# deformations: 1 elongation, 2 torsion, 3 and 4 bending that displaces along local z, 5 and 6 bending that displaces
-# along local y. With `y=(1, 0, 0)` the width lies along local y, so 3 and 4 are the soft bending of a leaf spring, 5
-# and 6 the stiff bending in its plane.
+# The leaf springs stand along z, the bar lies along y, and the width of the leaf springs lies along x. A spatial beam
+# has six deformations: 1 elongation, 2 torsion, 3 and 4 bending that displaces along local z, 5 and 6 bending that
+# displaces along local y. With `y=(1, 0, 0)` the width lies along local y. Deformations 3 and 4 are then the soft
+# bending of a leaf spring, and 5 and 6 the stiff bending in its plane.
 
 # %%
 length, width, thickness, apart = 0.1, 0.018, 0.5e-3, 0.1
@@ -45,10 +45,11 @@ def guide(released, *, right=leaf, right_released=None):
 # %% [markdown]
 # ## Counting, and what counting does not see
 #
-# As a designer one counts torsion and soft bending as free and all else as held. The count NDOF = NX − NXO − NEO is
-# then zero, although the guide moves along y. So one constraint is there twice. `fm.mobility` takes the singular values
-# of the constraints. It says how many are redundant, which elements work against each other (a state of
-# **self-stress**), and which deformation to release. `check=False` builds a mechanism that the builder would refuse.
+# A designer counts torsion and soft bending as free, and all other deformations as constrained. The count NDOF = NX −
+# NXO − NEO is then zero, although the guide moves along y. One constraint therefore exists twice. `fm.mobility`
+# computes the singular values of the constraints. It reports the number of redundant constraints, the elements that
+# work against each other (a state of **self-stress**), and the deformation to release. `check=False` builds a mechanism
+# that the builder would otherwise refuse.
 
 # %%
 soft = (2, 3, 4)
@@ -65,14 +66,14 @@ print(found.report())
 ax = fm.plot.self_stress(found)
 
 # %% [markdown]
-# Both leaf springs are bent in their own plane by one moment, which is constant along them and goes from one foot
-# through the bar to the other. In words: both leaf springs hold the rotation of the bar about its own axis.
+# One moment bends both leaf springs in their own plane. It is constant along them and goes from one foot through the
+# bar to the other foot. In words: both leaf springs constrain the rotation of the bar about its own axis.
 #
 # ## What it costs
 #
-# If all deformations are released, as in any finite element model, nothing is over-constrained by count. The
-# self-stress is there all the same as soon as a dimension is not perfect. Turn the foot of the right leaf spring by one
-# milliradian about the axis of the bar, and ask for the moment that this takes.
+# In a finite element model, all deformations are usually released. Then no constraint is redundant by count. The
+# self-stress appears nevertheless as soon as a dimension is not perfect. The next cell turns the foot of the right leaf
+# spring by one milliradian about the axis of the bar. It computes the moment for this rotation.
 
 # %%
 everything = (1, 2, 3, 4, 5, 6)
@@ -97,10 +98,10 @@ lin = fm.linearize(whole)
 ax = fm.plot.stress(fm.stress(whole, at=lin), lin, "bending moment z", scale=20)
 
 # %% [markdown]
-# The two leaf springs are two bending springs in series, $EI/l$ each, with $I = tw^3/12$ of the stiff direction. So the
-# moment is $M = \theta\,EI/(2l)$, and the stress at the edge $\sigma = E w \theta/(4 l)$. It does not depend on the
-# thickness: a thinner leaf spring does not help. With a few milliradians of error in parallelism most of what the
-# material can take is used up before the guide moves.
+# The two leaf springs are two bending springs in series, $EI/l$ each, with $I = tw^3/12$ of the stiff direction. The
+# moment is therefore $M = \theta\,EI/(2l)$, and the stress at the edge is $\sigma = E w \theta/(4 l)$. The stress does
+# not depend on the thickness: a thinner leaf spring does not help. A few milliradians of error in parallelism use up
+# most of the strength of the material before the guide moves.
 
 # %%
 inertia = thickness * width**3 / 12
@@ -111,8 +112,8 @@ print(f"in series: {expected_moment:.4f} N m, {expected_stress / 1e6:.2f} MPa")
 # %% [markdown]
 # ## The release
 #
-# The report says to release one stiff bending of a leaf spring. In metal that is a cut from the side which leaves a
-# narrow neck. Counted as a constraint the mechanism is then exact:
+# The report proposes to release one stiff bending of a leaf spring. In metal, this release is a cut from the side that
+# leaves a narrow neck. Counted as a constraint, the mechanism is then exact:
 
 # %%
 b = guide(soft, right_released=(*soft, 5))
@@ -123,8 +124,9 @@ print(fm.mobility(exact).report(), exact.counts()["ndof"])
 print(f"{fm.frequencies(exact)[0]:.6f} Hz")
 
 # %% [markdown]
-# `b.build(release="auto")` does this by itself, over-constraint by over-constraint. The stiffness of the leaf spring
-# with the cut against that bending is set to zero, as the tutorial does. The same error of the foot then costs nothing:
+# `b.build(release="auto")` does this by itself, for one over-constraint after the other. The tutorial sets the
+# stiffness of the cut leaf spring against this bending to zero, and so does this notebook. The same error of the foot
+# then needs almost no moment:
 
 # %%
 rigidity = leaf.rigidity()
@@ -136,8 +138,9 @@ print(f"moment {moment_released:.2e} N m instead of {moment:.4f} N m")
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# The frequency is printed in section 4.1 of the tutorial. The moment is that of two springs in series; the bar also
-# turns a little about z and twists the leaf springs, which the closed form leaves out and which is below a percent.
+# Section 4.1 of the tutorial prints the frequency. The moment is compared with two springs in series. The bar also
+# turns a little about z and twists the leaf springs. The closed form omits this twist, which changes the moment by less
+# than one percent.
 
 # %%
 assert (found.overconstraints, found.underconstraints) == (1, 0)
