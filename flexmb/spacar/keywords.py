@@ -2,9 +2,9 @@
 
 ROWS says what is done with a keyword in a block, DRAWN what is
 warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
-like). Some lines act in some modes only: STARTDX, STARTDE, and velocities of INPUTX and INPUTE in 1 and 4, TIMESTEP and
-ERROR in these and in 2, 3, 5 and 6, where trajectories act (TRAJX and the like, NOMF, REFX and the like); inputs and
-outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
+like). Some lines act in some modes only: STARTDX, STARTDE, velocities of INPUTX and INPUTE, and ERROR in 1 and 4 (the
+relative tolerance of ERROR in 6 too), TIMESTEP in these and in 2, 3, 5 and 6, where trajectories act (TRAJX and the
+like, NOMF, REFX and the like); inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
 """
 
 import dataclasses
