@@ -15,7 +15,8 @@ from . import kept
 from .host import Run, forget, is_within_run
 from .threads import one_thread
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 
 # An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.

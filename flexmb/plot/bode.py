@@ -130,7 +130,7 @@ def _system(found: Any) -> tuple[Any, float]:
 def _triangular(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A, B and C of a state-space model in the basis that makes A triangular, with its poles on the diagonal."""
     balanced, (scale, _) = scipy.linalg.matrix_balance(system.A, permute=False, separate=True)
-    triangular, basis = scipy.linalg.schur(balanced, output="complex")
+    triangular, basis, *_ = scipy.linalg.schur(balanced, output="complex")
     return triangular, basis.conj().T @ (system.B / scale[:, None]), (system.C * scale) @ basis
 
 
@@ -227,7 +227,7 @@ def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
 
     python-control asks for the zeros too, which it does not know of several outputs.
     """
-    poles = np.abs(poles[poles.imag >= 0]) / (2 * np.pi)
+    poles = np.abs(poles[np.imag(poles) >= 0]) / (2 * np.pi)
     poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)]
     poles = poles if poles.size else np.ones(1)
     near = poles[poles <= farthest / 10 * np.min(poles)]

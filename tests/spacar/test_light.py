@@ -482,7 +482,7 @@ FAULTS = {
     "letters that act": ({"node": {"\x1b[31m": 1}}, r"nprops(3).\x1b[31m: there is no such field."),
     "a long text": (
         {"node": {"mass": "x" * 10**6}},
-        f"nprops(3).mass: must be a finite number, but is '{'x' * 79}... (",
+        f"nprops(3).mass: must be a finite number, but is '{'x' * 39}...{'x' * 39}' (1000002 characters).",
     ),
     "large": ({"node": {"mass": 1e60}}, "nprops(3).mass: must be 0 or from 1e-100 to 1e+50 in size, but is 1e+60."),
     "small": ({"node": {"mass": 1e-320}}, "nprops(3).mass: must be 0 or from 1e-100 to 1e+50 in size, but is 1e-320."),
