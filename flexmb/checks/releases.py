@@ -93,8 +93,10 @@ def _of_elements(model: Model, only_elastic: bool) -> list[int]:
             continue
         measured = {n - 1 for n in element.measured}
         kept = measured | {n - 1 for n in element.closure}
+        # A rigid beam has no deformation that is not FIXED but some of its closure, such as its warping.
+        aside = measured if not only_elastic else kept if element.fields else ()
         for row in np.asarray(block.e).tolist():
-            if any(i not in fixed for n, i in enumerate(row) if n not in (() if only_elastic else measured)):
+            if any(i not in fixed for n, i in enumerate(row) if n not in aside):
                 found += [i for n, i in enumerate(row) if i in fixed and n not in kept]
     return sorted(found)
 
