@@ -72,7 +72,7 @@ def pytest_addoption(parser):
 
 
 def is_slow(item):
-    """Whether a test is marked as slow, or, where the mark names parameters, its parameters are among them."""
+    """Whether a test is marked as slow. A mark with names marks these parameters alone."""
     return any(not mark.args or item.callspec.id in mark.args for mark in item.iter_markers("slow"))
 
 
@@ -82,7 +82,7 @@ def slow_ones(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    # Those of the package as a whole, such as its manuals, and large files take longest: they begin first.
+    # Tests of the whole package and large files take longest; they begin first.
     place: dict = {item.path: (len(item.path.parts), -item.path.stat().st_size) for item in items}
     if seed := config.option.order:
         place = {path: hashlib.sha256(f"{seed} {path.relative_to(HERE)}".encode()).digest() for path in place}

@@ -25,7 +25,7 @@ SMALL = 1e-6
 
 
 class Release(NamedTuple):
-    """A constraint whose release removes an over-constraint; the self-stress that is left goes with 1/part².
+    """A constraint whose release removes an over-constraint. The remaining self-stress is proportional to 1/part².
 
     Attributes:
         of: Element or node.

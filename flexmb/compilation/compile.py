@@ -123,9 +123,9 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def unguarded(function: Callable[P, T]) -> Callable[P, T]:
-    """A function of this package, whatever a user's program asks of ranks and of copies to a device.
+    """Return the function, exempt from the checks of ranks and transfers that a user's program switches on.
 
-    ``jax.numpy_rank_promotion("raise")`` and ``jax.transfer_guard("disallow")`` look for faults in a user's own code.
+    ``jax.numpy_rank_promotion("raise")`` and ``jax.transfer_guard("disallow")`` look for faults in the user's own code.
     """
 
     @functools.wraps(function)

@@ -1,10 +1,10 @@
 """Traced programs on disk, of what is made of plain values and this package's own functions.
 
-JAX keeps compiled code on disk by itself, but finds it by the traced program, and most of a command from the cache went
-into the trace. A file here holds a traced program, named by a digest of all that the trace follows from: the text of
-this package, versions, settings of JAX, the function, what it was made with, and the types of its arguments. Nothing
-that a user's function or object takes part in is kept. Whoever replaces functions of this package or of a library
-chooses another folder or none, since what is replaced is not looked for.
+JAX keeps compiled code on disk, and finds it by the traced program. Tracing takes most of the time of a command whose
+code is compiled already. A file of this module therefore stores a traced program. Its name is a digest of everything
+that determines the trace: the text of this package, versions, settings of JAX, the function, its closure, and the types
+of its arguments. Programs that involve a user's function or object are not stored. Replaced functions of this package or
+of a library are not detected: choose another cache folder, or none, after replacing one.
 """
 
 import contextlib

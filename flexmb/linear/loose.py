@@ -144,7 +144,7 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     _, free, _ = free_motions(m)
-    # Each motion in a unit in which its mass would be one, did nothing cancel.
+    # Scale each motion so that its mass, without cancellation, is one.
     sizes = np.sqrt(_uncancelled(free, m.M0))
     free = free / np.where(sizes > 0, sizes, 1.0)
     held = free.T @ m.M0 @ free

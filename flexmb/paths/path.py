@@ -45,7 +45,7 @@ from .stepper import NO_LOAD, Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
-# Ends to which a branch may have led.
+# Results of a branch that led nowhere.
 LOST = (RESULTS.closed_path, RESULTS.max_steps)
 # An imperfection that changes little, as a share of the extent.
 SMALL = 1e-4
@@ -306,7 +306,7 @@ def path(
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
     to_switch = _switches(switch)
-    # What bifurcations may be left for; the walk takes out of `to_switch` what it uses.
+    # The walk removes each switch from `to_switch` once it has used it.
     asked = {} if imperfection else dict(to_switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
@@ -449,7 +449,7 @@ def _checked(
 
 
 def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
-    """What leads past a bifurcation where the branch that was followed from it leads nowhere, for a message."""
+    """Return advice for a path whose switched branch led nowhere."""
     size = short(SMALL * float(extent_of(found.model.topology, found.model.parameters)))
     return (
         f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] in place of"

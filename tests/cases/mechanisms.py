@@ -154,6 +154,18 @@ def spatial_guide(
     return b
 
 
+def braced_rectangle() -> fm.Builder:
+    """Six bars on four pins, 3 by 4 m: one too many. The forces of its self-stress go with the lengths of the bars."""
+    b = fm.Builder()
+    for name, place in {"a": (0, 0), "b": (3, 0), "c": (3, 4), "d": (0, 4)}.items():
+        b.node(name, place)
+    for bar in ("ab", "bc", "cd", "da", "ac", "bd"):
+        b.add(planar.truss, bar[0], bar[1], name=bar, released=())
+    b.fix("a")
+    b.fix("b", "y")
+    return b
+
+
 def cross_pivot(fraction, angle) -> fm.Builder:
     """B3: two leaf springs at right angles that cross at a fraction of their length; the body turned by an angle.
 

@@ -488,7 +488,7 @@ def test_a_fit_in_the_mean_is_a_success():
 
 @pytest.mark.slow
 def test_a_fit_of_a_response_from_afar_is_a_local_minimum():
-    """A resonance whose start lies beyond the measured one does not move through it."""
+    """From a start far away, the resonance of the model does not reach the measured one."""
 
     def measured_guide(thickness):
         b = fm.Builder()
