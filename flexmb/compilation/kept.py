@@ -3,8 +3,8 @@
 JAX keeps compiled code on disk, and finds it by the traced program. Tracing takes most of the time of a command whose
 code is compiled already. A file of this module therefore stores a traced program. Its name is a digest of everything
 that determines the trace: the text of this package, versions, settings of JAX, the function, its closure, and the types
-of its arguments. Programs that involve a user's function or object are not stored. Replaced functions of this package or
-of a library are not detected: choose another cache folder, or none, after replacing one.
+of its arguments. Programs that involve a user's function or object are not stored. Replaced functions of this package
+or of a library are not detected: choose another cache folder, or none, after replacing one.
 """
 
 import contextlib
