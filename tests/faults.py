@@ -1361,7 +1361,7 @@ FAULTS = [
         "design/test_unstable.py -k sparse_factors",
     ),
     Fault(
-        "linear/sparse_linearize.py",
+        "linear/linearize.py",
         "collect(RESULTS.unstable_state)",
         "pass",
         "design/test_unstable.py -k sparse_factors",
@@ -3004,8 +3004,8 @@ FAULTS = [
     ),
     Fault(
         "linear/buckling.py",
-        "lin = sparse_linearization(model, factors) if",
-        "lin = sparse_linearization(model, LoadFactors(0.0, 0.0)) if",
+        "lin = linearized_by_elements(model, factors) if",
+        "lin = linearized_by_elements(model, LoadFactors(0.0, 0.0)) if",
         "linear/test_buckling.py::test_loads_that_move_a_mechanism_far_before_it_buckles_are_told",
     ),
     Fault(
@@ -3668,11 +3668,9 @@ FAULTS = [
         "    if True:",
         "linear/test_measures.py -k whatever",
     ),
+    Fault("linear/about.py", "if shape != wanted or any(", "if False and any(", "linear/test_states.py -k together"),
     Fault(
-        "linear/linearize.py", "if shape != wanted or any(", "if False and any(", "linear/test_states.py -k together"
-    ),
-    Fault(
-        "linear/linearize.py",
+        "linear/about.py",
         "(at.labels.x, at.labels.elements) != (",
         "(at.labels.x, labels.elements) != (",
         "linear/test_states.py -k together",
@@ -3922,7 +3920,7 @@ FAULTS = [
     Fault("statics/stroke.py", "warn_of_coarse(model, each[1])", "pass", "statics/test_coarse.py"),
     Fault("paths/path.py", "warn_of_coarse(found.model, found.e)", "pass", "statics/test_coarse.py"),
     Fault("linear/linearize.py", "warn_of_coarse(model, m.e)", "pass", "statics/test_coarse.py"),
-    Fault("linear/sparse_linearize.py", "warn_of_coarse(model, found[1])", "pass", "statics/test_coarse.py"),
+    Fault("linear/linearize.py", "warn_of_coarse(model, found[1])", "pass", "statics/test_coarse.py"),
     Fault("motion/simulate.py", "warn_of_coarse(model, found.e)", "pass", "statics/test_coarse.py"),
     Fault(
         "elements/spatial.py",

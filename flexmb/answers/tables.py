@@ -76,7 +76,7 @@ def log(found: Answer, source: str) -> str:
         lines += ["LOADS", f"  {model.parameters.loads}", f"  increments: {model.parameters.increment}"]
         lines.append(f"TOTAL MASS {float(total_mass(model.topology, model.parameters)):.9g} kg")
     if lin is not None:
-        from ..linear.linearize import second_transfer
+        from ..linear.second_order_transfer import second_transfer
 
         m = lin.matrices
         lines += ["", f"STATIC EQUILIBRIUM: {int(m.iterations)} iterations", f"  x   {row(m.x)}"]

@@ -14,12 +14,11 @@ from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import ModelError, clean, warn
-from ..linear.choice import sparsely
+from ..linear.about import Where, by_elements, linearized
 from ..linear.damping import Losses, loss_factors
-from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
+from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
-from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import diagonal_of, pencil
 from ..mechanics.loads import lacks_potential
@@ -172,7 +171,7 @@ def check_hertz(hertz: Any) -> Float[Array, "n_f"]:
 
 @unguarded
 def frequency_response(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     hertz: Float[Array, "n_f"] | Sequence[float] | float,
     *,
     inputs: Sequence[str] | str | None = None,
@@ -180,7 +179,7 @@ def frequency_response(
     loss_factor: Losses | None = None,
     method: str | None = None,
     sparse: bool | None = None,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -231,7 +230,7 @@ def frequency_response(
     check_choice("method", method, (None, "modes", "direct"))
     frequencies = check_hertz(hertz)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "frequency_response", where, sparse, few=method != "modes")
+    large = by_elements(model, "frequency_response", where, sparse, few=method != "modes")
     if large is not None:
         if method == "modes":
             raise NotImplementedError('Sparse matrices give no sum over all modes: leave out method="modes".')
@@ -280,7 +279,7 @@ def response_of(
 
 
 def _response_of_large(
-    lin: SparseLinearization, hertz: Float[Array, "n_f"], inputs: Any, outputs: Any, losses: Any
+    lin: Linearization, hertz: Float[Array, "n_f"], inputs: Any, outputs: Any, losses: Any
 ) -> FrequencyResponse:
     """As :func:`response_of`, by sparse matrices."""
     labels = lin.labels

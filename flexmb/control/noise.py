@@ -13,7 +13,8 @@ from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Result, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
-from ..linear.linearize import Linearization, ManyStates, Where, linearized
+from ..linear.about import Where, linearized
+from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_without_anything
 from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_known, by_library, check_number, is_concrete, shown
+from ..linear.linearize import Linearization
 from ..linear.modes import refuse_unsymmetric
-from ..linear.sparse_linearize import SparseLinearization
 from ..linear.sparse_solve import lowest, solved
 from ..linear.spectrum import to_frequency
 from ..math.by_deformations import spread
@@ -39,7 +39,7 @@ class ByModes(NamedTuple):
     hertz: Float[Array, "n"]
 
 
-def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> ByModes:
+def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes:
     """Equations of a few modes of a large mechanism.
 
     Args:
@@ -60,7 +60,7 @@ def by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None) -> B
     return by_library(_by_modes, lin, modes, bandwidth)
 
 
-def _by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
+def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
     """The same by NumPy, of arrays of its own, or by JAX."""
     whole = sparse_second_order(lin)
     kept, found = _chosen(lin, modes, bandwidth)
@@ -88,7 +88,7 @@ def _by_modes(lin: SparseLinearization, modes: Any, bandwidth: float | None, lib
     return ByModes(form, whole, kept, hertz)
 
 
-def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple[int, ...], Any]:
+def _chosen(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[tuple[int, ...], Any]:
     """Numbers of the modes to keep, and all modes up to the highest of them."""
     if modes is not None and bandwidth is not None:
         raise ValueError("Give `modes` or `bandwidth`, not both: each says which modes are kept.")
@@ -119,7 +119,7 @@ def _chosen(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[tuple
 
 
 def error_of_large(
-    lin: SparseLinearization, found: ByModes, bandwidth: float | None, small: Any
+    lin: Linearization, found: ByModes, bandwidth: float | None, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
     """As :func:`.truncation.error_of`, measured against solutions in all coordinates at fewer frequencies.
 

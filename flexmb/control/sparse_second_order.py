@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_known, by_library, is_concrete
 from ..errors import AnalysisError, ModelError
-from ..linear.sparse_linearize import SparseLinearization
+from ..linear.linearize import Linearization
 from ..linear.sparse_solve import solved
 from ..math.by_deformations import spread
 from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
@@ -43,7 +43,7 @@ class SparseSecondOrder(NamedTuple):
     moves: np.ndarray
 
 
-def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> ElementMatrices:
+def lossy_elements(lin: Linearization, losses: Float[Array, "n_e"]) -> ElementMatrices:
     """Element matrices of which stiffness and elastic are those times the loss factors of the deformations.
 
     Args:
@@ -59,7 +59,7 @@ def lossy_elements(lin: SparseLinearization, losses: Float[Array, "n_e"]) -> Ele
     return elements._replace(structural=structural, curved=[], damping=[], mass=[], elastic=elastic, viscous=[])
 
 
-def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None = None) -> SparseSecondOrder:
+def sparse_second_order(lin: Linearization, lossy: ElementMatrices | None = None) -> SparseSecondOrder:
     """Second-order form of a large mechanism, for the model's named inputs and outputs.
 
     Args:
@@ -78,7 +78,7 @@ def sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None 
     return by_library(_sparse_second_order, lin, lossy)
 
 
-def _sparse_second_order(lin: SparseLinearization, lossy: ElementMatrices | None, library: Any) -> SparseSecondOrder:
+def _sparse_second_order(lin: Linearization, lossy: ElementMatrices | None, library: Any) -> SparseSecondOrder:
     """The same by NumPy, of arrays of its own, or by JAX."""
     model, elements = lin.model, lin.elements
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
@@ -136,7 +136,7 @@ def some_of(found: SparseSecondOrder, us: list[int], ys: list[int]) -> SparseSec
     return SparseSecondOrder(found.elements, found.B[:, :, u], found.C[:, y], d, found.orders[u], found.moves[u])
 
 
-def _force(s: Signal, lin: SparseLinearization, library: Any) -> Float[Array, "n_x"]:
+def _force(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_x"]:
     """Forces on the coordinates of a unit input."""
     if s.quantity == "stress":
         return -_of_deformation(lin, _unit(s, lin, library))
@@ -144,17 +144,17 @@ def _force(s: Signal, lin: SparseLinearization, library: Any) -> Float[Array, "n
     return accumulate(library.zeros(lin.x.shape[0]), own, row)
 
 
-def _unit(s: Signal, lin: SparseLinearization, library: Any) -> Float[Array, "n_e"]:
+def _unit(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_e"]:
     """One for the deformation of a signal, zero for all others."""
     return put(library.zeros(lin.e.shape[0]), s.index, 1.0)
 
 
-def _of_deformation(lin: SparseLinearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
+def _of_deformation(lin: Linearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
     """Derivative of a sum of deformations by the coordinates."""
     return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
 
 
-def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_stress: bool, library: Any) -> list[Any]:
+def _measured(s: Signal, lin: Linearization, own: ElementMatrices, only_stress: bool, library: Any) -> list[Any]:
     """Derivatives of an output by the coordinates and their two rates, each (n_x,)."""
     none = library.zeros(lin.x.shape[0])
     found: list[Any] = [none, none, none]
@@ -173,7 +173,7 @@ def _measured(s: Signal, lin: SparseLinearization, own: ElementMatrices, only_st
 
 
 def _carried(
-    lin: SparseLinearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
+    lin: Linearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
 ) -> Float[Array, "n_x k"]:
     """Motions at rest of all coordinates by a unit of each of what is held."""
     if not held:
@@ -186,7 +186,7 @@ def _carried(
     return by_x + spread(elements, moved[: elements.unknowns[0]])
 
 
-def _carries(lin: SparseLinearization, forces: np.ndarray) -> np.ndarray:
+def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
     """Whether forces on what moves, (n, k), meet more than constraints, (k,)."""
     elements, n_x = lin.elements, lin.x.shape[0]
     n, h = elements.unknowns
@@ -202,7 +202,7 @@ def _carries(lin: SparseLinearization, forces: np.ndarray) -> np.ndarray:
     return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE * largest
 
 
-def _refuse_idle(lin: SparseLinearization, found: SparseSecondOrder) -> None:
+def _refuse_idle(lin: Linearization, found: SparseSecondOrder) -> None:
     """Refuse inputs that move nothing; of concrete numbers."""
     if not is_concrete(found[:4]):
         return

@@ -11,10 +11,9 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..errors import AnalysisError, ModelError, warn
-from ..linear.choice import sparsely
-from ..linear.linearize import Linearization, ManyStates, Matrices, Where, linearized
+from ..linear.about import Where, by_elements, linearized
+from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass, refuse_without_anything
-from ..linear.sparse_linearize import SparseLinearization
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import Factors, factorise
 from ..mechanics.extent import sizes_of
@@ -207,7 +206,7 @@ def _left(
 
 
 def state_matrices(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     *,
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
@@ -263,17 +262,15 @@ def state_matrices(
     few = modes is not None or bandwidth is not None
     lin: Any = model
     if not _is_along_motion(model):
-        large = sparsely(model, "state_matrices", Where(), sparse, few=few)
+        large = by_elements(model, "state_matrices", Where(), sparse, few=few)
         lin = linearized(model, "state_matrices") if large is None else large
     found, names, _ = _matrices_of(lin, modes, bandwidth)
     return found, names
 
 
-def _matrices_of(
-    lin: Linearization | SparseLinearization, modes: Any, bandwidth: Any
-) -> tuple[StateMatrices, list[str], Any]:
+def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
-    if isinstance(lin, SparseLinearization):
+    if lin.large:
         return _matrices_of_large(lin, modes, bandwidth)
     known = undifferentiated(lin)
     traced = not is_concrete(known)
@@ -307,7 +304,7 @@ def _matrices_of(
     return found.matrices, _names(names, lin, orders, shifted), error
 
 
-def _matrices_of_large(lin: SparseLinearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
+def _matrices_of_large(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """The same of a large mechanism, by sparse matrices."""
     some = by_modes(lin, modes, bandwidth)
     orders, moves = tuple(some.form.orders.tolist()), tuple(some.form.moves.tolist())
@@ -381,8 +378,8 @@ def _refuse_rates(lin: Any, late: np.ndarray, orders: tuple[int, ...]) -> None:
     )
 
 
-def _is_along_motion(model: Model | Linearization | SparseLinearization) -> TypeGuard[Linearization]:
-    return isinstance(model, Linearization) and model.matrices.M0.ndim > 2
+def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
+    return isinstance(model, Linearization) and not model.large and model.matrices.M0.ndim > 2
 
 
 def _refuse_undetermined(lin: Linearization) -> None:
@@ -483,9 +480,9 @@ def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tupl
 
 @unguarded
 def to_statespace(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     *,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -536,7 +533,7 @@ def to_statespace(
             " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
         )
     where = Where(at, step, time, increment)
-    large = sparsely(model, "to_statespace", where, sparse, few=modes is not None or bandwidth is not None)
+    large = by_elements(model, "to_statespace", where, sparse, few=modes is not None or bandwidth is not None)
     lin = linearized(model, "to_statespace", where=where) if large is None else large
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:

@@ -10,8 +10,9 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_numbers, check_whole
 from ..compilation.compile import unguarded
+from ..linear.about import linearized
 from ..linear.compliance import compliance
-from ..linear.linearize import Linearization, linearized
+from ..linear.linearize import Linearization
 from ..math.derivative import DIFFERENTIATED
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import total_mass

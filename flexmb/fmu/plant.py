@@ -10,8 +10,8 @@ from ..arguments import check_number, numbers, shown
 from ..control.state_space import state_matrices
 from ..display import unit_of, unit_of_force
 from ..errors import ModelError, clean
-from ..linear.choice import sparsely
-from ..linear.linearize import Linearization, Where, linearized
+from ..linear.about import asked_about
+from ..linear.linearize import Linearization
 from ..model.model import Model, Signal
 from ..trajectory.linear_along import TimeVarying
 from .nonlinear import plant as translated
@@ -143,7 +143,7 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
     about: Any = model
     if isinstance(model, Model):
         few = modes is not None or bandwidth is not None
-        about = sparsely(model, "save_fmu", Where(), None, few=few) or linearized(model, "save_fmu")
+        about = asked_about(model, "save_fmu", few=few)
     found, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
     labels = model.labels
     if not labels.inputs or not labels.outputs:

@@ -29,11 +29,10 @@ from ..model.topology import Topology
 from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import held_values, solve_state
-from .choice import few_of, is_large
-from .linearize import Linearization, ManyStates, Matrices, Where, linearize
+from .about import Where, few_of, is_large
+from .linearize import Linearization, ManyStates, Matrices, linearize, linearized_by_elements
 from .shapes import Shapes
 from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
-from .sparse_linearize import SparseLinearization, sparse_linearization
 from .sparse_multipliers import ROUND_OFF, UNBOUNDED
 from .spectrum import is_real
 
@@ -60,7 +59,7 @@ class Buckling(Shapes, Result, Record):
 
     multipliers: Float[Array, "n"]
     shapes: Float[Array, "n_x n"]
-    lin: Linearization | SparseLinearization
+    lin: Linearization
     one_axis = "multipliers"
 
     def states(self) -> States:
@@ -347,7 +346,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     return multiplier, shapes, lin
 
 
-def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization | SparseLinearization, LoadFactors]:
+def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization, LoadFactors]:
     """A state of a path, and its load factors."""
     at = where.at
     if not isinstance(at, ManyStates) or at.states().kind != "path":
@@ -455,10 +454,10 @@ def _by_sparse(
 
 
 def _sparse_buckling(
-    model: Model, factors: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
-) -> tuple[Any, Any, Linearization | SparseLinearization, Any]:
+    model: Model, factors: LoadFactors, count: int, about: Linearization | None = None
+) -> tuple[Any, Any, Linearization, Any]:
     """Multipliers, modes, the state that they are about, and how far loads move the mechanism."""
-    lin = sparse_linearization(model, factors) if about is None else about
+    lin = linearized_by_elements(model, factors) if about is None else about
     multipliers, shapes, moved = sparse_modes(model, factors, count, lin)
     return multipliers, shapes, lin, moved
 

@@ -16,10 +16,9 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check, collect, or_nan
-from .choice import sparsely
-from .linearize import Linearization, ManyStates, Matrices, Where, linearized
+from .about import Where, by_elements, linearized
+from .linearize import Linearization, ManyStates, Matrices
 from .loose import free_motions, named, naming_culprit, takes_part
-from .sparse_linearize import SparseLinearization
 from .sparse_solve import solved
 
 # Forces on a node in a stable state do no negative work but for round-off, of compliances scaled to one.
@@ -49,12 +48,12 @@ def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
 
 @unguarded
 def compliance(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     node: str,
     *,
     local: bool = False,
     sparse: bool | None = None,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -90,14 +89,14 @@ def compliance(
     """
     check_flag("local", local)
     where = Where(at, step, time, increment)
-    large = sparsely(model, "compliance", where, sparse)
+    large = by_elements(model, "compliance", where, sparse)
     lin = linearized(model, "compliance", where=where) if large is None else large
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
         raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
-    if isinstance(lin, SparseLinearization):
+    if lin.large:
         try:
             found = compliance_of_large(lin, places, local)
             _warn_of_instability(found, node)
@@ -166,7 +165,7 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
     return rows
 
 
-def compliance_of_large(lin: SparseLinearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
+def compliance_of_large(lin: Linearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
     """Compliance by sparse factors: displacements under the forces dual to them."""
     forces = _unit_forces(lin.x, parts, lin.elements.free, lin.elements.held, local=local)
     with naming_culprit(lin):

@@ -18,10 +18,10 @@ from ..math.linear import cholesky, solved_by_factor
 from ..math.spectral import harmonic, spectral
 from ..model.model import Model
 from ..results import RESULTS, or_nan
-from .linearize import Linearization, Matrices, linearized
+from .about import linearized
+from .linearize import Linearization, Matrices
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
-from .sparse_linearize import SparseLinearization
 from .spectrum import MASSLESS, shift_to_definite
 
 # Where K had to be shifted by s, a motion vibrates whose omega^2 is above this share of s; others meet no stiffness.
@@ -191,7 +191,7 @@ def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None,
         raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {shown(given)}.")
 
 
-def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Float[Array, "n_e"]:
+def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
     """Loss factor of each deformation, as :func:`damped` takes them.
 
     Args:
@@ -225,9 +225,9 @@ def loss_factors(lin: Linearization | SparseLinearization, given: Losses) -> Flo
     return jnp.asarray(losses)
 
 
-def _has_stiffness(lin: Linearization | SparseLinearization, rows: Int[np.ndarray, "k"]) -> bool:
+def _has_stiffness(lin: Linearization, rows: Int[np.ndarray, "k"]) -> bool:
     """Whether stress resultants of some deformations change in any motion; of concrete numbers."""
-    if isinstance(lin, Linearization):
+    if not lin.large:
         return bool(np.any(np.asarray(lin.matrices.S)[rows] @ np.asarray(lin.matrices.DFe)))
     pieces = lin.elements.elastic
     return any(np.any(np.asarray(own)[np.isin(np.asarray(at), rows)]) for at, _, own in pieces)

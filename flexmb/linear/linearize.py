@@ -1,34 +1,38 @@
 """Linearised equations of motion about the static equilibrium."""
 
 import re
-from typing import Any, ClassVar, Generic, Literal, NamedTuple, TypeVar, overload
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_whole, computed, is_concrete, require_double_precision
+from ..arguments import check_flag, check_whole, computed, is_concrete
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
+from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, short
+from ..math.element_matrices import ElementMatrices, SparseMatrices, Whole, by_coordinates
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.inertia import Felt, mass_matrix
+from ..mechanics.inertia import Felt, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State
-from ..mechanics.stress_resultants import depends_on_rates, element_damping, stress_tangents
-from ..mechanics.transfer import correction, transfer
+from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, or_nan, told
+from ..results import RESULTS, collect, or_nan, told
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
+from ..statics.sparse import sparse_equilibrium
 from ..statics.stable import collect_unstable
-from .sparse_linearize import SparseLinearization, sparse_linearization
+from ..statics.tangent import by_deformations, element_matrices
+
+# Matrices in the degrees of freedom, which a large mechanism does not form.
+DENSE = ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d")
 
 
 class Rates(Record):
@@ -37,10 +41,8 @@ class Rates(Record):
     Attributes:
         xd: Velocities of the nodal coordinates, (n_x,) [1/s].
         xdd: Their accelerations, (n_x,) [1/s^2].
-        DFx_d: Rate of DFx, (n_x, n_q).
-        DFx_dd: Second rate of DFx, (n_x, n_q).
-        DFe_d: Rate of DFe, (n_e, n_q).
-        DFe_dd: Second rate of DFe, (n_e, n_q).
+        DFx_d, DFx_dd: First and second rate of DFx, (n_x, n_q).
+        DFe_d, DFe_dd: First and second rate of DFe, (n_e, n_q).
     """
 
     xd: Float[Array, "n_x"]
@@ -65,15 +67,15 @@ class Matrices(Result, Record):
         DFe: First-order transfer function of the deformations, (n_e, n_q).
         S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
         S_d: Damping of the elements likewise, (n_e, n_e).
-        x: Nodal coordinates at the equilibrium, (n_x,).
-        e: Deformations there, (n_e,).
-        sigma: Stress resultants there, (n_e,).
+        x: Nodal coordinates of the state, (n_x,) [m, rad, -].
+        e: Deformations there, (n_e,) [m, rad].
+        sigma: Stress resultants there, (n_e,) [N, N m].
         felt: Gravity and motion there, which act along the elements.
-        reactions: Forces of the supports there, (n_x,).
-        external: Forces from outside there, loads but weight and the supports' together, (n_x,).
+        reactions: Forces of the supports there, (n_x,) [N, N m].
+        external: Forces from outside there, loads but weight and the supports' together, (n_x,) [N, N m].
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
-        symmetric: Whether the stiffness is symmetric by the nature of the loads.
+        symmetric: Whether the stiffness is symmetric by the nature of the loads and laws.
         moving: How the state moves; None where it is at rest.
         factors: Of the two sets of loads there.
         turning: Nodal forces by coordinates, of moments that are functions of time, (n_x, n_x); None without them.
@@ -108,6 +110,27 @@ class Matrices(Result, Record):
         return computed(lambda _, *parts: sum(parts), self.K0, self.N0, self.G0)
 
 
+class LargeMatrices(Record):
+    """Linearised equations of a large mechanism at rest, element by element; the rest is as of :class:`Matrices`.
+
+    Attributes:
+        elements: In all coordinates, with multipliers of the constraints.
+    """
+
+    elements: ElementMatrices
+    x: Float[Array, "n_x"]
+    e: Float[Array, "n_e"]
+    sigma: Float[Array, "n_e"]
+    felt: Felt
+    reactions: Float[Array, "n_x"]
+    external: Float[Array, "n_x"]
+    iterations: Int[Array, ""]
+    result: Int[Array, ""]
+    factors: LoadFactors
+    symmetric: bool = static()
+    moving: ClassVar[None] = None
+
+
 T = TypeVar("T")
 
 
@@ -122,7 +145,14 @@ class _Of(Generic[T]):
 
     def __get__(self, result: Any, owner: type) -> T:
         own: Any = self
-        return own if result is None else getattr(result.matrices, self.name)
+        if result is None:
+            return own
+        if self.name in DENSE and isinstance(result.matrices, LargeMatrices):
+            raise AttributeError(
+                f"The linearisation of a large mechanism has no {self.name}, a matrix in the degrees of freedom: ask"
+                " its sparse() for K, C, M and D in the coordinates, or give fm.linearize(model, sparse=False)."
+            )
+        return getattr(result.matrices, self.name)
 
     def __set__(self, result: Any, value: Any) -> None:
         raise AttributeError(f"{self.name} is not to be changed: it is {self.name} of .matrices.")
@@ -160,22 +190,45 @@ class AboutState:
 class Linearization(ByName, AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
-    The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``).
+    The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``). Of a large mechanism
+    the equations are in all coordinates, ``lin.elements`` and ``lin.sparse()``; then it needs no degrees of freedom.
 
     Attributes:
-        matrices: The numbers.
+        matrices: The numbers: :class:`Matrices`, or :class:`LargeMatrices`.
         model: The mechanism they belong to.
     """
 
-    matrices: Matrices
+    matrices: Any
     model: Model
     result = _Of[Int[Array, "*states"]]()
+    elements = _Of[ElementMatrices]()
     one_axis = "x"
+
+    @property
+    def large(self) -> bool:
+        """Whether the equations are in all coordinates, element by element."""
+        return isinstance(self.matrices, LargeMatrices)
 
     @property
     def labels(self) -> Labels:
         """Names."""
         return self.model.labels
+
+    def sparse(self) -> SparseMatrices:
+        """Matrices M v'' + C v' + K v + D^T m = f, D v = 0 of the coordinates v that move, as SciPy's sparse ones.
+
+        Returns:
+            K, C, M, (n, n), and the constraints D, (h, n) [SI]. The coordinates are ``lin.elements.free``; the
+            multipliers m are changes of the stress resultants ``lin.elements.held``.
+
+        Raises:
+            TypeError: Under a trace, or of a linearisation in degrees of freedom.
+        """
+        if not self.large:
+            raise TypeError("Sparse matrices are those of fm.linearize(model, sparse=True).")
+        if not is_concrete(self.elements):
+            raise TypeError("Sparse matrices are those of concrete numbers: ask for them outside jax.jit and jax.grad.")
+        return Whole(jax.tree.map(np.asarray, self.elements)).apart()
 
     def at_time(self, number: int) -> "Linearization":
         """Linearised equations at one of the times of a motion, of what :func:`flexmb.motion.linearize_motion` gives.
@@ -187,7 +240,7 @@ class Linearization(ByName, AboutState, Result, Record):
             ValueError: This is the linearisation of one state.
             IndexError: There are not so many times.
         """
-        if self.matrices.M0.ndim == 2:
+        if self.large or self.matrices.M0.ndim == 2:
             raise ValueError("This linearisation is that of one state: it has no times to choose from.")
         count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
         if not -count <= chosen < count:
@@ -206,7 +259,7 @@ class Linearization(ByName, AboutState, Result, Record):
         Source:
             Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
         """
-        k = np.asarray(self.matrices.K)
+        k = np.asarray(self.K)
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
@@ -215,21 +268,23 @@ class Linearization(ByName, AboutState, Result, Record):
         return States(self.model, self.x)
 
     def summary(self) -> Summary:
-        """Outcome, largest displacement and the diagonals of mass and stiffness."""
-        model, count = self.model, self.M0.shape[0]
-        positions = [i for i, entry in enumerate(self.labels.x) if entry.kind == "position"]
+        """Outcome, largest displacement, and the diagonals of mass and stiffness or the sizes of a large mechanism."""
+        model, names = self.model, self.labels.x
+        positions = [i for i, entry in enumerate(names) if entry.kind == "position"]
         moved = np.asarray(self.x - model.parameters.reference)[positions]
-        furthest = f", {self.labels.x[positions[np.argmax(np.abs(moved))]]} is displaced most" if np.any(moved) else ""
-        rows = {
-            "result": told(self.result),
-            "degrees of freedom": str(count),
-            "largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m",
-            "diagonal of M0": listed(np.diag(np.asarray(self.M0))),
-            "diagonal of K0 + N0 + G0": listed(np.diag(np.asarray(self.K))),
-        }
+        rows = {"result": told(self.result)}
+        displaced = {"largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m"}
+        if self.large:
+            moving, constraints = self.elements.unknowns
+            rows |= {"coordinates that move": str(moving), "constraints": str(constraints)}
+            return Summary("Linearization about an equilibrium, element by element", rows | displaced, "mechanism")
+        furthest = f", {names[positions[np.argmax(np.abs(moved))]]} is displaced most" if np.any(moved) else ""
+        rows |= {"degrees of freedom": str(self.M0.shape[0])} | displaced
+        rows["diagonal of M0"] = listed(np.diag(np.asarray(self.M0)))
+        rows["diagonal of K0 + N0 + G0"] = listed(np.diag(np.asarray(self.K)))
         about = "an equilibrium" if self.moving is None else "a motion"
-        named = listed(model.q_labels) if self.labels.x else "without names"
-        return Summary(f"Linearization about {about}: {named}{furthest}", rows, "mechanism")
+        freedoms = listed(model.q_labels) if names else "without names"
+        return Summary(f"Linearization about {about}: {freedoms}{furthest}", rows, "mechanism")
 
 
 class Stressed(NamedTuple):
@@ -252,7 +307,7 @@ class ManyStates:
     """Base class of a path and a motion: results with many states, each of which questions can be asked about.
 
     Attributes:
-        by_sparse: Whether states are linearised by sparse matrices.
+        by_sparse: Whether states are linearised element by element.
     """
 
     by_sparse: ClassVar[bool] = False
@@ -261,7 +316,7 @@ class ManyStates:
         """The states, one after the other."""
         raise NotImplementedError
 
-    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization | SparseLinearization:
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
         """Linearised equations of motion about one state; the last unless given.
 
         Args:
@@ -284,14 +339,7 @@ class ManyStates:
 
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
-    """Equilibrium and linearisation in one; part of the compiled kernels.
-
-    Args:
-        target: Load factors of the equilibrium.
-
-    Returns:
-        Matrices.
-    """
+    """Equilibrium under loads with these factors and linearisation in one; part of the compiled kernels."""
     at, _, result, iterations, _ = solve_state(topology, parameters, target)
     return matrices_at(topology, parameters, target, at, iterations, result)
 
@@ -304,16 +352,7 @@ def matrices_at(
     iterations: Int[Array, ""],
     result: Int[Array, ""],
 ) -> Matrices:
-    """Linearisation about a state that is in equilibrium.
-
-    Args:
-        factors: Load factors of the state.
-        iterations: What the equilibrium took.
-        result: Its code of RESULTS.
-
-    Returns:
-        Matrices.
-    """
+    """Linearisation about a state in equilibrium, which was found in so many iterations and with this code."""
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
     damping = element_damping(topology, parameters)
@@ -351,179 +390,68 @@ def matrices_at(
 _matrices = kernel(matrices)
 
 
-class Where(NamedTuple):
-    """Which state of a mechanism a public function is asked about; where all is None, the equilibrium.
+@kernel
+def moving_element_matrices(
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+) -> ElementMatrices:
+    """Matrices of all elements about a state at rest, damping and mass among them; ``sigma`` has all multipliers.
 
-    Attributes:
-        at: Linearization, Path or Motion of the model; where no stiffness is asked for, also an Equilibrium.
-        step: Number of a state of a path or a motion.
-        time: Time of a state of a motion [s].
-        increment: Factor of the incremental loads of an equilibrium [-].
+    Source:
+        THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3), before they are projected.
     """
-
-    at: Any = None
-    step: int | None = None
-    time: float | None = None
-    increment: float | None = None
-
-    def refuse(self, function: str, *, given: bool = False) -> None:
-        """Refuse what does not go together.
-
-        Args:
-            given: Whether the function is given a linearisation in place of a model.
-
-        Raises:
-            ValueError: ``step`` or ``time`` without a path or a motion; or two states at once.
-        """
-        for name, value in (("step", self.step), ("time", self.time)):
-            if value is not None and not isinstance(self.at, ManyStates):
-                raise ValueError(f"Argument `{name}` of fm.{function} goes with at=, a path or a motion.")
-        stated = "at=" if self.at is not None else "a linearisation" if given else ""
-        if self.increment is not None and stated:
-            raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
-        if given and self.at is not None:
-            raise ValueError(
-                f"fm.{function} is given a linearisation and `at`: give the model and `at`, or that alone."
-            )
-
-    def linearization(self, model: Model, function: str) -> Linearization:
-        """Linearised equations about the state that ``at`` says, dense.
-
-        Raises:
-            TypeError: ``at`` is none, or is linearised by sparse matrices.
-            ValueError: As for :meth:`state`.
-        """
-        found = self.state(model, function)
-        if isinstance(found, SparseLinearization):
-            instead = "fm.path(model, sparse=False)" if self.at is not found else "fm.linearize(model)"
-            raise TypeError(f"fm.{function} takes no sparse linearisation: give {instead}, which is dense.")
-        return found
-
-    def state(self, model: Model, function: str) -> Linearization | SparseLinearization:
-        """Linearised equations about the state that ``at`` says.
-
-        Raises:
-            TypeError: ``at`` is none.
-            ValueError: ``at`` has many states and none is named, or is of another model.
-        """
-        at = self.at
-        if isinstance(at, ManyStates):
-            states = at.states()
-            if self.step is None and self.time is None:
-                also = ", or its time=" if states.kind == "motion" else ""
-                raise ValueError(
-                    f"Argument `at` of fm.{function} is a {type(at).__name__} with {len(states.x)} states: say which by"
-                    f" step=, such as step=-1 for the last{also}."
-                )
-            at = at.linearization(self.step, self.time)
-        if not isinstance(at, Linearization | SparseLinearization):
-            raise TypeError(
-                f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
-                f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."
-            )
-        check_state(at, model, function)
-        return at
+    found, _ = element_matrices(topology, parameters, factors, x, jax.lax.stop_gradient(e), sigma, e)
+    strain = strain_of(topology, parameters, scaled_loads(parameters, factors), e)
+    viscous = by_deformations(topology, parameters, strain, found.constraints, "damping")
+    damping = by_coordinates(found.constraints, viscous)
+    return found._replace(damping=damping, mass=mass_pieces(topology, parameters, x), viscous=viscous)
 
 
-# Numbers of a material that no state depends on.
-BEARS = frozenset({"strength", "fatigue"})
-
-
-def _key(of: Any) -> str:
-    return str(getattr(of, "name", getattr(of, "key", "")))
-
-
-def check_state(at: Any, model: Model, function: str) -> None:
-    """Refuse a state of another model, as far as its names or numbers that are known tell.
-
-    Loads and strains may differ: those of a path's steps and of its imperfections do.
-
-    Args:
-        at: What has ``labels``, and may have a ``model``, or tell which one it was ``asked_of``.
-        model: What a function is asked about.
-        function: Its name.
-
-    Raises:
-        ValueError: Another model.
-    """
-    own = getattr(at, "model", None) or getattr(at, "asked_of", None)
-    if own is model:
-        return
-    labels = model.labels
-    if (at.labels.x, at.labels.elements) != (labels.x, labels.elements):
-        raise ValueError(f"Argument `at` of fm.{function} is of another model: its nodes or elements have other names.")
-    if own is None:
-        return
-    numbers = [(one.parameters.reference, one.parameters.properties) for one in (own, model)]
-    if not is_concrete(numbers):
-        return
-    (one, shape), (other, wanted) = (jax.tree_util.tree_flatten_with_path(of) for of in numbers)
-    pairs = [(a, b) for (path, a), (_, b) in zip(one, other, strict=False) if not BEARS.intersection(map(_key, path))]
-    if shape != wanted or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
-        raise ValueError(
-            f"Argument `at` of fm.{function} is of a model with other dimensions: ask about that model, or find the"
-            " state of this one."
-        )
-
-
-def linearized(
-    given: Model | Linearization | SparseLinearization,
-    function: str,
-    throw: bool = True,
-    where: Where | None = None,
+def about_state(
+    model: Model,
+    factors: LoadFactors,
+    x: Float[Array, "n_x"],
+    e: Float[Array, "n_e"],
+    sigma: Float[Array, "n_e"],
+    *more: Any,
 ) -> Linearization:
-    """What a public function of a model or of its linearisation is asked about.
+    """Linearised equations about a state at rest that has been found, element by element.
 
     Args:
-        given: Model, which is linearised about its equilibrium or stands at a state of a path or a motion; or
-            Linearization, which passes.
-        where: Which state.
+        more: What :class:`LargeMatrices` has between ``sigma`` and ``factors``.
+    """
+    factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
+    elements = moving_element_matrices(model.topology, model.parameters, factors, x, e, sigma)
+    symmetric = not lacks_potential(model.topology)
+    return Linearization(LargeMatrices(elements, x, e, sigma, *more, factors=factors, symmetric=symmetric), model)
+
+
+@one_thread()
+def linearized_by_elements(model: Model, target: LoadFactors, throw: bool = True) -> Linearization:
+    """Linearised equations about the equilibrium of a large mechanism, element by element.
 
     Raises:
-        TypeError: It is neither.
-        ValueError: It is a linearisation along a motion, at many times; or arguments do not go together.
-        AnalysisError: The equilibrium was not found.
+        AnalysisError: singular_configuration, singular_stiffness or not_converged, with ``throw``.
     """
-    require_double_precision()
-    where = where or Where()
-    where.refuse(function, given=isinstance(given, Linearization))
-    if isinstance(given, SparseLinearization):
-        raise TypeError(f"fm.{function} takes no sparse linearisation: give fm.linearize(model), which is dense.")
-    if where.at is not None:
-        given = where.linearization(as_model(given, function), function)
-    if not isinstance(given, Linearization):
-        model = as_determined(given, function)
-        return _linearized(model, load_factors_of(model, 1.0, where.increment, function), throw)
-    if given.matrices.M0.ndim > 2:
-        raise ValueError(
-            f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
-            f" {len(given.matrices.M0)} times: give lin.at_time(0)."
-        )
-    if is_concrete(given.matrices.result):
-        check(given.matrices.result, throw)
-    return given
+    found, unstable = sparse_equilibrium(model.topology, model.parameters, target)
+    if is_concrete(unstable) and unstable:
+        collect(RESULTS.unstable_state)
+    check_stiffness(model, found[-1], throw)
+    warn_of_coarse(model, found[1])
+    return about_state(model, target, *or_nan(found, found[-1], throw))
 
 
-@overload
-def linearize(
-    model: Model,
-    *,
-    load_factor: float = 1.0,
-    increment: float | None = None,
-    throw: bool = True,
-    sparse: Literal[False] = False,
-) -> Linearization: ...
-
-
-@overload
-def linearize(
-    model: Model,
-    *,
-    load_factor: float = 1.0,
-    increment: float | None = None,
-    throw: bool = True,
-    sparse: Literal[True],
-) -> SparseLinearization: ...
+def linearized_by_freedoms(model: Model, target: LoadFactors, throw: bool) -> Linearization:
+    """Linearised equations about the equilibrium, in the degrees of freedom."""
+    m: Matrices = _matrices(model.topology, model.parameters, target)
+    check_stiffness(model, m.result, throw)
+    collect_unstable([m.K0, m.G0], m.K0, m.symmetric)
+    warn_of_coarse(model, m.e)
+    return Linearization(or_nan(m, m.result, throw), model)
 
 
 @unguarded
@@ -534,7 +462,7 @@ def linearize(
     increment: float | None = None,
     throw: bool = True,
     sparse: bool = False,
-) -> Linearization | SparseLinearization:
+) -> Linearization:
     """Linearised equations of motion about the static equilibrium under the constant loads.
 
     Args:
@@ -543,12 +471,12 @@ def linearize(
         increment: Factor of the incremental loads, () [-]; zero unless given.
         throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
         sparse: Of a mechanism of thousands of elements, which needs no degrees of freedom: the equations in all
-            coordinates, element by element, of which modes, compliance, stress, responses and a state space of few
-            modes are asked as of dense ones. See :func:`flexmb.equilibrium` for what it takes.
+            coordinates, element by element. Modes, compliance, stress, responses and a state space of few modes are
+            asked of them as of others. See :func:`flexmb.equilibrium` for what it takes.
 
     Returns:
-        Linearization with M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], the transfer functions DFx (n_x, n_q) and
-        DFe (n_e, n_q), and the equilibrium x, e, sigma; or SparseLinearization, whose ``sparse()`` are matrices.
+        Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
+        transfer functions DFx (n_x, n_q) and DFe (n_e, n_q); with ``sparse``, in place of these, ``sparse()``.
 
     Raises:
         AnalysisError: The equilibrium was not found or the configuration is singular.
@@ -564,62 +492,4 @@ def linearize(
     check_flag("sparse", sparse)
     (as_model if sparse else as_determined)(model, "linearize")
     target = load_factors_of(model, load_factor, increment, "linearize")
-    return sparse_linearization(model, target, throw) if sparse else _linearized(model, target, throw)
-
-
-def _linearized(model: Model, target: LoadFactors, throw: bool) -> Linearization:
-    m: Matrices = _matrices(model.topology, model.parameters, target)
-    check_stiffness(model, m.result, throw)
-    collect_unstable([m.K0, m.G0], m.K0, m.symmetric)
-    warn_of_coarse(model, m.e)
-    return Linearization(or_nan(m, m.result, throw), model)
-
-
-@kernel
-def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
-    near = jax.lax.stop_gradient(m.e)
-    _, jacobian = deformation_jacobian(topology, parameters, m.x, near)
-    tangent = transfer(topology, jacobian)
-
-    def along(i: Float[Array, "n_x"], j: Float[Array, "n_x"]):
-        def once(x: Float[Array, "n_x"]):
-            _, d = deformation_jacobian(topology, parameters, x, near)
-            return d @ i
-
-        return jax.jvp(once, (m.x,), (j,))[1]
-
-    columns = m.DFx.T
-    bend = jax.vmap(jax.vmap(along, (None, 0)), (0, None))(columns, columns)
-
-    def second(curved: Float[Array, "n_e"]):
-        dx = correction(topology, tangent, curved, jnp.zeros(topology.n_x))
-        return dx, curved + jacobian @ dx
-
-    d2x, d2e = jax.vmap(jax.vmap(second))(bend)
-    return jnp.moveaxis(d2x, -1, 0), jnp.moveaxis(d2e, -1, 0)
-
-
-def second_transfer(
-    lin: Linearization,
-) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
-    """Second-order geometric transfer functions about the linearised state.
-
-    Args:
-        lin: Linearization.
-
-    Returns:
-        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
-
-    Raises:
-        TypeError: It is no Linearization.
-
-    Source:
-        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations,
-        THEORY.md 4, eq. (4.4).
-    """
-    if not isinstance(lin, Linearization):
-        raise TypeError(
-            f"fm.linear.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
-        )
-    linearized(lin, "second_transfer")
-    return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)
+    return (linearized_by_elements if sparse else linearized_by_freedoms)(model, target, throw)

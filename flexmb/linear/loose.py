@@ -21,7 +21,6 @@ from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
-from .sparse_linearize import SparseLinearization
 from .spectrum import masses_of_motions
 
 # A motion is free whose stiffness is below this share of the stiffnesses that meet in it.
@@ -198,7 +197,7 @@ def of_stiffest(model: Model) -> str:
     return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."
 
 
-def of_unresisted(lin: SparseLinearization) -> str:
+def of_unresisted(lin: Linearization) -> str:
     """What a message says of the motion that a singular stiffness does not resist; empty where constraints repeat."""
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
@@ -211,7 +210,7 @@ def of_unresisted(lin: SparseLinearization) -> str:
 
 
 @contextlib.contextmanager
-def naming_culprit(lin: Linearization | SparseLinearization) -> Iterator[None]:
+def naming_culprit(lin: Linearization) -> Iterator[None]:
     """Errors name what a singular stiffness lets move, or, where answers are lost in round-off, what is too stiff."""
     try:
         yield
@@ -221,7 +220,7 @@ def naming_culprit(lin: Linearization | SparseLinearization) -> Iterator[None]:
             raise
         if fault.code == RESULTS.lost_in_round_off.name:
             about = of_stiffest(lin.model)
-        elif fault.code == RESULTS.singular_stiffness.name and isinstance(lin, SparseLinearization):
+        elif fault.code == RESULTS.singular_stiffness.name and lin.large:
             about = of_unresisted(lin)
         if not about:
             raise

@@ -17,7 +17,6 @@ from ..results import RESULTS, or_nan
 from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
 from .modes import Modes, check_spectrum, refuse_unsymmetric
-from .sparse_linearize import SparseLinearization
 from .spectrum import spectrum, to_frequency
 
 # Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
@@ -113,7 +112,7 @@ def _check_modes(modes: Any, function: str) -> None:
     """Refuse what is no modes, or has no degrees of freedom."""
     if not isinstance(modes, Modes):
         raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not a {type(modes).__name__}.")
-    if isinstance(modes.lin, SparseLinearization):
+    if modes.lin.large:
         raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices: give fm.modes(model, sparse=False).")
 
 

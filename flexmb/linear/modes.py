@@ -21,8 +21,8 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collects, or_nan
 from ..statics.equilibrium import load_factors_of, without_stiffness
-from .choice import few_of, sparsely
-from .linearize import Linearization, ManyStates, Matrices, Where, linearize, linearized, matrices
+from .about import Where, by_elements, few_of, linearized
+from .linearize import Linearization, ManyStates, Matrices, linearize, matrices
 from .loose import (
     naming_culprit,
     negative_mass,
@@ -33,7 +33,6 @@ from .loose import (
     without_anything,
 )
 from .shapes import Shapes
-from .sparse_linearize import SparseLinearization
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
 from .sparse_spectrum import refuse_negative_masses
@@ -63,7 +62,7 @@ class Modes(Shapes, Result, Record):
     q_shapes: Float[Array, "n_q n"]
     massless: int
     stable: bool
-    lin: Linearization | SparseLinearization
+    lin: Linearization
     one_axis = "eigenvalues"
 
     def states(self) -> States:
@@ -116,12 +115,12 @@ def refuse_unsymmetric(symmetric: bool) -> None:
 
 def _asked(
     model: Any, function: str, count: int | None, where: Where, sparse: bool | None, throw: bool = True
-) -> tuple[SparseLinearization | None, int | None]:
+) -> tuple[Linearization | None, int | None]:
     """What is asked about by sparse matrices, or None, and how many are wanted, which these are told always."""
     count = None if count is None else check_whole("count", count, 1)
     large = None
     if count is not None or not sparse:
-        large = sparsely(model, function, where, sparse, few=few_of(model, count), throw=throw)
+        large = by_elements(model, function, where, sparse, few=few_of(model, count), throw=throw)
     if count is None and (sparse or large is not None):
         raise ValueError(f"With sparse matrices give `count`, the number of {function} wanted.")
     return large, count
@@ -129,12 +128,12 @@ def _asked(
 
 @unguarded
 def frequencies(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     *,
     count: int | None = None,
     sparse: bool | None = None,
     throw: bool = True,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -218,12 +217,12 @@ def _modes(found: Matrices):
 
 @unguarded
 def modes(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     *,
     count: int | None = None,
     sparse: bool | None = None,
     throw: bool = True,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -277,7 +276,7 @@ def modes(
     )
 
 
-def _modes_of_large(lin: SparseLinearization, count: Any) -> Modes:
+def _modes_of_large(lin: Linearization, count: Any) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
     refuse_unsymmetric(lin.symmetric)
     with naming_culprit(lin):
@@ -298,11 +297,11 @@ def _modes_of_large(lin: SparseLinearization, count: Any) -> Modes:
 @one_thread()
 @unguarded
 def poles(
-    model: Model | Linearization | SparseLinearization,
+    model: Model | Linearization,
     *,
     count: int | None = None,
     sparse: bool | None = None,
-    at: Linearization | SparseLinearization | ManyStates | None = None,
+    at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -365,7 +364,7 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
     return or_nan(values, result)
 
 
-def _poles_of_large(lin: SparseLinearization, count: Any) -> Any:
+def _poles_of_large(lin: Linearization, count: Any) -> Any:
     """A few poles by sparse matrices."""
     if not is_concrete(lin.elements):
         with naming_culprit(lin):

@@ -6,8 +6,7 @@ from jaxtyping import Array, Float
 
 from ..model.by_name import ByName, moved
 from ..model.model import Labels
-from .linearize import AboutState, Matrices
-from .sparse_linearize import SparseLinearization
+from .linearize import AboutState
 
 
 class Shapes(ByName, AboutState):
@@ -22,7 +21,7 @@ class Shapes(ByName, AboutState):
     lin: Any
 
     @property
-    def matrices(self) -> Matrices | SparseLinearization:
+    def matrices(self) -> Any:
         """Linearised equations of the state that the modes are about."""
         return self.lin.matrices
 

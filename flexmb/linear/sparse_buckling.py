@@ -28,7 +28,6 @@ from ..statics.solve import held_values
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
 from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization
-from .sparse_linearize import SparseLinearization
 from .sparse_multipliers import ROUND_OFF, Buckled, MultiplierMatrices, smallest_of_sparse
 from .sparse_solve import on_host
 from .sparse_spectrum import asks_for_all
@@ -274,7 +273,7 @@ def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     return (found.values, moved), (changes, jnp.zeros(()))
 
 
-def _about(model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization | None):
+def _about(model: Model, target: LoadFactors, count: int, about: Linearization | None):
     """What load multipliers are asked of: topology, parameters, factors, state, and their number as a shape."""
     topology, parameters = model.topology, model.parameters
     refuse_what_is_not_sparse(topology)
@@ -296,7 +295,7 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 
 @one_thread()
 def sparse_multipliers(
-    model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization | None = None
+    model: Model, target: LoadFactors, count: int, about: Linearization | None = None
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
     """Load multipliers of smallest size about the equilibrium by sparse factors, and how far loads move the mechanism.
 
@@ -324,7 +323,7 @@ def sparse_multipliers(
 
 @one_thread()
 def sparse_modes(
-    model: Model, target: LoadFactors, count: int, about: Linearization | SparseLinearization
+    model: Model, target: LoadFactors, count: int, about: Linearization
 ) -> tuple[Float[Array, "k"], Float[Array, "n_x k"], Float[Array, ""]]:
     """As :func:`sparse_multipliers`, with the buckling modes in the coordinates, one a column, as the second."""
     topology, *rest = _about(model, target, count, about)

@@ -27,8 +27,8 @@ from ..model.topology import Block, Topology
 from ..results import told
 from ..statics.choice import by_sparse
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
-from .linearize import Linearization, ManyStates, Where, check_state
-from .sparse_linearize import SparseLinearization
+from .about import Where, check_state
+from .linearize import Linearization, ManyStates
 
 # What is looked at beside a break, of an element's length.
 BESIDE = 1e-9
@@ -566,7 +566,7 @@ def section_resultants(
     model: Model,
     *,
     points: int | None = None,
-    at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     load_factor: float = 1.0,
@@ -619,7 +619,7 @@ def stress(
     model: Model,
     *,
     points: int | None = None,
-    at: Equilibrium | Linearization | SparseLinearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     load_factor: float = 1.0,

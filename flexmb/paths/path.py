@@ -15,9 +15,9 @@ from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Result, listed, short
 from ..errors import AnalysisError, heard, warn
+from ..linear.about import is_large
 from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.choice import is_large
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency

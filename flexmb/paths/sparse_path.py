@@ -10,8 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..compilation.record import Record, static
 from ..display import Result
 from ..linear.along import Along
-from ..linear.linearize import Stressed
-from ..linear.sparse_linearize import DENSE, SparseLinearization, about_state, moving_element_matrices
+from ..linear.linearize import DENSE, Linearization, Stressed, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
@@ -85,7 +84,7 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
             )
         raise AttributeError(f"A SparsePath has no {name}.")
 
-    def linearization(self, step: int | None = None, time: float | None = None) -> SparseLinearization:
+    def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
         """Linearised equations of motion about one step, element by element.
 
         Args:

@@ -1,0 +1,212 @@
+"""What a question is asked about: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
+
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ..arguments import check_flag, is_concrete, require_double_precision
+from ..mechanics.loads import lacks_potential
+from ..model.model import Model, as_determined, as_model
+from ..results import check
+from ..statics.choice import by_sparse
+from ..statics.equilibrium import load_factors_of
+from .linearize import Linearization, ManyStates, linearized_by_elements, linearized_by_freedoms
+from .sparse_spectrum import asks_for_all
+
+# Numbers of a material that no state depends on.
+BEARS = frozenset({"strength", "fatigue"})
+
+
+class Where(NamedTuple):
+    """Which state of a mechanism a public function is asked about; where all is None, the equilibrium.
+
+    Attributes:
+        at: Linearization, Path or Motion of the model; where no stiffness is asked for, also an Equilibrium.
+        step: Number of a state of a path or a motion.
+        time: Time of a state of a motion [s].
+        increment: Factor of the incremental loads of an equilibrium [-].
+    """
+
+    at: Any = None
+    step: int | None = None
+    time: float | None = None
+    increment: float | None = None
+
+    def refuse(self, function: str, *, given: bool = False) -> None:
+        """Raise ValueError of what does not go together, also with a linearisation that is ``given`` for a model."""
+        for name, value in (("step", self.step), ("time", self.time)):
+            if value is not None and not isinstance(self.at, ManyStates):
+                raise ValueError(f"Argument `{name}` of fm.{function} goes with at=, a path or a motion.")
+        stated = "at=" if self.at is not None else "a linearisation" if given else ""
+        if self.increment is not None and stated:
+            raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
+        if given and self.at is not None:
+            raise ValueError(
+                f"fm.{function} is given a linearisation and `at`: give the model and `at`, or that alone."
+            )
+
+    def state(self, model: Model, function: str) -> Linearization:
+        """Linearised equations about the state that ``at`` says.
+
+        Raises:
+            TypeError: ``at`` is none.
+            ValueError: ``at`` has many states and none is named, or is of another model.
+        """
+        at = self.at
+        if isinstance(at, ManyStates):
+            states = at.states()
+            if self.step is None and self.time is None:
+                also = ", or its time=" if states.kind == "motion" else ""
+                raise ValueError(
+                    f"Argument `at` of fm.{function} is a {type(at).__name__} with {len(states.x)} states: say which by"
+                    f" step=, such as step=-1 for the last{also}."
+                )
+            at = at.linearization(self.step, self.time)
+        if not isinstance(at, Linearization):
+            raise TypeError(
+                f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
+                f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."
+            )
+        check_state(at, model, function)
+        return at
+
+
+def _key(of: Any) -> str:
+    return str(getattr(of, "name", getattr(of, "key", "")))
+
+
+def check_state(at: Any, model: Model, function: str) -> None:
+    """Refuse a state of another model, as far as its names or numbers that are known tell.
+
+    Loads and strains may differ: those of a path's steps and of its imperfections do.
+
+    Args:
+        at: What has ``labels``, and may have a ``model``, or tell which one it was ``asked_of``.
+        model: What a function is asked about.
+        function: Its name.
+    """
+    own = getattr(at, "model", None) or getattr(at, "asked_of", None)
+    if own is model:
+        return
+    labels = model.labels
+    if (at.labels.x, at.labels.elements) != (labels.x, labels.elements):
+        raise ValueError(f"Argument `at` of fm.{function} is of another model: its nodes or elements have other names.")
+    if own is None:
+        return
+    numbers = [(one.parameters.reference, one.parameters.properties) for one in (own, model)]
+    if not is_concrete(numbers):
+        return
+    (one, shape), (other, wanted) = (jax.tree_util.tree_flatten_with_path(of) for of in numbers)
+    pairs = [(a, b) for (path, a), (_, b) in zip(one, other, strict=False) if not BEARS.intersection(map(_key, path))]
+    if shape != wanted or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
+        raise ValueError(
+            f"Argument `at` of fm.{function} is of a model with other dimensions: ask about that model, or find the"
+            " state of this one."
+        )
+
+
+def linearized(given: Any, function: str, throw: bool = True, where: Where | None = None) -> Linearization:
+    """What a public function is asked about, in the degrees of freedom.
+
+    Args:
+        given: Model, which is linearised about its equilibrium or stands at a state of a path or a motion; or
+            Linearization, which passes.
+        function: Name of the public function.
+        throw: Whether an equilibrium that was not found is an error.
+        where: Which state.
+
+    Raises:
+        TypeError: It is neither, or is linearised element by element.
+        ValueError: It is a linearisation along a motion, at many times; or arguments do not go together.
+        AnalysisError: The equilibrium was not found.
+    """
+    require_double_precision()
+    where = where or Where()
+    is_linearized = isinstance(given, Linearization)
+    where.refuse(function, given=is_linearized and not given.large)
+    if is_linearized and given.large:
+        raise TypeError(f"fm.{function} takes no sparse linearisation: give fm.linearize(model), which is dense.")
+    if where.at is not None:
+        given = where.state(as_model(given, function), function)
+        if given.large:
+            instead = "fm.path(model, sparse=False)" if where.at is not given else "fm.linearize(model)"
+            raise TypeError(f"fm.{function} takes no sparse linearisation: give {instead}, which is dense.")
+    if not isinstance(given, Linearization):
+        model = as_determined(given, function)
+        return linearized_by_freedoms(model, load_factors_of(model, 1.0, where.increment, function), throw)
+    if given.matrices.M0.ndim > 2:
+        raise ValueError(
+            f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
+            f" {len(given.matrices.M0)} times: give lin.at_time(0)."
+        )
+    if is_concrete(given.matrices.result):
+        check(given.matrices.result, throw)
+    return given
+
+
+def is_large(model: Model) -> bool:
+    """Whether a mechanism is large enough for sparse matrices to be quicker, and has a potential."""
+    return by_sparse(model, None) and not lacks_potential(model.topology)
+
+
+def few_of(given: Any, count: int | None) -> bool:
+    """Whether so few of the modes of a model, or of its linearisation, are asked for that sparse matrices give them."""
+    if count is None or not isinstance(given, Model):
+        return count is not None
+    topology = given.topology
+    return not asks_for_all(count, topology.x.free.shape[0] - topology.e.held.shape[0])
+
+
+def by_elements(
+    given: Any, function: str, where: Where, sparse: bool | None, *, few: bool = True, throw: bool = True
+) -> Linearization | None:
+    """What a public function is asked about, where sparse matrices are to answer; None where dense ones are.
+
+    Args:
+        given: Model, or its linearisation.
+        function: Name of the public function.
+        where: Which state.
+        sparse: Whether to; None: where a mechanism is large.
+        few: Whether so little is asked for that sparse matrices are worth it.
+        throw: Whether a failure is an error, as it always is by sparse matrices.
+
+    Raises:
+        ValueError: ``sparse`` does not go with what is given, or ``at`` is of another model.
+        AnalysisError: The equilibrium was not found.
+    """
+    if sparse is not None:
+        check_flag("sparse", sparse)
+    at, is_linearized = where.at, isinstance(given, Linearization)
+    of_path = isinstance(at, ManyStates) and at.by_sparse
+    if of_path or any(isinstance(of, Linearization) and of.large for of in (at, given)):
+        if sparse is False:
+            raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
+        where.refuse(function, given=is_linearized)
+        about: Any = given if at is None else where.state(as_model(given, function), function)
+        return about
+    if is_linearized or at is not None:
+        if sparse:
+            raise ValueError(
+                f"With `sparse` give fm.{function} a Model, or what fm.linearize(model, sparse=True) answers: dense"
+                " matrices and states of a path or a motion stay dense."
+            )
+        return None
+    model = as_model(given, function)
+    if not (few and throw and by_sparse(model, None) if sparse is None else sparse):
+        return None
+    if not throw:
+        raise ValueError(
+            f"By sparse matrices fm.{function} always raises where it fails: leave `throw` or `sparse` out."
+        )
+    where.refuse(function)
+    return linearized_by_elements(model, load_factors_of(model, 1.0, where.increment, function))
+
+
+def asked_about(
+    given: Any, function: str, where: Where | None = None, sparse: bool | None = None, *, few: bool = True
+) -> Linearization:
+    """What a public function is asked about, by elements or in the degrees of freedom, as of :func:`by_elements`."""
+    where = where or Where()
+    large = by_elements(given, function, where, sparse, few=few)
+    return linearized(given, function, where=where) if large is None else large
