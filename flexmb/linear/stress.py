@@ -19,7 +19,6 @@ from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
 from ..mechanics.blocks import companion_of
-from ..mechanics.inertia import Felt
 from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
@@ -28,7 +27,7 @@ from ..results import told
 from ..statics.choice import by_sparse
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .about import Where, check_state
-from .linearize import Linearization, ManyStates
+from .linearize import Linearization, ManyStates, Stressed
 
 # What is looked at beside a break, of an element's length.
 BESIDE = 1e-9
@@ -291,14 +290,14 @@ def _rows(labels: Labels) -> tuple[tuple[str, ...], np.ndarray]:
     return names, np.array([rows[name] for name in names], int)
 
 
-def _sections(properties: dict[str, Any]) -> tuple:
-    """Stacks of sections of one kind each, in the order of a block's elements."""
-    section = properties["section"]
-    return section if isinstance(section, tuple) else (section,)
-
-
-def _count(stack: Section) -> int:
-    return jax.tree.leaves(stack)[0].shape[0]
+def _stacks(properties: dict[str, Any]) -> list[tuple[slice, Section]]:
+    """Stacks of sections of one kind each, and which of a block's elements they belong to."""
+    section, found, start = properties["section"], [], 0
+    for stack in section if isinstance(section, tuple) else (section,):
+        part = slice(start, start + jax.tree.leaves(stack)[0].shape[0])
+        found.append((part, stack))
+        start = part.stop
+    return found
 
 
 def _lengths(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> Float[Array, "elements"]:
@@ -337,119 +336,93 @@ def without_shape(model: Model) -> list[str]:
     found = []
     for names, properties in zip(model.labels.stressed, model.parameters.properties, strict=True):
         if any(names):
-            kinds = [stack.has_shape for stack in _sections(properties) for _ in range(_count(stack))]
+            kinds = [stack.has_shape for part, stack in _stacks(properties) for _ in range(part.start, part.stop)]
             found += [name for name, shaped in zip(names, kinds, strict=True) if name is not None and not shaped]
     return found
 
 
-def _resultants_of(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_x"],
-    sigma: Float[Array, "n_e"],
-    felt: Felt,
-    e: Float[Array, "n_e"],
-    places: Float[Array, "places"],
-    rows: Int[Array, "k"],
-):
-    return jnp.concatenate(resultants_of_blocks(topology, parameters, x, sigma, felt, places))[rows]
+class _Asked(NamedTuple):
+    """What section resultants and stress are computed from: numbers of one state, or of several in front."""
 
+    topology: Topology
+    parameters: Parameters
+    states: Stressed
+    places: Float[Array, "places"]
+    rows: Any
 
-_resultants = jit(_resultants_of)
+    def resultants(self, of: Stressed) -> list[Float[Array, "elements places 6"]]:
+        """Of the elements of each block with sections, in one state."""
+        return resultants_of_blocks(self.topology, self.parameters, of.x, of.sigma, of.felt, self.places)
+
+    def blocks(self) -> list[tuple[Block, dict[str, Any], Float[Array, "elements"]]]:
+        """Blocks with sections, their properties and the lengths of their elements."""
+        blocks = zip(self.topology.blocks, self.parameters.properties, strict=True)
+        reference = self.parameters.reference
+        return [(b, p, _lengths(b, p, reference)) for b, p in blocks if "resultants" in b.companions]
 
 
 @jit
-def _resultants_of_all(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "states n_x"],
-    sigma: Float[Array, "states n_e"],
-    felt: Felt,
-    e: Float[Array, "states n_e"],
-    places: Float[Array, "places"],
-    rows: Int[Array, "k"],
-):
-    """The same of several states, which stand in front."""
-    return jax.vmap(lambda x, sigma, felt, e: _resultants_of(topology, parameters, x, sigma, felt, e, places, rows))(
-        x, sigma, felt, e
-    )
+def _resultants(asked: _Asked, *, several: bool):
+    def one(state: Stressed):
+        return jnp.concatenate(asked.resultants(state))[asked.rows]
+
+    return (jax.vmap(one) if several else one)(asked.states)
 
 
-def _limits(
-    stack: Section, lengths: Float[Array, "n"], places: Float[Array, "places"], quantity: str
-) -> Float[Array, "n places"]:
-    """What the material of stacked sections bears; infinite where it does not say."""
-    if not stack.states(quantity):
-        return jnp.full((lengths.shape[0], places.shape[0]), jnp.inf)
-
-    def at(section: Section, length: Float[Array, ""], place: Float[Array, ""]):
-        return jnp.asarray(section.at(place, length).stated(quantity), float)
-
-    return jax.vmap(jax.vmap(at, (None, None, 0)), (0, 0, None))(stack, lengths, places)
+@jit
+def _stress(asked: _Asked, *, several: bool):
+    """Resultants, stresses along, in shear, equivalent and across, and what materials bear by quantity."""
+    (found, across) = (jax.vmap(_stress_in, (None, 0)) if several else _stress_in)(asked, asked.states)
+    return *found, {**_borne(asked), "across": across}
 
 
-def _stress_of(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_x"],
-    sigma: Float[Array, "n_e"],
-    felt: Felt,
-    e: Float[Array, "n_e"],
-    places: Float[Array, "places"],
-    rows: Int[Array, "k"],
-):
-    found = resultants_of_blocks(topology, parameters, x, sigma, felt, places)
-    blocks = zip(topology.blocks, parameters.properties, strict=True)
-    given = [(b, p) for b, p in blocks if "resultants" in b.companions]
-    stated = [q for q in ("strength", "fatigue") if any(s.states(q) for _, p in given for s in _sections(p))]
-    strain = e if parameters.strain is None else e - parameters.strain
-    pieces, limits = [], {quantity: [] for quantity in stated}
-    for values, (block, properties) in zip(found, given, strict=True):
-        lengths, start = _lengths(block, properties, parameters.reference), 0
-        for stack in _sections(properties):
-            part = slice(start, start + _count(stack))
-            own, length, start = values[part], lengths[part], part.stop
-            for quantity in stated:
-                limits[quantity].append(_limits(stack, length, places, quantity))
+def _stress_in(asked: _Asked, state: Stressed):
+    """Resultants and stresses in one state; the last is None where no element has a stress across."""
+    found = asked.resultants(state)
+    strain = state.e if asked.parameters.strain is None else state.e - asked.parameters.strain
+    pieces = []
+    for values, (block, properties, lengths) in zip(found, asked.blocks(), strict=True):
+        for part, stack in _stacks(properties):
+            own, length = values[part], lengths[part]
             if "surface" in block.companions:
                 alike = {n: jax.tree.map(lambda p, at=part: p[at], v) for n, v in properties.items() if n != "section"}
                 function, alike = companion_of(block, {**alike, "section": stack}, "surface")
-                ref = parameters.reference[block.x]
-                pieces.append(_along(function, strain[block.e][part], ref[part], alike, places, own))
+                ref = asked.parameters.reference[block.x]
+                pieces.append(_along(function, strain[block.e][part], ref[part], alike, asked.places, own))
             elif stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
-                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, places, own))
+                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, own))
             else:
                 # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
                 pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)
-    sigma_x, tau = (jnp.concatenate([piece[i] for piece in pieces])[rows] for i in range(2))
+    sigma_x, tau = (jnp.concatenate([piece[i] for piece in pieces])[asked.rows] for i in range(2))
     across = None
     if any(len(piece) > 2 for piece in pieces):
-        across = jnp.concatenate([piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in pieces])[rows]
+        parts = [piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in pieces]
+        across = jnp.concatenate(parts)[asked.rows]
     equivalent = von_mises(sigma_x, tau, 0.0 if across is None else across)
-    borne = {quantity: jnp.concatenate(own)[rows] for quantity, own in limits.items()}
-    return jnp.concatenate(found)[rows], sigma_x, tau, equivalent, {**borne, "across": across}
+    return (jnp.concatenate(found)[asked.rows], sigma_x, tau, equivalent), across
 
 
-_stress = jit(_stress_of)
+def _borne(asked: _Asked) -> dict[str, Float[Array, "k places"]]:
+    """What materials bear by quantity, infinite where one does not say; of a quantity that any states."""
+    found = {}
+    stacks = [(stack, lengths[part]) for _, p, lengths in asked.blocks() for part, stack in _stacks(p)]
 
+    for quantity in ("strength", "fatigue"):
 
-@jit
-def _stress_of_all(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "states n_x"],
-    sigma: Float[Array, "states n_e"],
-    felt: Felt,
-    e: Float[Array, "states n_e"],
-    places: Float[Array, "places"],
-    rows: Int[Array, "k"],
-):
-    """The same of several states, which stand in front but for what materials bear."""
-    found = jax.vmap(lambda x, sigma, felt, e: _stress_of(topology, parameters, x, sigma, felt, e, places, rows))(
-        x, sigma, felt, e
-    )
-    return *found[:-1], {name: value if name == "across" else value[0] for name, value in found[-1].items()}
+        def at(section: Section, length: Float[Array, ""], place: Float[Array, ""], of: str = quantity):
+            return jnp.asarray(section.at(place, length).stated(of), float)
+
+        if any(stack.states(quantity) for stack, _ in stacks):
+            every = [
+                jax.vmap(jax.vmap(at, (None, None, 0)), (0, 0, None))(stack, length, asked.places)
+                if stack.states(quantity)
+                else jnp.full((length.shape[0], asked.places.shape[0]), jnp.inf)
+                for stack, length in stacks
+            ]
+            found[quantity] = jnp.concatenate(every)[asked.rows]
+    return found
 
 
 def _along(
@@ -462,13 +435,7 @@ def _along(
 ):
     """Stress by elements' own companion, at places along each."""
 
-    def at(
-        e: Float[Array, "n"],
-        ref: Float[Array, "c"],
-        own: dict[str, Any],
-        place: Float[Array, ""],
-        resultants: Float[Array, "6"],
-    ):
+    def at(e: Any, ref: Any, own: dict[str, Any], place: Float[Array, ""], resultants: Float[Array, "6"]):
         return function((e,), ref, own, place=place, resultants=resultants)
 
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
@@ -485,16 +452,13 @@ def _breaks(
 
 def _places(model: Model, points: int | None) -> Any:
     """Places along each element, ascending: so many, and both sides of every break of a section and amid its pieces."""
-    top, parameters = model.topology, model.parameters
+    parameters = model.parameters
     breaks, enough, varies = [], PLACES, False
-    for block, properties in zip(top.blocks, parameters.properties, strict=True):
+    for block, properties in zip(model.topology.blocks, parameters.properties, strict=True):
         if "resultants" not in block.companions:
             continue
         enough = max(enough, PLACES_OF_SERIES if block.element.series else 0)
-        start = 0
-        for stack in _sections(properties):
-            part = slice(start, start + _count(stack))
-            start = part.stop
+        for part, stack in _stacks(properties):
             varies = varies or stack.varies
             if stack.varies:
                 breaks += _breaks(block, properties, parameters.reference, stack, first=part.start, after=part.stop)
@@ -513,21 +477,16 @@ def _places(model: Model, points: int | None) -> Any:
 
 
 def _state(
-    model: Model,
-    points: int | None,
-    where: Where,
-    load_factor: float,
-    sparse: bool | None,
-    throw: bool,
-    function: str,
-    left_out: Sequence[str] = (),
+    model: Model, function: str, points: Any, where: Where, left_out: Sequence[str] = (), **equilibrium_options: Any
 ):
-    """Names, places, what both kernels take, code of the state, and whether there are several."""
+    """Names of the elements, what both kernels take, code of the state, and whether there are several."""
     as_model(model, function)
-    if sparse is not None and where.at is not None:
+    at: Any = where.at
+    sparse = equilibrium_options["sparse"]
+    if sparse is not None and at is not None:
         raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a state that has been found.")
-    sparse = where.at is None and by_sparse(model, sparse)
-    if where.at is None and not sparse:
+    sparse = at is None and by_sparse(model, sparse)
+    if at is None and not sparse:
         as_determined(model, function)
     points = None if points is None else check_whole("points", points, 2)
     names, rows = _rows(model.labels)
@@ -536,13 +495,12 @@ def _state(
     kept = [name not in left_out for name in names]
     names, rows = tuple(itertools.compress(names, kept)), rows[kept]
     where.refuse(function)
-    at: Any = where.at
     several = isinstance(where.at, ManyStates) and where.step is None and where.time is None
     if at is None:
         if where.increment is None:
             warn_of_increment(model, function)
         increment = 0.0 if where.increment is None else where.increment
-        at = equilibrium(model, load_factor=load_factor, increment=increment, sparse=sparse, throw=throw)
+        at = equilibrium(model, increment=increment, **(equilibrium_options | {"sparse": sparse}))
     elif isinstance(where.at, ManyStates) and not several:
         at = where.state(model, function)
     if getattr(at, "x", None) is None:
@@ -556,10 +514,8 @@ def _state(
             f" {at.x.shape}. Of what is linearised along a motion give lin.at_time(number), or the motion itself."
         )
     check_state(at, model, function)
-    places = _places(model, points)
-    stressed = at.stressed() if several else (at.x, at.sigma, at.felt, at.e)
-    inputs: Any = (model.topology, model.parameters, *stressed, places, rows)
-    return names, places, inputs, at.result, several
+    states = at.stressed() if several else Stressed(at.x, at.sigma, at.felt, at.e)
+    return names, _Asked(model.topology, model.parameters, states, _places(model, points), rows), at.result, several
 
 
 def section_resultants(
@@ -576,24 +532,23 @@ def section_resultants(
 ) -> SectionResultants:
     """Normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They are exact statics of the forces at the ends of an element. In between, a spectral beam's are so too; a beam's
-    are linear, plus what its own weight adds on its straight chord between them. So is, about a state of motion, the
-    inertia of its mass; its rotary inertia acts on its ends. A truss has a normal force alone: what acts across it is
-    taken to act on its ends by halves.
+    They are exact statics of the forces at the ends of an element. In between, those of a spectral beam are exact too.
+    Those of a beam are linear, plus what its own weight adds on its straight chord. The inertia of a moving beam's mass
+    is treated as its weight; rotary inertia acts on its ends. A truss has a normal force alone: half of what acts
+    across it acts on each end.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series.
-            Where sections vary, both sides of their breaks are looked at too, and the middle of each piece between
-            them; unless ``points`` are given, 64/sqrt(n) parts of each of n pieces.
-        at: Equilibrium or linearisation of this model, or its path or motion: of that all states, which then stand in
+        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series. Where
+            sections vary, both sides of their breaks are added, and the middle of each piece between them; unless
+            ``points`` are given, 64/sqrt(n) parts of each of n pieces.
+        at: Equilibrium or linearisation of this model, or its path or motion: all states of that, which then stand in
             front of the shapes, or one. By default the equilibrium under the loads is solved.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
+        step, time: Number or time [s] of one state of a path or a motion, as for :func:`flexmb.frequencies`.
         load_factor: Factor of the loads of that equilibrium, () [-].
         increment: Factor of its incremental loads, () [-]; zero unless given.
-        sparse: Whether that equilibrium is found by sparse factors, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. Chosen by size unless given.
+        sparse: Whether that equilibrium is found by sparse factors; see :func:`flexmb.equilibrium`. Chosen by size
+            unless given.
         throw: Raise where it fails; otherwise the code is in ``result``.
 
     Returns:
@@ -607,11 +562,16 @@ def section_resultants(
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
-    names, places, inputs, result, several = _state(
-        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "section_resultants"
+    names, asked, result, several = _state(
+        model,
+        "section_resultants",
+        points,
+        Where(at, step, time, increment),
+        load_factor=load_factor,
+        sparse=sparse,
+        throw=throw,
     )
-    values = (_resultants_of_all if several else _resultants)(*inputs)
-    return SectionResultants(values, jax.device_put(places), result, names)
+    return SectionResultants(_resultants(asked, several=several), jax.device_put(asked.places), result, names)
 
 
 @unguarded
@@ -633,16 +593,8 @@ def stress(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series.
-            Where sections vary, both sides of their breaks are looked at too, and the middle of each piece between
-            them; unless ``points`` are given, 64/sqrt(n) parts of each of n pieces.
-        at: As for :func:`section_resultants`: ``at=path`` and ``at=motion`` answer for all their states.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-]; zero unless given.
-        sparse: As for :func:`section_resultants`.
-        throw: Raise where the equilibrium fails; otherwise the code is in ``resultants.result``.
+        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`section_resultants`: ``at=path``
+            and ``at=motion`` answer for all their states.
 
     Returns:
         Stress with sigma_x, tau and von_mises (elements, places, 8) [Pa], and its utilisation of the strength that
@@ -660,11 +612,12 @@ def stress(
         :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
     left_out = left_out_of_stress(as_model(model, "stress"))
-    names, places, inputs, result, several = _state(
-        model, points, Where(at, step, time, increment), load_factor, sparse, throw, "stress", left_out
+    where = Where(at, step, time, increment)
+    names, asked, result, several = _state(
+        model, "stress", points, where, left_out, load_factor=load_factor, sparse=sparse, throw=throw
     )
-    values, sigma_x, tau, equivalent, more = (_stress_of_all if several else _stress)(*inputs)
-    resultants = SectionResultants(values, jax.device_put(places), result, names)
+    values, sigma_x, tau, equivalent, more = _stress(asked, several=several)
+    resultants = SectionResultants(values, jax.device_put(asked.places), result, names)
     found = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
     if found.strength is not None and is_concrete(found):
         _warn_of_failure(found)
