@@ -36,18 +36,11 @@ class EnergyForm(NamedTuple):
 
 
 def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
-    """State space of a second-order form.
+    """State space of a second-order form, whose inputs are p or its derivatives of ``orders``, (n_u,); differentiable.
 
-    The states are z = (w, sqrt(mu) w') of the amplitudes w of modes scaled to a stiffness of one, with masses mu; along
-    with what moves by an input p, such as a floor, they are those relative to how it follows at rest. Motions without
-    mass follow at once, their damping left out; their states decay by themselves, and nothing moves or measures them.
-
-    Args:
-        system: Second-order form.
-        orders: Of which derivative of p each input is, (n_u,).
-
-    Returns:
-        EnergyForm; differentiable, also where frequencies are repeated.
+    The states are z = (w, sqrt(mu) w') of the amplitudes w of modes scaled to a stiffness of one, with masses mu. Along
+    with what moves by an input p, such as a floor, they are relative to how it follows at rest. Motions without mass
+    follow at once, their damping left out; their states decay by themselves, and nothing moves or measures them.
 
     Source:
         THEORY.md 14, eq. (14.34).
@@ -124,11 +117,9 @@ def _beside_what_follows(
     """Of inputs that are rates, what acts on the motion beside that which follows at rest, by powers of the rate.
 
     q = q' + r p with K r = B0: what is left acts by B1 - C r and B2 - M r, and outputs take C0 r + D0 and so on. Where
-    a floor moves all that it holds as one body, B1 - C r and C0 r + D0 are zero but for round-off of the terms in the
-    degrees of freedom, whose sizes bound it; r has that of K r - B0 times the inverse of K, here one.
-
-    Args:
-        sizes: Of the terms that K, C and M, b, and c are sums of, (3, n, n), (3, n, n_u), (3, n_y, n).
+    a floor moves all that it holds as one body, B1 - C r and C0 r + D0 are zero but for round-off. That of the terms is
+    bounded by ``sizes`` of the terms of (K, C, M), b and c in the degrees of freedom; that of r by K r - B0 times the
+    inverse of K, here one.
 
     Returns:
         b and d by u and its rates, (3, n, n_u) and (3, n_y, n_u); whether outputs drift, and sizes of their terms,

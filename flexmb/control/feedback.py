@@ -39,10 +39,8 @@ def controller_of(
 
     Args:
         given: control.LTI, (A, B, C, D), gains, or function of frequencies.
-        measured: Names of outputs, as told; None for those that it names itself, or all.
-        driven: Names of inputs likewise.
-        outputs: Names of all outputs.
-        inputs: Names of all inputs.
+        measured, driven: Names of outputs and inputs; None for those that it names itself, or all.
+        outputs, inputs: Names of all outputs and inputs.
         sign: -1 or 1.
 
     Raises:
@@ -142,20 +140,16 @@ def _of_states(matrices: Any, hertz: Float[Array, "n_f"]) -> Complex[Array, "n_f
 def closed(
     plant: EnergyForm, matrices: Any, places: Places | None, us: Sequence[int], sensed: Sequence[int]
 ) -> EnergyForm:
-    """The plant with its controller, from noise at inputs and of sensors to all outputs.
+    """The plant with its controller, from noise at inputs and of sensors to all outputs, THEORY.md 14, eq. (14.35).
 
     Args:
         plant: State space with all inputs and outputs.
         matrices: A, B, C and D of the controller, its sign included.
         places: Outputs that it reads and inputs that it drives; None without a controller.
-        us: Inputs at which noise enters.
-        sensed: Outputs whose sensors have noise, among those that the controller reads.
+        us, sensed: Inputs at which noise enters, and outputs that the controller reads whose sensors have noise.
 
     Returns:
         EnergyForm with inputs in the order of ``us`` and ``sensed``, with states of the controller at the end.
-
-    Source:
-        THEORY.md 14, eq. (14.35).
     """
     a, b, c, d, rough = plant
     w = np.asarray(us, int)
@@ -193,18 +187,7 @@ def closed_by_frequency(
     us: Sequence[int],
     sensed: Sequence[int],
 ) -> Complex[Array, "n_f n_y n_s"]:
-    """Responses of all outputs to noise at inputs and of sensors, as :func:`closed`.
-
-    Args:
-        plant: Responses of all outputs to all inputs.
-        gain: Of the controller.
-        places: Outputs that it reads and inputs that it drives; None without a controller.
-        us: Inputs at which noise enters.
-        sensed: Outputs whose sensors have noise.
-
-    Source:
-        THEORY.md 14, eq. (14.33).
-    """
+    """Responses of all outputs to noise and of sensors, THEORY.md 14, eq. (14.33); arguments as :func:`closed`."""
     enters = plant[:, :, np.asarray(us, int)]
     if places is None or gain is None:
         return enters

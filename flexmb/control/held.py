@@ -64,17 +64,10 @@ def moved_by(causes: tuple[Signal, ...], held: tuple[Held, ...]) -> np.ndarray:
 
 
 def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tuple[Held, ...]) -> Matrices:
-    """Linearised equations in the degrees of freedom and in what is held, after them.
+    """Linearised equations in the degrees of freedom and in what is held, after them, about any state.
 
-    The degrees of freedom stay as they are where something held moves. What holds it is the force along it.
-
-    Args:
-        m: Matrices about a state, at rest or in motion.
-        held: What is to be free, k in number.
-
-    Returns:
-        Matrices of n_q + k freedoms: the force that must be put on what is held is M0 qdd + (C0 + D0) qd + K q along
-        it; of a deformation this is less its stress resultant.
+    The degrees of freedom stay as they are where something held moves. The force that must be put on what is held is
+    M0 qdd + (C0 + D0) qd + K q along it; of a deformation this is less its stress resultant.
 
     Source:
         THEORY.md 14, eq. (14.2) and (14.3).
@@ -196,12 +189,10 @@ def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
 def _beside_elements(
     m: Matrices, added: Float[Array, "n_q n_q"], by_held: Float[Array, "n_q k"], of_held: Float[Array, "k n_q"]
 ) -> Float[Array, "w w"]:
-    """Damping that is not of the elements: of what moves beyond that which follows at rest.
+    """Damping that is not of the elements, ``added``, of what moves beyond that which follows at rest.
 
-    Args:
-        added: Along the degrees of freedom, (n_q, n_q).
-        by_held: Stiffness between them and what is held, (n_q, k).
-        of_held: And the other way, (k, n_q).
+    ``by_held`` and ``of_held`` are the stiffness between the degrees of freedom and what is held, (n_q, k) and (k,
+    n_q).
     """
     shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
     # Round-off of what is not there would ask for a regular stiffness.

@@ -22,7 +22,8 @@ from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
-from .frequency_response import check_hertz, one_of, places_of, plain, response_of
+from .frequency_response import check_hertz, one_of, places_of, response_of
+from .harmonic import plain
 from .noise_frequencies import DECAYS, areas, drawn, filled, frequencies, refined, undamped_within
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
@@ -56,14 +57,11 @@ class NoiseBudget(Result, Record):
     one_axis = "hertz"
 
     def rms(self, output: str | None = None, source: str | None = None) -> Float[Array, ""]:
-        """Root mean square of an output.
+        """Root mean square of an output, () [unit of the output].
 
         Args:
             output: Name of the output; may be left out where there is one.
             source: Of one source alone; of all together unless given.
-
-        Returns:
-            () [unit of the output].
 
         Raises:
             KeyError: There is no such output or source.
@@ -75,26 +73,18 @@ class NoiseBudget(Result, Record):
         return jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)]
 
     def spectrum(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
-        """Power spectral density of an output, one-sided.
+        """Power spectral density of an output, one-sided, (n_f,) [unit^2/Hz].
 
         Args:
-            output: As of :meth:`rms`.
-            source: As of :meth:`rms`.
-
-        Returns:
-            (n_f,) [unit^2/Hz].
+            output, source: As of :meth:`rms`.
         """
         return self._part(self.spectra, output, source)
 
     def cumulative(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
-        """Root mean square of what an output does between the lowest frequency and each.
+        """Root mean square of what an output does between the lowest frequency and each, (n_f,) [unit of the output].
 
         Args:
-            output: As of :meth:`rms`.
-            source: As of :meth:`rms`.
-
-        Returns:
-            (n_f,) [unit of the output].
+            output, source: As of :meth:`rms`.
         """
         return root_or_zero(self._part(self.below, output, source))
 
@@ -294,11 +284,7 @@ class _Frequencies(NamedTuple):
 def _frequencies(
     lin: Linearization, loop: Controller | None, entering: _Entering, hertz: Any, band: tuple[float, float] | None
 ) -> _Frequencies:
-    """The frequencies given, or those that the poles ask for.
-
-    Raises:
-        AnalysisError: unstable; see :func:`noise_budget`.
-    """
+    """The frequencies given, or those that the poles ask for."""
     entries, exact = entering.entries, hertz is None and band is None
     # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
     by_states = loop is None or loop.matrices is not None
@@ -360,11 +346,7 @@ def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "
 
 
 def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
-    """Refuse what does not come to rest.
-
-    Raises:
-        AnalysisError: unstable.
-    """
+    """Raise unstable where something does not come to rest."""
     if settles:
         return
     worst = complex(poles[np.argmax(poles.real)])
@@ -382,11 +364,7 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
 
 
 def _refuse_undamped(poles: Any) -> None:
-    """Refuse resonances without damping within the frequencies.
-
-    Raises:
-        AnalysisError: unstable.
-    """
+    """Raise unstable of resonances without damping within the frequencies."""
     if len(poles):
         raise AnalysisError(
             "unstable",

@@ -47,11 +47,7 @@ def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bo
 def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:
     """Frequencies that draw the responses of a loop whose poles are not known: halved until these change by little.
 
-    Raises:
-        ValueError: Numbers are traced by ``jax.jit``.
-
-    Warns:
-        FlexmbWarning: It takes too many.
+    Warns where it takes too many; ValueError where numbers are traced by ``jax.jit``.
     """
     # Those of ``jax.grad`` alone are concrete without their derivatives, which a frequency need not have.
     lin, grid = jax.lax.stop_gradient((lin, grid))
@@ -107,14 +103,10 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
     Args:
         name: Name of the source.
         density: Density at frequencies, (PIECE,) [Hz], or one for all of them.
-        low: Begin of the band; from 0 Hz a share of its end.
-        high: End of the band.
+        low, high: Begin of the band, from 0 Hz a share of its end, and its end.
 
     Returns:
-        (n,) [Hz], none where the density is smooth, or is traced.
-
-    Warns:
-        FlexmbWarning: It takes too many.
+        (n,) [Hz], none where the density is smooth, or is traced. Warns where it takes too many.
     """
     low = low or STILL * high
     # Within jax.jit too, what is computed from known frequencies and known numbers is known.
@@ -185,8 +177,7 @@ def frequencies(
 
     Args:
         poles: Poles, (n,) [rad/s].
-        low: Begin of the band.
-        high: End of the band.
+        low, high: Begin and end of the band [Hz].
         more: Further frequencies, (k,) [Hz].
 
     Returns:

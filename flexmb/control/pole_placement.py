@@ -21,16 +21,11 @@ PLACED = 0.1
 
 
 def one_mass(plant: Any) -> tuple[float, float, float]:
-    """Mass, damping and stiffness that an input finds at an output, of a state space of one motion.
+    """Mass, damping and stiffness that an input finds at an output that is a position, of a state space of two states.
 
-    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B, where C B = 0.
-
-    Args:
-        plant: ``control.StateSpace`` of two states, one input and one output that is a position. What follows at once
-            (D) is left out.
-
-    Raises:
-        ModelError: It has more states or signals, the output is no position, or the input does not move it.
+    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B, where C B = 0. What
+    follows at once (D) is left out. ModelError: it has more states or signals, the output is no position, or does not
+    move.
     """
     if plant.nstates != 2 or plant.ninputs != 1 or plant.noutputs != 1:
         raise ModelError(

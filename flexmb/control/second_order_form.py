@@ -1,5 +1,6 @@
 """The linearised mechanism in second-order form, with all that its inputs do and its outputs measure."""
 
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -7,9 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import is_concrete, library_of
+from ..arguments import as_known, by_library, is_concrete, library_of
 from ..compilation.compile import jit
+from ..errors import AnalysisError, ModelError
 from ..linear.linearize import Linearization, Matrices
+from ..linear.sparse_solve import solved
+from ..math.by_deformations import spread
+from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
+from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.signals import (
     DEFORMATION_ORDERS,
@@ -23,10 +29,12 @@ from ..mechanics.signals import (
 from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .held import Held, held_by, held_of, moved_by, with_held
+from .held import Held, about_axes, held_by, held_of, moved_by, seeds, with_held
 
 # A sum of terms is round-off below this share of their sizes.
 ROUND_OFF = 1e-12
+# Share of a force below which what is left beside those of constraints is round-off.
+IDLE = 1e-9
 
 
 class SecondOrder(NamedTuple):
@@ -79,6 +87,51 @@ class SecondOrder(NamedTuple):
         return "SecondOrder: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
 
 
+class LargeSecondOrder(NamedTuple):
+    """M v'' + C v' + K v + D^T m = B0 p + B1 p' + B2 p'', D v = 0, and outputs, as :class:`SecondOrder` has them.
+
+    The coordinates are those beside what follows what is held at rest: x = v + Z p.
+
+    Attributes:
+        elements: K, C, M and D, element by element.
+        B: What acts on the coordinates by p and its two rates, (3, n_x, n_u).
+        C: Outputs by the coordinates and their rates, (3, n_y, n_x).
+        D: Outputs by p and its rates, (3, n_y, n_u).
+        orders, moves: As of :class:`SecondOrder`.
+    """
+
+    elements: ElementMatrices
+    B: Float[Array, "3 n_x n_u"]
+    C: Float[Array, "3 n_y n_x"]
+    D: Float[Array, "3 n_y n_u"]
+    orders: np.ndarray
+    moves: np.ndarray
+
+    def of(self, us: Sequence[int], ys: Sequence[int]) -> "LargeSecondOrder":
+        """The same of some inputs and outputs, by their numbers."""
+        u, y = np.array(us), np.array(ys)
+        d = self.D[:, y][:, :, u]
+        return LargeSecondOrder(self.elements, self.B[:, :, u], self.C[:, y], d, self.orders[u], self.moves[u])
+
+
+class _Around(NamedTuple):
+    """Stiffness, damping and mass around what is held, and what the inputs do that are forces.
+
+    Attributes:
+        by_held: Forces on the freedoms by what is held and its rates, each (n, k).
+        of_held: Forces that hold it by the freedoms and their rates, each (k, n).
+        between: Forces that hold it by itself, each (k, k).
+        forces: Of the inputs on the freedoms, (n, terms).
+        on_held: Of the inputs on what is held, (k, terms).
+    """
+
+    by_held: Sequence[Any]
+    of_held: Sequence[Any]
+    between: Sequence[Any]
+    forces: Any
+    on_held: Any
+
+
 def second_order(lin: Linearization) -> SecondOrder:
     """Second-order form of a linearised mechanism, for the model's named inputs and outputs.
 
@@ -99,9 +152,8 @@ def second_order(lin: Linearization) -> SecondOrder:
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
         # For sizes that come but once, where compiling takes longer than computing.
-        numbers: Any = jax.tree.map(np.asarray, (m, whole, weights))
-        plain: Any = np
-        found = _about_state(numbers[0], numbers[1], numbers[2], inputs, outputs, held, plain)
+        m, whole, weights = jax.tree.map(np.asarray, (m, whole, weights))
+        found = _about_state(m, whole, weights, inputs, outputs, held, np)
     else:
         found = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = orders_of(inputs)
@@ -147,37 +199,68 @@ def _about_state(
     held: tuple[Held, ...],
     xp: Any,
 ) -> tuple[Any, ...]:
-    """The twelve matrices of one state, by NumPy or by jax.numpy."""
-    n = m.M0.shape[0]
-    causes, sensed = terms_of(inputs), terms_of(outputs)
+    """The twelve matrices of one state, by NumPy or by jax.numpy; in ``whole`` what is held stands last."""
+    n, causes = m.M0.shape[0], terms_of(inputs)
     parts = (whole.K, whole.C0 + whole.D0, whole.M0)
-    motions = moved_by(causes, held)
     columns = [input_row(s, whole.x, whole.DFx, whole.DFe) if s.order is None else None for s in causes]
-    forces = stacked(columns, n + len(held), xp).T
-    by_p = [-part[:n, n:] @ motions for part in parts]
-    by_p[0] = by_p[0] + forces[:n]
-    rows = [_output_rows(s, whole, held, parts, forces, causes) for s in sensed]
-    by_w = [stacked([of[k] for of in rows], n + len(held), xp) for k in range(3)]
-    through = [row[:, n:] @ motions for row in by_w]
-    through[0] = through[0] + stacked([of[3] for of in rows], len(causes), xp)
-    by_q = [row[:, :n] for row in by_w]
-    by_p, by_q, through = mixed(inputs, outputs, weights, by_p, by_q, through)
+    forces = _stacked(columns, n + len(held), xp).T
+    around = _Around(
+        [part[:n, n:] for part in parts],
+        [part[n:, :n] for part in parts],
+        [part[n:, n:] for part in parts],
+        forces[:n],
+        forces[n:],
+    )
+
+    def measured(s: Signal):
+        rows = _output_rows(s, whole)
+        return [[None if row is None else row[part] for row in rows] for part in (slice(n), slice(n, None))]
+
+    by_p, by_q, through = _assembled(inputs, outputs, weights, held, around, measured, xp)
     return m.M0, m.C0 + m.D0, m.K, *by_p, *by_q, *through
 
 
-def mixed(
-    inputs: tuple[Signal, ...], outputs: tuple[Signal, ...], weights: Any, by_p: Any, by_q: Any, through: Any
+def _assembled(
+    inputs: tuple[Signal, ...],
+    outputs: tuple[Signal, ...],
+    weights: Any,
+    held: tuple[Held, ...],
+    around: _Around,
+    measured: Callable[[Signal], Any],
+    xp: Any,
+    passes: bool = True,
 ) -> tuple[list[Any], list[Any], list[Any]]:
-    """What inputs do and outputs measure, of what their terms do and measure.
+    """What inputs do, outputs by the freedoms, and outputs by inputs, each by powers of the rate.
 
     Args:
-        inputs: Inputs.
-        outputs: Outputs.
-        weights: Of the terms of both, or None where each has but one.
-        by_p: What acts, by the terms of the inputs, (n, terms) each.
-        by_q: Terms of the outputs by the freedoms, (terms, n) each.
-        through: And by those of the inputs, (terms, terms) each.
+        weights: Of the terms of inputs and outputs, or None where each has but one.
+        measured: Rows of an output by the freedoms and by what is held, each with its rates, None where there is none.
+        passes: Whether a stress input adds to the stress that is measured.
     """
+    causes, (n, k) = terms_of(inputs), (around.forces.shape[0], len(held))
+    motions = moved_by(causes, held)
+    by_p = [-part @ motions for part in around.by_held]
+    by_p[0] = by_p[0] + around.forces
+    by_q, by_held, passed = [], [], []
+    for s in terms_of(outputs):
+        if s.held and s.quantity in ("reaction", "stress"):
+            # What is put on a deformation from outside is less its stress resultant.
+            i, sign = held.index(held_of(s)), -1.0 if s.of_element else 1.0
+            by_q.append([sign * part[i] for part in around.of_held])
+            by_held.append([sign * part[i] for part in around.between])
+            passed.append(-sign * around.on_held[i])
+        else:
+            for rows, own in zip((by_q, by_held), measured(s), strict=True):
+                rows.append(own)
+            # Inputs that are a stress add to the one that is measured.
+            same = [float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes]
+            passed.append(np.array(same) if passes and s.quantity == "stress" else None)
+    by_q, by_held = (
+        [_stacked([row[rate] for row in rows], size, xp) for rate in range(3)]
+        for rows, size in ((by_q, n), (by_held, k))
+    )
+    through = [of @ motions for of in by_held]
+    through[0] = through[0] + _stacked(passed, len(causes), xp)
     if weights is None:
         return by_p, by_q, through
     mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
@@ -195,58 +278,169 @@ def _exact(total: Any, size: Any) -> Any:
     return library_of(small).where(small, total - known, total)
 
 
-def stacked(rows: list[Any], size: int, xp: Any = jnp) -> Any:
+def _stacked(rows: list[Any], size: int, xp: Any) -> Any:
     """Rows below each other, zero where one is None."""
     none = xp.zeros(size)
     return xp.stack([none if row is None else row for row in rows]) if rows else xp.zeros((0, size))
 
 
-def adding_to(s: Signal, causes: tuple[Signal, ...]) -> np.ndarray:
-    """Which inputs are a stress that adds to the one that an output measures, (inputs,): one or zero."""
-    return np.array([float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes])
-
-
-def _output_rows(
-    s: Signal,
-    m: Matrices,
-    held: tuple[Held, ...],
-    parts: tuple[Any, ...],
-    forces: Float[Array | np.ndarray, "w terms"],
-    causes: tuple[Signal, ...],
-) -> tuple[Any, ...]:
-    """Derivatives of an output by the freedoms, their rates and second rates, None where there is none, and by inputs.
+def _output_rows(s: Signal, m: Matrices) -> tuple[Any, ...]:
+    """Derivatives of an output by the freedoms, their rates and second rates, None where there is none.
 
     Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: of omega = 2 Lbar(lambda)
     d(lambda)/dt the change is 2 Lbar(lambda) of the rate's less 2 Lbar(d(lambda)/dt) of the parameters'.
-
-    Args:
-        m: Equations with what is held.
-        held: What it is.
-        parts: Their stiffness, damping and mass.
-        forces: What inputs do along the freedoms, (w, terms).
-        causes: Inputs.
     """
     moving = m.moving
-    if s.held and s.quantity in ("reaction", "stress"):
-        # What is put on a deformation from outside is less its stress resultant.
-        own, sign = m.M0.shape[0] - len(held) + held.index(held_of(s)), -1 if s.of_element else 1
-        return (*(sign * part[own] for part in parts), -sign * forces[own])
     if s.quantity == "stress":
-        rates = m.S_d[s.index]
-        by_q = m.S[s.index] @ m.DFe
-        passed = adding_to(s, causes)
-        return (by_q if moving is None else by_q + rates @ moving.DFe_d), rates @ m.DFe, None, passed
+        rates, by_q = m.S_d[s.index], m.S[s.index] @ m.DFe
+        return by_q if moving is None else by_q + rates @ moving.DFe_d, rates @ m.DFe, None
     of_e = s.quantity.startswith("deformation")
     place = {**ORDERS, **DEFORMATION_ORDERS}[s.quantity]
     own, row = (np.array([s.index]), np.ones(1)) if of_e else along_coordinates(s, m.x)
     along = row @ (m.DFe if of_e else m.DFx)[own]
     if place == 0 or moving is None:
-        return (*(along if i == place else None for i in range(3)), None)
+        return tuple(along if i == place else None for i in range(3))
     first, second = (moving.DFe_d, moving.DFe_dd) if of_e else (moving.DFx_d, moving.DFx_dd)
     turning = jnp.zeros_like(along)
     if s.axis is not None:
         rates = moving.xd if place == 1 else moving.xdd
         turning = rotation_row(rates[own], s.axis, s.local) @ m.DFx[own]
     if place == 1:
-        return row @ first[own] - turning, along, None, None
-    return row @ second[own] - turning, 2 * row @ first[own], along, None
+        return row @ first[own] - turning, along, None
+    return row @ second[own] - turning, 2 * row @ first[own], along
+
+
+def lossy_elements(lin: Linearization, losses: Float[Array, "n_e"]) -> ElementMatrices:
+    """Element matrices of which stiffness and elastic are those times the loss factors of the deformations."""
+    elements, losses = as_known((lin.elements, losses))
+    elastic = [
+        (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * own)
+        for rows, columns, own in elements.elastic
+    ]
+    structural = by_coordinates(elements.constraints, elastic)
+    return elements._replace(structural=structural, curved=[], damping=[], mass=[], elastic=elastic, viscous=[])
+
+
+def large_second_order(lin: Linearization, lossy: ElementMatrices | None = None) -> LargeSecondOrder:
+    """Second-order form of a large mechanism, as :func:`second_order`; or ModelError where an input moves nothing.
+
+    With ``lossy``, as of :func:`lossy_elements`, what is lossy in B, C and D is found in place of what is elastic.
+
+    Source:
+        THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
+    """
+    return by_library(_large_second_order, lin, lossy)
+
+
+def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, library: Any) -> LargeSecondOrder:
+    """The same by NumPy, of arrays of its own, or by JAX."""
+    model, elements, n_x = lin.model, lin.elements, lin.x.shape[0]
+    inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
+    causes = terms_of(inputs)
+    held = held_by((*causes, *terms_of(outputs)))
+    carried = _carried(lin, elements, held, library)
+    # What holds it is measured along the motions that meet no force of the transposed stiffness.
+    along = carried if lin.symmetric else _carried(lin, transposed(elements), held, library)
+    own, elastic = (elements, True) if lossy is None else (lossy, False)
+    columns = [_force(s, lin, library) if s.order is None and elastic else None for s in causes]
+    forces = _stacked(columns, n_x, library).T
+    # What is carried at rest meets no elastic force.
+    parts = [] if elastic else own.stiffness, own.damping, own.mass
+    beyond = [between(part, along, carried) for part in (own.stiffness, own.damping, own.mass)]
+    if elastic:
+        beyond[0] = beyond[0] + about_axes(lin, held, 0)
+    by_held = [times(part, carried, size=n_x) for part in parts]
+    of_held = [times_transposed(part, along, size=n_x).T for part in parts]
+    around = _Around(by_held, of_held, beyond, forces, along.T @ forces)
+
+    def measured(s: Signal):
+        rows = _measured(s, lin, own, elastic, library)
+        return rows, [row @ carried for row in rows]
+
+    found = _assembled(inputs, outputs, model.parameters.weights, held, around, measured, library, elastic)
+    b, c, d = map(library.stack, found)
+    form = LargeSecondOrder(own, b, c, d, *orders_of(inputs))
+    if elastic:
+        _refuse_idle(lin, form)
+    return form
+
+
+def _force(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_x"]:
+    """Forces on the coordinates of a unit input."""
+    if s.quantity == "stress":
+        return -_of_deformation(lin, _unit(s, lin, library))
+    own, row = along_coordinates(s, lin.x)
+    return accumulate(library.zeros(lin.x.shape[0]), own, row)
+
+
+def _unit(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_e"]:
+    """One for the deformation of a signal, zero for all others."""
+    return put(library.zeros(lin.e.shape[0]), s.index, 1.0)
+
+
+def _of_deformation(lin: Linearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
+    """Derivative of a sum of deformations by the coordinates."""
+    return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
+
+
+def _measured(s: Signal, lin: Linearization, own: ElementMatrices, elastic: bool, library: Any) -> list[Any]:
+    """Derivatives of an output by the coordinates and their two rates, each (n_x,); but for stress if ``elastic``."""
+    none = library.zeros(lin.x.shape[0])
+    found: list[Any] = [none, none, none]
+    if s.quantity == "stress":
+        unit = _unit(s, lin, library)[:, None]
+        for rate, pieces in enumerate((own.elastic, own.viscous)):
+            found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
+    elif not elastic:
+        return found
+    elif s.quantity.startswith("deformation"):
+        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin, library))
+    else:
+        at, row = along_coordinates(s, lin.x)
+        found[ORDERS[s.quantity]] = accumulate(none, at, row)
+    return found
+
+
+def _carried(
+    lin: Linearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
+) -> Float[Array, "n_x k"]:
+    """Motions at rest of all coordinates by a unit of each of what is held."""
+    if not held:
+        return library.zeros((lin.x.shape[0], 0))
+    n_x, n_e = lin.x.shape[0], lin.e.shape[0]
+    by_x, by_e = seeds(lin.model.topology, lin.x, held)
+    forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
+    excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
+    moved = as_known(solved(elements, -library.concatenate([forces, excess])))
+    return by_x + spread(elements, moved[: elements.unknowns[0]])
+
+
+def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
+    """Whether forces on what moves, (n, k), meet more than constraints, (k,)."""
+    elements, n_x = lin.elements, lin.x.shape[0]
+    n, h = elements.unknowns
+    largest = np.max(np.abs(forces), axis=0, initial=0.0)
+    if not h or not np.any(largest):
+        return largest > 0
+    try:
+        moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))])))
+    except AnalysisError:
+        # Of a motion without stiffness that is not known.
+        return largest > 0
+    elastic = times(elements.stiffness, spread(elements, moved[:n]), size=n_x)[elements.free]
+    return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE * largest
+
+
+def _refuse_idle(lin: Linearization, found: LargeSecondOrder) -> None:
+    """Refuse inputs that move nothing; of concrete numbers."""
+    if not is_concrete(found[:4]):
+        return
+    own = np.asarray(found.B)[:, np.asarray(lin.elements.free)]
+    forces = np.any(np.array([_carries(lin, of) for of in own]), axis=0)
+    idle = np.flatnonzero(~forces & ~np.any(np.asarray(found.D), axis=(0, 1)))
+    if len(idle):
+        s = lin.labels.inputs[idle[0]]
+        raise ModelError(
+            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state. Let it act on what can move, or"
+            " leave it out."
+        )

@@ -234,9 +234,8 @@ def _sampled(plant: Any, period: float) -> Any:
 def _margins(returned: Any, place: int, name: str, sign: int, period: float | None, closed: np.ndarray) -> Margins:
     """Margins of the loop opened at one input, the others closed.
 
-    Args:
-        returned: All loops, opened at the inputs.
-        closed: Poles of the closed loop, of a sampled one those of the continuous one, (n,) [rad/s].
+    ``returned`` are all loops, opened at the inputs, ``closed`` the poles of the closed loop, of a sampled one those of
+    the continuous one, (n,) [rad/s].
     """
     import control
 
@@ -305,8 +304,7 @@ class _Opened:
     def ends(self, rates: np.ndarray) -> list[tuple[float, float]]:
         """Rates at which the response is real whatever the system, and the responses: at the highest, and at rest.
 
-        Args:
-            rates: The least is far below all poles and zeros but those at the origin [rad/s].
+        The least of ``rates`` is far below all poles and zeros but those at the origin [rad/s].
         """
         highest = np.pi / self.period if self.period else np.inf
         found = [(highest, float(np.real(self(highest))) if self.period else self._d)]
@@ -375,12 +373,7 @@ def _with_turns(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarr
 
 
 def _bottoms(function: Callable[[Any], Any], low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least values of a function between pairs of frequencies, each with one dip, and where they are.
-
-    Args:
-        function: Values, (shares, pairs), at such frequencies.
-        low, high: The pairs, (pairs,).
-    """
+    """Least values of a function, (shares, pairs), between pairs of frequencies with one dip, and where."""
     at = values = np.zeros((1, len(low)))
     columns, best = np.arange(len(low)), np.zeros(len(low), int)
     for _ in range(NARROWED):
@@ -410,12 +403,7 @@ def _smallest(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarray
 
 
 def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:
-    """Frequencies between which the open and the closed loop have no pole or zero that is not seen, ascending [rad/s].
-
-    Args:
-        opened: The loop.
-        closed: Poles of the closed loop, (n,) [rad/s].
-    """
+    """Frequencies between which the open and the closed loop have no unseen pole or zero, ascending [rad/s]."""
     poles = opened.poles()[~opened.at_origin()]
     zeros = _continuous(_zeros(opened.system), opened.period)
     seen = np.concatenate([poles, closed])

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ..arguments import is_concrete, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..errors import AnalysisError, ModelError, warn
-from ..linear.about import Where, by_elements, linearized
+from ..linear.about import Where, asked_about
 from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass, refuse_without_anything
 from ..linear.spectrum import massless_freedoms, response_without_mass
@@ -21,8 +21,7 @@ from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..results import RESULTS
 from .second_order_form import SecondOrder, second_order
-from .sparse_modal_form import by_modes, error_of_large
-from .truncation import chosen_modes, error_of, truncated
+from .truncation import by_modes, chosen_modes, error_of, error_of_large, truncated
 
 if TYPE_CHECKING:
     import control
@@ -260,37 +259,37 @@ def state_matrices(
         constraint forces 14, eq. (14.1) to (14.5).
     """
     few = modes is not None or bandwidth is not None
-    lin: Any = model
-    if not _is_along_motion(model):
-        large = by_elements(model, "state_matrices", Where(), sparse, few=few)
-        lin = linearized(model, "state_matrices") if large is None else large
+    lin = model if _is_along_motion(model) else asked_about(model, "state_matrices", None, sparse, few=few)
     found, names, _ = _matrices_of(lin, modes, bandwidth)
     return found, names
 
 
 def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
+    known = lin if lin.large else undifferentiated(lin)
+    traced, condensed, kept = not is_concrete(known), (), ()
+    plain: Any = None
     if lin.large:
-        return _matrices_of_large(lin, modes, bandwidth)
-    known = undifferentiated(lin)
-    traced = not is_concrete(known)
-    condensed: tuple[int, ...] = ()
-    if not traced:
-        _refuse_undetermined(known)
-        refuse_negative_mass(known)
-        condensed = _all_massless(known)
-    whole = second_order(lin)
-    plain: Any = () if traced else [np.asarray(of) for of in undifferentiated(tuple(whole))]
-    if not traced:
-        _refuse_idle_inputs(known, SecondOrder(*plain), condensed)
-    kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
-    names = [f"mode {i + 1}" for i in kept]
-    if not traced and not kept:
-        names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
-        if condensed and not names:
-            raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
-    orders, moves = tuple(whole.orders.tolist()), tuple(whole.moves.tolist())
-    found = _realised(tuple(whole[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
+        some = by_modes(lin, modes, bandwidth)
+        form, names = some.form, [f"mode {i + 1}" for i in some.kept]
+    else:
+        some = None
+        if not traced:
+            _refuse_undetermined(known)
+            refuse_negative_mass(known)
+            condensed = _all_massless(known)
+        form = second_order(lin)
+        if not traced:
+            plain = jax.tree.map(np.asarray, undifferentiated(form))
+            _refuse_idle_inputs(known, plain, condensed)
+        kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
+        names = [f"mode {i + 1}" for i in kept]
+        if not traced and not kept:
+            names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
+            if condensed and not names:
+                raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
+    orders, moves = tuple(form.orders.tolist()), tuple(form.moves.tolist())
+    found = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
     if traced:
         # No number stands where a rate of an input would have to.
         d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
@@ -298,25 +297,13 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
     late, moved, numbers = undifferentiated((found.late, found.shifted, found.matrices))
     _refuse_rates(lin, np.asarray(late), orders)
     shifted = [np.any(of, axis=tuple(range(np.ndim(of) - 1))).tolist() for of in map(np.asarray, moved)]
-    if condensed and lin.matrices.M0.ndim == 2 and not kept:
-        _warn_of_lost_damping(known, SecondOrder(*plain), numbers)
-    error = error_of(known, kept, bandwidth, SecondOrder(*plain), numbers) if kept else None
-    return found.matrices, _names(names, lin, orders, shifted), error
-
-
-def _matrices_of_large(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
-    """The same of a large mechanism, by sparse matrices."""
-    some = by_modes(lin, modes, bandwidth)
-    orders, moves = tuple(some.form.orders.tolist()), tuple(some.form.moves.tolist())
-    found = _realised(tuple(some.form[:12]), orders=orders, moves=moves, condensed=())
-    names = [f"mode {i + 1}" for i in some.kept]
-    if not is_concrete(found):
-        # No number stands where a rate of an input would have to.
-        d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
-        return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)), None
-    _refuse_rates(lin, np.asarray(found.late), orders)
-    shifted = [np.asarray(of).tolist() for of in found.shifted]
-    error = error_of_large(lin, some, bandwidth, found.matrices)
+    error = None
+    if some is not None:
+        error = error_of_large(lin, some, bandwidth, numbers)
+    elif kept:
+        error = error_of(known, kept, bandwidth, plain, numbers)
+    elif condensed and lin.matrices.M0.ndim == 2:
+        _warn_of_lost_damping(known, plain, numbers)
     return found.matrices, _names(names, lin, orders, shifted), error
 
 
@@ -408,29 +395,13 @@ def _all_massless(lin: Linearization) -> tuple[int, ...]:
 
 
 def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
-    """Refuse inputs that move nothing; of concrete numbers.
-
-    Args:
-        lin: Linearization.
-        whole: Its second-order form.
-
-    Raises:
-        ModelError: An input moves nothing.
-    """
+    """Raise ModelError of inputs that move nothing, of concrete numbers; ``whole`` is the second-order form."""
     plain: Any = jax.tree.map(np.asarray, whole)
     _refuse_idle_inputs(lin, plain, _all_massless(lin))
 
 
 def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple[int, ...]) -> None:
-    """Refuse inputs whose columns of B and D are zero but for round-off, at all times.
-
-    Args:
-        whole: Second-order form, in plain numbers.
-        condensed: Degrees of freedom that are condensed.
-
-    Raises:
-        ModelError: An input moves nothing.
-    """
+    """Refuse inputs whose columns of B and D, in plain numbers, are zero but for round-off, at all times."""
     if not len(whole.orders):
         return
     if condensed:
@@ -495,10 +466,7 @@ def to_statespace(
     Args:
         model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``. Damping is that of its
             elements, unless it is a linearisation by :func:`flexmb.damped`.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
         modes: How many of the lowest modes to keep, or which, numbered from 0; see :func:`state_matrices`. A controller
             is designed on few states, and margins of many stiff ones are beyond python-control.
         bandwidth: Keep all modes up to this frequency [Hz].
@@ -507,10 +475,10 @@ def to_statespace(
     Returns:
         control.StateSpace; matrices as :func:`state_matrices`. Where modes are kept it has an attribute
         ``truncation_error``, (n_y, n_u) [-]: by how much the response of each output to each input is off at most, up
-        to ``bandwidth`` or else the highest mode that is kept, measured against all modes at 120 frequencies over two
-        decades and beside each mode. It is the difference over the larger of the full response there and its median
-        within half an octave to both sides, which keeps an antiresonance from counting.
-        By sparse matrices it is measured at 40 frequencies over two decades and at two beside each mode.
+        to ``bandwidth`` or else the highest mode that is kept. It is measured against all modes at 120 frequencies over
+        two decades and beside each mode; by sparse matrices at 40 frequencies and at two beside each mode. It is the
+        difference over the larger of the full response there and its median within half an octave to both sides, which
+        keeps an antiresonance from counting.
 
     Raises:
         ModelError: The model names no inputs or no outputs, an output takes a rate of an input, or an input moves
@@ -532,9 +500,8 @@ def to_statespace(
             f"This linearisation is along a motion, at {len(model.matrices.M0)} times, and a control.StateSpace is that"
             " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
         )
-    where = Where(at, step, time, increment)
-    large = by_elements(model, "to_statespace", where, sparse, few=modes is not None or bandwidth is not None)
-    lin = linearized(model, "to_statespace", where=where) if large is None else large
+    few = modes is not None or bandwidth is not None
+    lin = asked_about(model, "to_statespace", Where(at, step, time, increment), sparse, few=few)
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")

@@ -1,36 +1,58 @@
 """A state space of the modes that matter: which they are, what follows them statically, and the error that is left."""
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_whole, check_number, check_whole, is_concrete, shown
+from ..arguments import as_known, as_whole, by_library, check_number, check_whole, is_concrete, shown
 from ..errors import warn
 from ..linear.linearize import Linearization
 from ..linear.modes import check_spectrum, modal_frequencies, refuse_unsymmetric
-from ..linear.spectrum import shift_to_definite, spectrum
+from ..linear.sparse_solve import lowest, solved
+from ..linear.spectrum import shift_to_definite, spectrum, to_frequency
+from ..math.by_deformations import spread
+from ..math.element_matrices import between, times
 from ..math.linear import factorise
-from .second_order_form import SecondOrder
+from .harmonic import solutions
+from .second_order_form import LargeSecondOrder, SecondOrder, large_second_order
 
 # Above this error a truncated state space is warned of.
 TOLERANCE = 0.01
 # A mode below this share of the highest frequency does not vibrate: its frequency is that of round-off.
 STILL = 1e-7
-# Frequencies at which responses are compared: so many over two decades, and these beside each mode.
-POINTS = 120
+# Frequencies at which responses are compared: so many over two decades, and these beside each mode. Of a large
+# mechanism, where each takes factors of its own, fewer.
+POINTS, FEW_POINTS = 120, 40
 BESIDE = 1 + np.array([-1e-2, -1e-3, 1e-3, 1e-2])
 # What responds by less than this share of what a force along it and the input along itself do, does so by round-off.
 IDLE = 1e-9
+# So many modes of a large mechanism are looked for at first where a bandwidth says how many there are.
+FIRST = 8
+
+
+class ByModes(NamedTuple):
+    """Second-order form of a few modes of a large mechanism.
+
+    Attributes:
+        form: In amplitudes of the modes that are kept; what all other motions add at rest is in D0.
+        whole: In all coordinates.
+        kept: Numbers of the modes, from 0, ascending.
+        hertz: Frequencies of all modes up to the highest that is kept, (n,) [Hz].
+    """
+
+    form: SecondOrder
+    whole: LargeSecondOrder
+    kept: tuple[int, ...]
+    hertz: Float[Array, "n"]
 
 
 def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, ...]:
-    """Numbers of the modes to keep, from 0, ascending.
+    """Numbers of the modes to keep of a mechanism in degrees of freedom, from 0, ascending.
 
     Args:
-        lin: Linearization of one state.
         modes: How many of the lowest, or which, from 0; or None.
         bandwidth: Frequency up to which modes are kept [Hz]; or None.
 
@@ -40,43 +62,50 @@ def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, .
         NotImplementedError: The stiffness is unsymmetric.
         AnalysisError: As :func:`flexmb.modes`.
     """
-    if modes is not None and bandwidth is not None:
-        raise ValueError("Give `modes` or `bandwidth`, not both: each says which modes are kept.")
-    refuse_unsymmetric(lin.matrices.symmetric)
+
+    def every(_: int):
+        hertz, result = (np.asarray(of) for of in modal_frequencies(lin))
+        check_spectrum(result, True, lin)
+        return hertz[np.isfinite(hertz)], None
+
+    _refuse_both(lin, modes, bandwidth)
     if lin.matrices.M0.ndim > 2:
         raise ValueError("Modes are those of one state, and this linearisation is along a motion: give lin.at_time(0).")
-    traced = not is_concrete((lin.matrices, bandwidth))
-    if traced:
-        if bandwidth is not None:
-            raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
+    if not is_concrete((lin.matrices, bandwidth)):
         return numbered(modes, lin.matrices.M0.shape[0])
-    hertz, result = (np.asarray(of) for of in modal_frequencies(lin))
-    check_spectrum(result, True, lin)
-    hertz = hertz[np.isfinite(hertz)]
-    if bandwidth is not None:
-        check_number("bandwidth", bandwidth, above=0)
-        found = tuple(np.flatnonzero(hertz <= bandwidth).tolist())
-        if not found:
-            raise ValueError(
-                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz, so that no"
-                " state would be left: up to there the response is that at rest, dcgain() of the full state space."
-            )
-    else:
-        found = numbered(modes, len(hertz))
-    refuse_left_out(found, hertz)
+    hertz, _ = every(0)
+    found = numbered(modes, len(hertz)) if bandwidth is None else _below(bandwidth, len(hertz), every)[0]
+    _refuse_left_out(found, hertz)
     return found
 
 
-def refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
-    """Refuse to leave out a mode that does not vibrate.
+def _refuse_both(lin: Linearization, modes: Any, bandwidth: Any) -> None:
+    if modes is not None and bandwidth is not None:
+        raise ValueError("Give `modes` or `bandwidth`, not both: each says which modes are kept.")
+    refuse_unsymmetric(lin.symmetric)
+    if bandwidth is not None and not is_concrete((lin.matrices, bandwidth)):
+        raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
 
-    Args:
-        kept: Numbers of the modes that are kept, from 0.
-        hertz: Frequencies of the modes, ascending, (modes,) [Hz].
 
-    Raises:
-        ValueError: One is left out.
-    """
+def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]]) -> tuple[tuple[int, ...], Any]:
+    """Modes up to a frequency, and what finds them, which answers for so many of the lowest, with their frequencies."""
+    check_number("bandwidth", bandwidth, above=0)
+    count = FIRST
+    while True:
+        hertz, found = lowest_of(min(count, most))
+        below = np.flatnonzero(hertz <= bandwidth)
+        if not len(below):
+            raise ValueError(
+                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz, so that no"
+                " state would be left: up to there the response is that at rest, fm.frequency_response(model, 0.0)."
+            )
+        if len(below) < len(hertz) or count >= most:
+            return tuple(below.tolist()), found
+        count *= 2
+
+
+def _refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
+    """Refuse to leave out a mode that does not vibrate, of frequencies that ascend."""
     out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL * hertz[-1]]
     if out:
         raise ValueError(
@@ -86,16 +115,7 @@ def refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) ->
 
 
 def numbered(modes: Any, count: int) -> tuple[int, ...]:
-    """Numbers of the modes that the argument `modes` says, from 0, ascending.
-
-    Args:
-        modes: How many of the lowest, or which, from 0.
-        count: How many there are.
-
-    Raises:
-        TypeError: It is neither.
-        ValueError: There are not so many, or a number stands twice.
-    """
+    """Numbers of the modes that the argument `modes` says, of so many, from 0, ascending."""
     if (whole := as_whole(modes)) is not None:
         if not 1 <= whole <= count:
             raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {whole}.")
@@ -113,16 +133,7 @@ def numbered(modes: Any, count: int) -> tuple[int, ...]:
 def truncated(
     k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], kept: tuple[int, ...]
 ) -> tuple[Float[Array, "n_q k"], Callable[[Float[Array, "n_q f"]], Float[Array, "n_q f"]]]:
-    """Mode shapes that are kept, and the displacements by which all other motions follow forces at once.
-
-    Args:
-        k: Stiffness, (n_q, n_q).
-        m: Mass, (n_q, n_q).
-        kept: Numbers of the modes.
-
-    Returns:
-        Mass-normalised shapes, (n_q, k), and what makes of forces along the degrees of freedom, one a column,
-        (n_q, f), the displacements, (n_q, f).
+    """Mass-normalised shapes that are kept, and the displacements by which all other motions follow forces at once.
 
     Source:
         THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move the modes that are kept, and plus what s takes
@@ -148,13 +159,65 @@ def truncated(
     return keep, follows
 
 
+def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes:
+    """Equations of a few modes of a large mechanism; arguments and errors as of :func:`chosen_modes`.
+
+    Also ModelError: an input moves nothing; and singular_stiffness: a motion without stiffness is not kept.
+
+    Source:
+        THEORY.md 7, eq. (7.14), with R B_u from (7.17).
+    """
+    _refuse_both(lin, modes, bandwidth)
+    if modes is None and bandwidth is None:
+        raise ValueError(
+            "A state space of a large mechanism is one of few modes: say how many by `modes`, or by `bandwidth`."
+        )
+    return by_library(_by_modes, lin, modes, bandwidth)
+
+
+def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
+    """The same by NumPy, of arrays of its own, or by JAX."""
+    whole = large_second_order(lin)
+    elements, n_x, (n, h) = lin.elements, lin.x.shape[0], lin.elements.unknowns
+
+    def lowest_of(count: int):
+        found: Any = as_known(lowest(elements, count))
+        return as_known(to_frequency(found.values)), found
+
+    if bandwidth is None:
+        kept = numbered(modes, n - h)
+        found = lowest_of(max(kept) + 1)[1]
+    else:
+        kept, found = _below(bandwidth, n - h, lowest_of)
+    hertz = as_known(to_frequency(found.values))
+    if is_concrete(hertz):
+        hertz = hertz[np.isfinite(hertz)]
+        if max(kept) >= len(hertz):
+            raise ValueError(f"Argument `modes` = {shown(modes)}: {len(hertz)} modes of this mechanism have mass.")
+        _refuse_left_out(kept, np.asarray(hertz))
+    own = np.array(kept)
+    values, shapes = found.values[own], found.motions[:, own]
+    # What all others follow at once: the inputs with those rates that they have, and the damping of what is kept.
+    by_p = [of * (whole.orders >= i).astype(float) for i, of in enumerate(whole.B)]
+    acting = library.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
+    border = times(elements.mass, shapes, size=n_x)[elements.free]
+    right = library.concatenate([acting, library.zeros((h, acting.shape[1]))])
+    follows = spread(elements, as_known(solved(elements, right, border))[: acting.shape[0]])
+    n_u = len(whole.orders)
+    *at_once, by_rates = library.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
+    d, (places, rates, second) = whole.D + library.stack(at_once), whole.C @ shapes
+    parts: list[Any] = [library.eye(len(own)), between(elements.damping, shapes, shapes), library.diag(values)]
+    parts += [*(shapes.T @ of for of in whole.B), places, rates + by_rates, second, *d]
+    form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
+    return ByModes(form, whole, kept, hertz)
+
+
 def error_of(
     lin: Linearization, kept: tuple[int, ...], bandwidth: float | None, whole: SecondOrder, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
-    """Largest error of a truncated state space in its band, measured against the full one, and told where it is large.
+    """Largest error of a truncated state space in its band, measured against the full one; warns above a hundredth.
 
     Args:
-        lin: Linearization.
         kept: Numbers of the modes that are kept.
         bandwidth: End of the band [Hz]; the highest mode that is kept unless given.
         whole: Second-order form of all modes, in plain numbers.
@@ -163,88 +226,91 @@ def error_of(
     Returns:
         (n_y, n_u) [-]: difference of the responses over the larger of the full one there and its median within half an
         octave to both sides; the median keeps an antiresonance from counting.
-
-    Warns:
-        FlexmbWarning: It is above a hundredth.
     """
     hertz = np.asarray(modal_frequencies(lin)[0])
     hertz = hertz[np.isfinite(hertz)]
-    end = float(np.max(hertz[list(kept)])) if bandwidth is None else bandwidth
-    if end <= STILL * hertz[-1]:
-        # All that is kept moves without stiffness: the band ends well below what vibrates.
-        end = float(np.min(hertz[hertz > STILL * hertz[-1]], initial=hertz[-1])) / 10 or 1.0
-    grid = compared_at(end, hertz, POINTS, BESIDE)
-    shape = len(lin.labels.outputs), len(lin.labels.inputs)
-    full, least = [], np.zeros(shape)
-    for f in grid:
-        s = 2j * np.pi * f
-        stiffness, forces, by_q, through = whole.at(s)
-        moved, sensed = np.split(np.linalg.solve(stiffness, np.column_stack([forces, by_q.T])), [shape[1]], 1)
-        full.append(by_q @ moved + through)
-        sizes = np.abs(np.sum(by_q.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0))
-        least = np.maximum(least, IDLE * np.sqrt(np.outer(*sizes)))
-    a, b, c, d = (np.asarray(of) for of in small)
-    eye = np.eye(len(a))
-    own = np.array([c @ np.linalg.solve(2j * np.pi * f * eye - a, b) + d for f in grid])
-    return tell_of_error(lin, grid, np.array(full), own, least, end, len(kept), len(hertz))
+    end, grid = _band(kept, bandwidth, hertz, POINTS, BESIDE)
+
+    def full():
+        for s in 2j * np.pi * grid:
+            stiffness, forces, rows, through = whole.at(s)
+            both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
+            yield forces, rows, through, *np.split(both, [forces.shape[1]], 1)
+
+    return _told_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}")
 
 
-def compared_at(end: float, hertz: np.ndarray, points: int, beside: np.ndarray) -> np.ndarray:
-    """Frequencies of a band at which responses are compared; none is a resonance, where undamped ones have no end.
+def error_of_large(
+    lin: Linearization, found: ByModes, bandwidth: float | None, small: Any
+) -> Float[np.ndarray, "n_y n_u"]:
+    """As :func:`error_of`, measured against solutions in all coordinates at fewer frequencies."""
+    whole = found.whole
+    end, grid = _band(found.kept, bandwidth, np.asarray(found.hertz), FEW_POINTS, BESIDE[[0, -1]])
+    n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
+    free, w = np.asarray(whole.elements.free), 2 * np.pi * grid
+    b, c, d = (np.asarray(of) for of in whole[1:4])
+    solved_at = np.asarray(solutions(whole.elements, w, *(of.astype(complex) for of in whole[1:3])))
+
+    def full():
+        for s, z in zip(1j * w, solved_at, strict=True):
+            by_u, powers = s ** -whole.orders.astype(float), s ** np.arange(3)
+            forces, rows, through = (np.tensordot(powers, of, 1) for of in (b[:, free], c[:, :, free], d))
+            yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
+
+    return _told_error(lin, grid, full(), small, end, str(len(found.kept)))
+
+
+def _band(
+    kept: tuple[int, ...], bandwidth: float | None, hertz: np.ndarray, points: int, beside: np.ndarray
+) -> tuple[float, np.ndarray]:
+    """End of a band [Hz], and frequencies at which responses are compared; none is a resonance, where some have no end.
 
     Args:
-        end: Of the band [Hz].
         hertz: Of modes, (modes,) [Hz].
         points: So many over the two decades below the end.
         beside: And these beside each mode, as shares of its frequency, (k,) [-].
-
-    Returns:
-        Ascending, (n,) [Hz].
     """
+    end = float(np.max(hertz[list(kept)])) if bandwidth is None else bandwidth
+    if end <= 0 or end <= STILL * hertz[-1]:
+        # All that is kept moves without stiffness: the band ends well below what vibrates.
+        vibrates = hertz[(hertz > 0) & (hertz > STILL * hertz[-1])]
+        end = float(np.min(vibrates)) / 10 if len(vibrates) else 1.0
     near = np.outer(hertz, beside).ravel()
     grid = np.unique(np.concatenate([end * np.logspace(-2, 0, points), near[(near > 1e-2 * end) & (near <= end)]]))
-    return grid[np.all(np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None], axis=1)]
+    apart = np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None]
+    return end, grid[np.all(apart, axis=1)]
 
 
-def tell_of_error(
-    lin: Any,
-    grid: np.ndarray,
-    full: np.ndarray,
-    own: np.ndarray,
-    least: np.ndarray,
-    end: float,
-    kept: int,
-    of: int | None,
+def _told_error(
+    lin: Linearization, grid: np.ndarray, full: Iterable[tuple[Any, ...]], small: Any, end: float, some: str
 ) -> Float[np.ndarray, "n_y n_u"]:
     """Largest error of responses, told where it is large.
 
     Args:
-        lin: Linearization, for the names.
+        lin: For the names.
         grid: Frequencies, (n_f,) [Hz].
-        full: Right responses, (n_f, n_y, n_u).
-        own: Those of the truncated state space.
-        least: What is nothing beside it, (n_y, n_u).
+        full: At each, what inputs do and outputs take, (n, n_u) and (n_y, n), what passes at once, (n_y, n_u), and the
+            motions by the inputs and by the outputs as forces, (n, n_u) and (n, n_y).
+        small: A, B, C and D of the truncated state space.
         end: End of the band [Hz].
-        kept: How many modes are kept.
-        of: Of how many; None where no one knows.
-
-    Returns:
-        (n_y, n_u) [-], as of :func:`error_of`.
-
-    Warns:
-        FlexmbWarning: It is above a hundredth.
+        some: How many modes are kept.
     """
-    size = np.abs(full)
-    near = np.abs(np.log2(grid[:, None] / grid)) <= 0.5
+    a, b, c, d = (np.asarray(of) for of in small)
+    right, own, least = [], [], np.zeros(d.shape)
+    for s, (forces, rows, through, moved, sensed) in zip(2j * np.pi * grid, full, strict=True):
+        right.append(rows @ moved + through)
+        own.append(c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d)
+        sizes = np.abs(np.sum(rows.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0))
+        least = np.maximum(least, IDLE * np.sqrt(np.outer(*sizes)))
+    right, own = np.array(right), np.array(own)
+    size, near = np.abs(right), np.abs(np.log2(grid[:, None] / grid)) <= 0.5
     usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in near]))
-    idle = np.max(size, axis=0) <= least
-    errors = np.where(idle, 0.0, np.abs(own - full) / np.where(usual > 0, usual, 1.0))
+    errors = np.where(np.max(size, axis=0) <= least, 0.0, np.abs(own - right) / np.where(usual > 0, usual, 1.0))
     error = np.max(errors, axis=0, initial=0.0)
     if np.max(error, initial=0.0) > TOLERANCE:
         # The first of those that are equal but for round-off, as velocity and acceleration are.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
-        some = f"{kept}" if of is None else f"{kept} of {of}"
         warn(
             f"The state space of {some} modes is off by {100 * error[y, u]:.2g} % for '{output}' of"
             f" '{source}' at {grid[at]:.4g} Hz, in its band up to {end:.4g} Hz. Keep more modes, by `modes` or a"

@@ -16,7 +16,7 @@ from ..math.linear import diagonal_of, factorise
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check, collect, or_nan
-from .about import Where, by_elements, linearized
+from .about import Where, asked_about, linearized
 from .linearize import Linearization, ManyStates, Matrices
 from .loose import free_motions, named, naming_culprit, takes_part
 from .sparse_solve import solved
@@ -34,14 +34,7 @@ _rates_of_rotation = jit(_rates)
 
 
 def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
-    """Matrix from rates of a node's coordinates to its velocity, by one program at most, not one for each operation.
-
-    Args:
-        coordinates: Of a position, an angle or a rotation, (n,) [m, rad, -].
-
-    Returns:
-        (m, n), to the velocity or the angular velocity about global axes.
-    """
+    """As of :func:`_rates`, on the host by one program at most, of a position, an angle or a rotation."""
     n = coordinates.shape[0]
     return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
 
@@ -66,10 +59,7 @@ def compliance(
         local: In axes that turn with the node instead of the global ones; needs a rotation.
         sparse: By sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
 
     Returns:
         u = C f with u = (displacements, rotations) and f = (forces, moments): (3, 3) in the plane, (6, 6) in space,
@@ -89,8 +79,7 @@ def compliance(
     """
     check_flag("local", local)
     where = Where(at, step, time, increment)
-    large = by_elements(model, "compliance", where, sparse)
-    lin = linearized(model, "compliance", where=where) if large is None else large
+    lin = asked_about(model, "compliance", where, sparse)
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
@@ -129,13 +118,9 @@ def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:
 
 
 def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: Any) -> Float[Array, "n n"]:
-    """Compliance in what is not free, of a node that takes part in no free motion.
+    """Compliance in what is not free, of a node whose directions, ``jacobian``, take part in no free motion.
 
-    Args:
-        lin: Linearization.
-        jacobian: Displacements and rotations of the node by the degrees of freedom, (n, n_q).
-        node: Its name.
-        known: Both as concrete numbers.
+    ``known`` has the linearisation and the jacobian as concrete numbers.
     """
     m, at = known[0].matrices, np.asarray(known[1])
     flexibility, free, held = free_motions(m)
@@ -215,10 +200,7 @@ def directional_compliance(
 
     Args:
         model: Mechanism, or its linearisation.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
 
     Returns:
         For each node: one value a coordinate [m/N]; three rotations about global axes, or the angle [rad/(N m)].

@@ -192,14 +192,7 @@ def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None,
 
 
 def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
-    """Loss factor of each deformation, as :func:`damped` takes them.
-
-    Args:
-        lin: Linearization.
-        given: One for all elements, or by name of an element or by Material.
-
-    Returns:
-        (n_e,) [-].
+    """Loss factor of each deformation, (n_e,) [-], as :func:`damped` takes them.
 
     Raises:
         ValueError: One is negative or not finite, or of what has no stiffness, or no element has that name.

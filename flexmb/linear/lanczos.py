@@ -26,14 +26,7 @@ SEARCHES = 100
 
 @contextlib.contextmanager
 def named(try_this: str = "Ask for fewer") -> Iterator[None]:
-    """Within, iterations of ARPACK that find nothing end in a result with a name.
-
-    Args:
-        try_this: What to do instead, or else by dense matrices.
-
-    Raises:
-        AnalysisError: not_converged.
-    """
+    """Within, iterations of ARPACK that find nothing end in not_converged, with what to ``try_this`` way."""
     import scipy.sparse.linalg
 
     try:
@@ -52,22 +45,14 @@ def with_all_copies(
     farness: Callable[[np.ndarray], np.ndarray],
     size: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and motions, as many of each as there are.
+    """Eigenvalues and motions, as many of each as there are: (count,) and (n, count) of ``size`` n and count, sorted.
 
     From one start, iterations see one motion of each eigenvalue; only round-off shows them others.
 
     Args:
-        search: Eigenvalues (count,) and motions (n, count), orthonormal, beside those that are known, (k,) and (n, k),
-            from a start, (n,).
+        search: Eigenvalues (count,) and motions (n, count), orthonormal, beside known ones, from a start.
         passed_over: Whether there are more up to the last of some eigenvalues, sorted.
         farness: By which eigenvalues are sorted.
-        size: n and count.
-
-    Returns:
-        Sorted, (count,) and (n, count).
-
-    Raises:
-        AnalysisError: not_converged.
     """
 
     def searched(*given: np.ndarray):
@@ -98,19 +83,14 @@ def eigenvalues_beside(
     start: np.ndarray,
     **how: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of A v = m K v where constraints hold, and motions with v^T K v = 1, beside those that are known.
+    """Eigenvalues of A v = m K v where constraints hold, with v^T K v = 1, by ARPACK in the inner product of K.
 
     Args:
-        matrix: Sparse symmetric A, (n, n).
-        stiffness: Sparse K, positive definite where the constraints hold, (n, n).
+        matrix, stiffness: Sparse symmetric A, and K, positive definite where the constraints hold, (n, n).
         moved: Motions under forces by K and the constraints.
-        known: Eigenvalues (k,) and motions (n, k).
-        count: How many.
+        known: Eigenvalues (k,) and motions (n, k) beside which others are sought, ``count`` of them.
         start: A motion that the constraints allow, (n,).
         how: Which and how accurate, as for :func:`scipy.sparse.linalg.eigsh`.
-
-    Source:
-        Lanczos method of ARPACK in the inner product of K.
     """
     import scipy.sparse.linalg
 
@@ -130,39 +110,19 @@ def eigenvalues_beside(
 
 
 def more_below(matrix: Any, n: int, found: int) -> bool:
-    """Whether a symmetric matrix with constraints has more negative eigenvalues than those found.
-
-    Args:
-        matrix: Sparse [[A, D^T], [D, 0]].
-        n: Size of A.
-        found: Number of them.
-    """
+    """Whether a sparse symmetric [[A, D^T], [D, 0]], A (n, n), has more negative eigenvalues than those found."""
     negative = negative_where_held(matrix, SparseFactors(matrix), n)
     return negative is not None and negative > found
 
 
 def changed(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
-    """How much one more iteration changes motions, beside their own size, (count,).
-
-    Args:
-        left: What it changes of them, (n, count).
-        motions: Found, (n, count).
-        matrix: Positive semidefinite, that measures both, (n, n).
-    """
+    """How much one more iteration changes motions, by ``left``, beside their own size, as a matrix measures both."""
     wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
     return np.sqrt(np.abs(wrong) / own)
 
 
 def check_modes(wrong: np.ndarray, what: str) -> None:
-    """Raise where iterations ended with motions that are none.
-
-    Args:
-        wrong: As of :func:`changed`, (count,).
-        what: Was looked for.
-
-    Raises:
-        AnalysisError: not_converged.
-    """
+    """Raise not_converged where iterations for ``what`` ended with motions that are none, as :func:`changed` tells."""
     if not np.all(wrong <= TRUE):
         raise AnalysisError(
             RESULTS.not_converged.name,
@@ -181,12 +141,7 @@ class AllowedMotions:
     """
 
     def __init__(self, tangent: Any, factored: SparseFactors, n: int):
-        """Find them.
-
-        Args:
-            tangent: Sparse [[K, D^T], [D, 0]], K positive definite where the constraints hold, (n + h, n + h).
-            factored: Its factors.
-            n: Size of K.
+        """Find them, of a sparse [[K, D^T], [D, 0]] and its factors, K (n, n) positive definite where D v = 0.
 
         Raises:
             numpy.linalg.LinAlgError: K is not positive definite.
@@ -205,12 +160,7 @@ class AllowedMotions:
         self.flexibility = turned * np.sqrt(np.maximum(values, 0.0))
 
     def largest(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1, (n, count).
-
-        Args:
-            matrix: Sparse symmetric A, (n, n).
-            count: How many.
-        """
+        """The ``count`` eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1, (n, count)."""
         own = self.flexibility.T @ (self.basis.T @ (matrix @ self.basis)) @ self.flexibility
         values, vectors = np.linalg.eigh((own + own.T) / 2)
         chosen = np.argsort(-np.abs(values), kind="stable")[:count]

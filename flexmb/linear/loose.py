@@ -33,11 +33,7 @@ TINY = np.finfo(float).tiny
 
 
 def named(model: Model, motions: np.ndarray) -> str:
-    """What moves most in each motion.
-
-    Args:
-        motions: One a column, (n_x, k).
-    """
+    """What moves most in each motion, one a column, (n_x, k)."""
     found = []
     for motion in motions.T:
         largest = shares(motion / np.max(np.abs(motion), initial=np.finfo(float).tiny), model.labels.x)[:4]
@@ -46,17 +42,13 @@ def named(model: Model, motions: np.ndarray) -> str:
 
 
 def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Flexibility in all motions that meet stiffness, and the motions that meet none.
+    """Flexibility in all motions that meet stiffness, and the motions that meet none, by singular values of K.
+
+    Each degree of freedom has a unit that makes the stiffnesses that meet in it one.
 
     Returns:
         Inverse of K on what is not free, (n_q, n_q), free motions in the degrees of freedom, (n_q, k), and for each of
         these the forces of springs that hold it alone, (n_q, k).
-
-    Raises:
-        AnalysisError: not_finite.
-
-    Source:
-        Singular values of K, each degree of freedom in a unit that makes the stiffnesses that meet in it one.
     """
     k, dfe = np.asarray(m.K), np.abs(np.asarray(m.DFe))
     if not np.all(np.isfinite(k)):
@@ -71,19 +63,12 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Whether directions take part in any of some motions.
-
-    Returns:
-        (k,).
-    """
+    """Whether directions, (k, n_q), take part in any of some motions, (k,)."""
     return np.any(np.abs(rows @ free) > APART * (np.abs(rows) @ np.abs(free)), axis=1)
 
 
 def negative_mass(lin: Linearization) -> str:
-    """Names of the coordinates whose mass is negative in a motion of negative mass; empty where there is none.
-
-    Along a motion those of the first time that has one.
-    """
+    """Coordinates whose mass is negative in a motion of negative mass, at the first time that has one; or empty."""
     m = lin.matrices
     mass = np.asarray(m.M0)
     if not mass.size:
@@ -107,11 +92,7 @@ def _is_negative(mass: np.ndarray) -> bool:
 
 
 def refuse_negative_mass(lin: Linearization) -> None:
-    """Refuse a mass matrix with a negative eigenvalue, where numbers are known.
-
-    Raises:
-        AnalysisError: singular_mass, with the names of the nodes.
-    """
+    """Raise singular_mass, with the names of the nodes, where known numbers have a negative eigenvalue of the mass."""
     known = undifferentiated(lin)
     if is_concrete(known) and (names := negative_mass(known)):
         raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {of_negative_mass(names)}")
@@ -135,11 +116,7 @@ def without_mass(model: Model) -> str:
 
 
 def without_anything(lin: Linearization, *, damped: bool = True) -> str:
-    """Names of the motions that have neither mass nor stiffness, and a remedy; empty where there is none.
-
-    Args:
-        damped: Whether those that have damping are named too.
-    """
+    """Names of motions with neither mass nor stiffness, nor damping unless ``damped``, and a remedy; or empty."""
     # On the host from the first: sums of arrays of JAX would be traced within another program.
     m = jax.tree.map(np.asarray, lin.matrices)
     _, free, _ = free_motions(m)
@@ -167,14 +144,9 @@ def _uncancelled(motions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
-    """Refuse motions that have neither mass nor stiffness, about one state and where numbers are known.
+    """Raise singular_stiffness, with names, where a motion has neither mass nor stiffness, nor damping if not damped.
 
-    Args:
-        lin: Linearization.
-        damped: Whether those that have damping are refused too.
-
-    Raises:
-        AnalysisError: singular_stiffness, with the names of what moves.
+    Asked about one state where numbers are known.
     """
     lin = undifferentiated(lin)
     m = lin.matrices

@@ -100,11 +100,7 @@ def _frequencies_of_motion(lin: Linearization, count: int | None) -> Float[Array
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:
-    """Refuse to ask for frequencies where the stiffness has no potential.
-
-    Raises:
-        NotImplementedError: It has none.
-    """
+    """Raise NotImplementedError where frequencies are asked of a stiffness without a potential."""
     if not symmetric:
         raise NotImplementedError(
             "Loads or laws without a potential, such as moments about fixed axes in space, or the speed of a state of"
@@ -232,14 +228,10 @@ def modes(
     Args:
         model: Mechanism, or its linearisation.
         count: How many of the lowest; all unless given or where there are fewer.
-        sparse: ``count`` modes by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count`` is. They are
-            differentiable in the parameters: eigenvalues always, shapes where no eigenvalue is repeated.
+        sparse: As for :func:`frequencies`. Modes by sparse matrices are differentiable in the parameters: eigenvalues
+            always, shapes where no eigenvalue is repeated.
         throw: Raise where the equilibrium or the eigenproblem fails.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
 
     Returns:
         Modes with eigenvalues (n,) [rad^2/s^2], frequencies (n,) [Hz] and shapes (n_x, n).
@@ -311,13 +303,9 @@ def poles(
     Args:
         model: Mechanism, or its linearisation.
         count: How many of those nearest to zero, and one more where the last is one of a complex pair; all unless given
-            or where there are fewer. Under ``jax.grad`` and ``jax.jit`` it is asked for, and so many are answered.
-        sparse: ``count`` poles by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count`` is.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+            or where there are fewer. Under ``jax.grad`` and ``jax.jit`` it must be given, and so many are answered.
+        sparse: ``count`` poles by sparse matrices, as for :func:`frequencies`.
+        at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
 
     Returns:
         (n,) [rad/s]; those at infinity, of motions without mass, are left out. Differentiable in ``model.parameters``

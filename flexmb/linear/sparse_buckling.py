@@ -44,10 +44,7 @@ class _Growth(NamedTuple):
 def _rates(
     topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
 ) -> Array:
-    """Rates of the coordinates that move and of the multipliers with the factor of the incremental loads, (n + h,).
-
-    About this state itself: under the same loads there may be others.
-    """
+    """Rates of coordinates that move and of multipliers with the factor of the increment, (n + h,), in this state."""
     still = jnp.zeros(sum(of.shape[0] for of in unknowns(topology)[::2]))
     right = -_imbalance(topology, parameters, factors, near, at, still)
     found, code = solution_at(topology, parameters, factors, near, at, right)
@@ -199,9 +196,7 @@ def moved_by_loads(
 ) -> Float[Array, ""]:
     """How far what is scaled moves the mechanism at a multiplier of one, at most, () [extents, rad].
 
-    Args:
-        x: Nodal coordinates of the state that it is asked about, (n_x,) [m, rad, -].
-        grown: What the incremental loads add to them, to first order, (n_x,), or None where all loads are scaled.
+    ``grown`` is what the incremental loads add to the coordinates, or None where all loads are scaled.
     """
     if grown is None and (topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]):
         # A stroke is no load.
@@ -297,15 +292,10 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 def sparse_multipliers(
     model: Model, target: LoadFactors, count: int, about: Linearization | None = None
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-    """Load multipliers of smallest size about the equilibrium by sparse factors, and how far loads move the mechanism.
+    """Load multipliers of smallest size by sparse factors, (count,) or fewer, and as of :func:`moved_by_loads`.
 
     Args:
-        model: As for :func:`sparse_equilibrium`.
-        target: Load factors there.
-        about: Another state with these loads, of a path; None: the equilibrium.
-
-    Returns:
-        (count,) or fewer [-]; and as :func:`moved_by_loads`.
+        target: Load factors of the equilibrium, or of another state that it is ``about``, of a path.
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.

@@ -65,11 +65,7 @@ class Buckled(NamedTuple):
 
 
 def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
-    """Multipliers of smallest size, and their motions.
-
-    Args:
-        given: Matrices of the elements.
-        count: How many.
+    """The ``count`` multipliers of smallest size, and their motions.
 
     Raises:
         ModelError: An element has a negative stiffness.
@@ -153,11 +149,7 @@ def _refuse_unstable(structural: Any, geometric: Any) -> None:
 
 
 def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
-    """Multipliers of smallest size: -G v = (1/lambda) K v in the motions that the constraints leave.
-
-    Source:
-        THEORY.md 7, eq. (7.4), by the Lanczos method of ARPACK in the inner product of the stiffness that stays.
-    """
+    """Multipliers of smallest size: -G v = (1/lambda) K v where the constraints hold, THEORY.md 7, eq. (7.4)."""
     import scipy.sparse
     import scipy.sparse.linalg
 

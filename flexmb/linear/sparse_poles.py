@@ -35,13 +35,11 @@ TURNS = 8
 
 
 class _ShiftedPoles:
-    """(v, p) to (v, p)/(lambda - s), in units in which masses and rates are about one.
+    """(v, p) to (v, p)/(lambda - s), of 2 n numbers, in units in which masses and rates are about one.
 
     Attributes:
         shift: s [1/s].
-        n: Coordinates that move.
-        size: Of the vectors, 2 n.
-        motions: How many of them constraints leave.
+        motions: How many of the coordinates that move, n, constraints leave.
         regular: Whether it exists.
     """
 
@@ -116,14 +114,11 @@ class _ShiftedPoles:
 
 
 def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
-    """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 that are nearest to zero.
+    """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 nearest to zero, ordered by |Im| [rad/s].
 
     Args:
         whole: The matrices, of which K and C may be unsymmetric.
-        count: How many; one more where the last is one of a complex pair.
-
-    Returns:
-        Ordered by |Im|, fewer where there are not so many, (n,) [rad/s].
+        count: How many; one more where the last is one of a complex pair, fewer where there are not so many.
 
     Raises:
         ModelError: ``count`` is so large a part of very many.
@@ -169,10 +164,7 @@ class _Undamped:
 
 
 def is_steady(elements: ElementMatrices) -> bool:
-    """Whether those eigenvalues of stiffness and mass that are nearest to zero are real and positive.
-
-    Where anything is damped, whether the poles nearest to zero do not grow.
-    """
+    """Whether the eigenvalues of stiffness and mass nearest to zero are real and positive; damped, poles decay."""
     import jax
 
     whole = Whole(jax.tree.map(np.asarray, elements))
@@ -250,10 +242,7 @@ def _nearest(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, flo
 
 
 def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
-    """Orthonormal basis of the motions of the ``count`` largest values, as many of each as there are.
-
-    From one start iterations see one motion of each value: others are looked for beside those that are known.
-    """
+    """Orthonormal basis of the motions of the ``count`` largest values, each as often as it stands, as in Lanczos."""
     basis, least = np.zeros((2 * at.n, 0)), 0.0
     for i in range(SEARCHES):
         values, vectors = _searched(at, basis, count if i == 0 else BESIDE, i)

@@ -34,13 +34,7 @@ KNOWN = 0.1
 
 
 def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """Result of a function of arrays of NumPy: at once of concrete numbers, by a callback under a trace.
-
-    Args:
-        function: Function that calls nothing of JAX.
-        like: Shapes and types of what it returns.
-        arguments: Pytrees of arrays.
-    """
+    """Result of a function of arrays ``like`` such: at once of concrete numbers, by a callback under a trace."""
     if is_concrete(arguments):
         # Within a trace too what is known stays so.
         with one_thread(), jax.core.eval_context():
@@ -49,10 +43,7 @@ def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 
 def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """As :func:`on_host` inside compiled code, where nothing can be raised: NaN of what fails.
-
-    NaN as well of what is not finite, since something before it has failed.
-    """
+    """As :func:`on_host` inside compiled code: NaN of what fails, or of what is not finite since something failed."""
     wanted = [(one.shape, np.dtype(one.dtype).str) for one in jax.tree.leaves(like)]
     finite = functools.partial(_of_finite, function, wanted)
     found = call_host(functools.partial(on_host_thread, finite), jax.tree.leaves(like), *arguments)
@@ -100,10 +91,8 @@ def solved(
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
     Args:
-        elements: Element matrices.
         right: Forces on the coordinates that move, and deformations of the constraints, one a column, (n + h, k).
-        border: Vectors of the coordinates that move to which motions are to be orthogonal, with forces along them that
-            see to it, (n, b); None: none.
+        border: Motions to which the solution is orthogonal by forces along them, (n, b); None: none.
 
     Raises:
         AnalysisError: singular_stiffness; under a trace it is NaN.
@@ -143,12 +132,8 @@ def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 def lowest(elements: ElementMatrices, count: int) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, with their motions; differentiable.
 
-    The sign of a motion is such that its largest entry, coordinates in extents and radians, is positive. Where
-    eigenvalues are repeated, what depends on the choice of motions among theirs has no derivative.
-
-    Args:
-        elements: Element matrices.
-        count: How many.
+    The sign of a motion makes its largest entry positive, coordinates in extents and radians. Where eigenvalues are
+    repeated, what depends on the choice of motions among theirs has no derivative.
 
     Returns:
         omega^2, ascending, infinite for motions without mass, (count,) [rad^2/s^2]; motions of all coordinates,
@@ -272,11 +257,7 @@ def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:
 
 
 def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"]:
-    """Lowest eigenvalues alone, as :func:`lowest`; their derivatives need no solution.
-
-    Source:
-        Rayleigh's quotient in the motions found: d(omega^2) = v^T (dK - omega^2 dM) v + 2 m^T dD v.
-    """
+    """Lowest eigenvalues alone, as :func:`lowest`; their derivatives are of Rayleigh's quotient, without a solution."""
     return _lowest_values(elements, np.zeros(_possible(elements, count)))
 
 

@@ -104,13 +104,9 @@ def with_mass(tangent: Any, mass: Any, factor: float) -> Any:
 
 
 def _below_all(tangent: Any, mass: Any) -> _Shifted:
-    """Shifted by an s that no eigenvalue is below -s of.
+    """Shifted by an s that no eigenvalue is below -s of; or singular_stiffness.
 
-    What is nearest to zero is the lowest only where nothing is below: an unstable mechanism has negative eigenvalues,
-    some of them perhaps far from it.
-
-    Raises:
-        AnalysisError: singular_stiffness.
+    What is nearest to zero is the lowest only where nothing is below: an unstable mechanism has negative eigenvalues.
     """
     heaviest = mass.diagonal().max(initial=0.0)
     ratio = np.abs(tangent.diagonal()[: mass.shape[0]]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
@@ -124,15 +120,9 @@ def _below_all(tangent: Any, mass: Any) -> _Shifted:
 
 
 def refuse_negative_masses(mass: Any, pieces: Any, tangent: Any) -> None:
-    """Refuse a mass with a negative eigenvalue where the constraints hold.
+    """Raise singular_mass where a sparse mass has a negative eigenvalue where the constraints in a tangent hold.
 
-    Args:
-        mass: Sparse M, (n, n).
-        pieces: Element matrices that it is the sum of: where none is negative, nor is their sum.
-        tangent: Sparse [[K, D^T], [D, 0]].
-
-    Raises:
-        AnalysisError: singular_mass.
+    Where none of the ``pieces`` is negative, the element matrices that it is the sum of, nor is their sum.
     """
     import scipy.sparse
 
@@ -152,11 +142,7 @@ def refuse_negative_masses(mass: Any, pieces: Any, tangent: Any) -> None:
 
 
 def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Largest mu of M v = mu (K + s M) v, and their motions with v^T (K + s M) v = 1; about right, or right.
-
-    Raises:
-        AnalysisError: singular_stiffness or not_converged.
-    """
+    """Largest mu of M v = mu (K + s M) v, and their motions with v^T (K + s M) v = 1; about right, or right."""
     n, mass = at.mass.shape[0], at.mass
     every = 2 * n - at.tangent.shape[0]
     heavy = np.flatnonzero(mass.diagonal() != 0)
@@ -268,11 +254,7 @@ def _lowest_at(at: _Shifted, count: int, exact: Callable[[np.ndarray], np.ndarra
 
 
 def _told_apart(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.ndarray):
-    """Eigenvectors among motions that are one iteration on, their multipliers and inverses, and how far they moved.
-
-    Source:
-        Ritz's method in the motions K v + D^T m = M u/mu of those before, u.
-    """
+    """Eigenvectors among motions one iteration on, by Ritz's method, their multipliers, inverses, and their changes."""
     n = len(motions)
     ahead, before = full[:n], mass @ motions
     size = np.sqrt(np.einsum("ij,ij->j", ahead, mass @ ahead))

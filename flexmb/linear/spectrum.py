@@ -55,17 +55,10 @@ REAL = 1e-8
 def shift_to_definite(
     k: Float[Array, "n n"], m: Float[Array, "n n"]
 ) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
-    """Smallest tried s >= 0 for which K + s M is positive definite.
-
-    Args:
-        k: Symmetric stiffness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
+    """Smallest tried s >= 0 for which K + s M is positive definite, THEORY.md 7, eq. (7.2).
 
     Returns:
         s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
-
-    Source:
-        THEORY.md 7, eq. (7.2): a stated shift where K is not positive definite.
     """
     s, stable, found, _ = _shift(k, m)
     return s, stable, found
@@ -155,23 +148,19 @@ def is_lost(values: Any, doubt: Any) -> Any:
 def spectrum(
     k: Float[Array, "n n"], m: Float[Array, "n n"], count: int | None = None
 ) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
-    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, from the stiffness side.
+    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, THEORY.md 7, eq. (7.2).
 
     M v = mu K v is solved, where the lowest omega^2 = 1/mu come out with full relative accuracy; solved as (K, M),
     they are known only to round-off times the largest.
 
     Args:
-        k: Symmetric stiffness, of any definiteness, (n, n).
-        m: Symmetric mass, positive semidefinite, (n, n).
+        k, m: Symmetric stiffness of any definiteness, and mass, positive semidefinite, (n, n).
         count: How many of the lowest; all unless given.
 
     Returns:
-        omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for massless motions,
-        (n, n); whether K is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue,
-        lost_in_round_off where stiffnesses are too far apart.
-
-    Source:
-        THEORY.md 7, eq. (7.2).
+        omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for these, (n, n); whether K
+        is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue, lost_in_round_off where
+        stiffnesses are too far apart.
     """
     shift, stable, found, lost = _shift(k, m)
     n = k.shape[0]
@@ -189,17 +178,7 @@ def spectrum(
 
 
 def to_frequency(eigenvalues: Any) -> Any:
-    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2.
-
-    Args:
-        eigenvalues: omega^2, (n,) [rad^2/s^2].
-
-    Returns:
-        (n,) [Hz]; negative means that the motion grows.
-
-    Source:
-        Definition; the derivative at exactly zero is taken as zero.
-    """
+    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2, (n,) [Hz]; the derivative at zero is taken as zero."""
 
     def found(xp: Any, values: Any):
         usual = xp.isfinite(values) & (values != 0)
@@ -254,10 +233,7 @@ def _with_shift(
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """Eigenvalues of the motions with mass as of :func:`spectrum`, (at most n,) [rad^2/s^2], on the host.
-
-    For sizes that come but once, where compiling takes longer than solving.
-    """
+    """Eigenvalues of the motions with mass as of :func:`spectrum`, on the host, where compiling takes longer."""
     import scipy.linalg
 
     shift, (mu,) = _with_shift(k, m, lambda shifted: (scipy.linalg.eigh(m, shifted, eigvals_only=True)[::-1],))
@@ -265,14 +241,10 @@ def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
 
 
 def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
-    """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host.
+    """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host; or singular_stiffness.
 
     Returns:
-        omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, complex,
-        one a column, (n, n).
-
-    Raises:
-        AnalysisError: singular_stiffness.
+        omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, (n, n).
     """
     shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)), GENERAL_SHIFT)
     massive = np.abs(mu) > MASSLESS * len(mu) * np.max(np.abs(mu), initial=0.0)
@@ -282,13 +254,9 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
 
 
 def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
-    """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|; those at infinity are left out.
+    """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|, at most (2 n,) [rad/s].
 
-    Returns:
-        At most (2 n,) [rad/s].
-
-    Source:
-        THEORY.md 7, eq. (7.3); companion form with the mass on the right, solved by the QZ method.
+    Those at infinity are left out. THEORY.md 7, eq. (7.3): companion form with the mass on the right, by the QZ method.
     """
     import scipy.linalg
 
@@ -354,11 +322,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
 
 
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and vectors of a mass matrix, each degree of freedom in a unit that makes its own mass one.
-
-    Returns:
-        Ascending, (n,) [-], and motions in the degrees of freedom, one a column, (n, n).
-    """
+    """Ascending eigenvalues [-] and vectors of a mass matrix, in units that make each freedom's own mass one."""
     size = np.abs(np.diag(mass))
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
     values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
@@ -374,17 +338,11 @@ def massless_freedoms(mass: np.ndarray) -> list[int]:
 
 
 def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...], forces: Any, solve: Any = None) -> Any:
-    """Displacements under forces of the motions that carry no mass, whose equilibrium has no inertia in it.
+    """Displacements under forces of the motions that carry no mass: N (N^T K N)^-1 N^T f with M N = 0, as forces lie.
 
     Args:
-        mass: M, (n, n).
-        stiffness: K, (n, n).
         condensed: Degrees of freedom without which the mass matrix is regular, (k,).
-        forces: Along the degrees of freedom, one load case a column, (n, cases) or (n,).
         solve: Function of a matrix and right-hand sides; by default one for traced numbers.
-
-    Returns:
-        N (N^T K N)^-1 N^T forces, with the columns of N spanning the motions without mass: M N = 0, (n, cases) or (n,).
     """
     solve = solve or (lambda matrix, right: factorise(matrix).solve(right))
     out, kept = np.array(condensed, int), np.array([i for i in range(len(mass)) if i not in condensed], int)

@@ -11,19 +11,13 @@ GROWS, NOTHING = 1e-9, 1e-12
 
 
 def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
-    """Whether no motion about a state grows.
+    """Whether no motion about a state of stiffness K, damping C and mass M, of known numbers, grows.
 
-    A motion without mass loses its stability where the determinant of the stiffness changes sign, which this does not
-    ask.
-
-    Args:
-        k, c, m: Whole stiffness K0 + N0 + G0, damping and mass, of known numbers, (n_q, n_q).
+    By THEORY.md 7, eq. (7.3): no pole has a positive real part, or without damping all omega^2 are real and positive. A
+    motion without mass loses its stability where the determinant of the stiffness changes sign, which is not asked.
 
     Raises:
         AnalysisError: singular_stiffness.
-
-    Source:
-        THEORY.md 7, eq. (7.3): poles with a positive real part; without damping omega^2 that are not real and positive.
     """
     if np.any(c):
         return not any_grows(poles_of(k, c, m))

@@ -35,23 +35,15 @@ TURNS = 3
 def traced_poles(
     k: Float[Array, "n n"], c: Float[Array, "n n"], m: Float[Array, "n n"], count: int
 ) -> tuple[Complex[Array, "count"], Int[Array, ""]]:
-    """Poles nearest to zero, differentiable.
+    """The ``count`` poles nearest to zero, differentiable, THEORY.md 10, eq. (10.4).
 
-    Args:
-        k: Stiffness, (n, n).
-        c: Damping, (n, n).
-        m: Mass, (n, n).
-        count: How many.
+    Derivatives are NaN where there are none: of poles that meet with one vector, as in critical damping or of a free
+    motion. Those of a repeated pole are of vectors whose choice does not change sums.
 
     Returns:
-        Ordered by |Im|, (count,) [rad/s], NaN where there are fewer; code of RESULTS, () [-]: not_finite where matrices
-        are not, singular_mass where there are fewer poles, or a negative mass, singular_stiffness where a motion has
-        neither mass, stiffness nor damping. Derivatives are NaN where they do not
-        exist: of poles that meet with one vector, as in critical damping or of a free motion. Those of a repeated pole
-        have vectors that the choice of them does not change in sums.
-
-    Source:
-        THEORY.md 10, eq. (10.4).
+        Ordered by |Im|, (count,) [rad/s], NaN where there are fewer; code of RESULTS: not_finite; singular_mass where
+        there are fewer poles, or a negative mass; singular_stiffness where a motion has neither mass, stiffness nor
+        damping.
     """
     return _found(k, c, m, count)[:2]
 
@@ -135,16 +127,9 @@ def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, num
 
 
 def poles_of_elements(elements: ElementMatrices, count: int) -> Complex[Array, "count"]:
-    """As :func:`poles_of_sparse` of traced element matrices, so many, differentiable.
+    """As :func:`.poles_of_sparse` of traced element matrices, so many, differentiable, THEORY.md 10, eq. (10.4).
 
-    Returns:
-        Ordered by |Im|, (count,) [rad/s]; derivatives are NaN where poles meet or are repeated.
-
-    Raises:
-        AnalysisError: As :func:`poles_of_sparse`, and singular_mass; under a trace as an error of JAX with its text.
-
-    Source:
-        THEORY.md 10, eq. (10.4), in the coordinates and multipliers of 7, eq. (7.15).
+    Derivatives are NaN where poles meet or are repeated. Also singular_mass is raised; under a trace an error of JAX.
     """
     # The number is handed on as a shape, which stays known.
     return _of_elements(elements, np.zeros(count))

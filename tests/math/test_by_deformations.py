@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.control.sparse_second_order import lossy_elements
+from flexmb.control.second_order_form import lossy_elements
 from flexmb.errors import AnalysisError
 from flexmb.math.by_deformations import forces, product, refined
 from flexmb.math.element_matrices import Whole, transposed

@@ -1,0 +1,438 @@
+"""Responses by frequency: sums over modes, or solutions at each frequency by dense or sparse factors."""
+
+import dataclasses
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from jaxtyping import Array, Complex, Float
+
+from ..arguments import as_known, library_of
+from ..compilation.compile import jit
+from ..linear.linearize import Linearization, Matrices
+from ..linear.sparse_solve import on_host
+from ..linear.spectrum import shift_to_definite
+from ..math.by_deformations import forces, product, refined
+from ..math.element_matrices import ElementMatrices, Whole
+from ..math.linear import diagonal_of, pencil
+from ..results import RESULTS
+from .second_order_form import SecondOrder, large_second_order, lossy_elements, second_order
+
+# Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
+# the largest there is: both are far above round-off and far below what an answer would show.
+COUPLED, ROUND_OFF = 1e-8, 1e-14
+# A resonance is hit where all that is left of stiffness less inertia is so many round-offs of them.
+HIT = 16 * float(np.finfo(float).eps)
+# A mode has no part in a response where it is below this share of the largest part that any has.
+NO_PART = 1e-12
+# Modes whose frequencies squared are nearer than this, relatively, are not told apart.
+NEAR = 1e-9
+# Nor are those that a step of Newton's method turns by more than this into each other: round-off does.
+TURN = 1e-5
+# What round-off may leave of a solution near a resonance without damping.
+NEAR_RESONANCE = 1e-3
+
+
+def plain(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
+    """Second-order form with arrays alone, and beside it of which derivative of what is moved each input is."""
+    none = np.zeros(0)
+    return whole._replace(orders=none, moves=none), tuple(int(order) for order in whole.orders)
+
+
+def _of(whole: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
+    """The same of some inputs and outputs."""
+    u, y = np.array(us), np.array(ys)
+    own = {f"B{i}": getattr(whole, f"B{i}")[:, u] for i in range(3)}
+    own |= {f"C{i}": getattr(whole, f"C{i}")[y] for i in range(3)}
+    return whole._replace(**own, **{f"D{i}": getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)})
+
+
+def response_by_freedoms(
+    lin: Linearization,
+    whole: SecondOrder,
+    hertz: Float[Array, "n_f"],
+    us: tuple[int, ...],
+    ys: tuple[int, ...],
+    losses: Any,
+    by_modes: bool,
+):
+    """H(i 2 pi f) of a mechanism in second-order form, (n_f, n_y, n_u), and a code of RESULTS."""
+    whole, orders = plain(whole)
+    lossy = None if losses is None else _with_losses(lin, losses)
+    return _response(whole, lossy, hertz, us=us, ys=ys, orders=orders, by_modes=by_modes)
+
+
+@jit
+def _response(
+    system: SecondOrder,
+    lossy: tuple[SecondOrder, SecondOrder] | None,
+    hertz: Float[Array, "n_f"],
+    *,
+    us: tuple[int, ...],
+    ys: tuple[int, ...],
+    orders: tuple[int, ...],
+    by_modes: bool,
+):
+    """H(i 2 pi f), (n_f, n_y, n_u), and a code of RESULTS."""
+    w = 2 * np.pi * hertz
+    system = _of(system, us, ys)
+    loss, of_loss = jnp.zeros_like(system.K), None
+    if lossy is not None:
+        # Geometric stiffness and inertia do not depend on the elements' stiffness: what is left is linear in it.
+        with_it, without = (_of(own, us, ys) for own in lossy)
+        of_loss = jax.tree.map(lambda one, other: one - other, with_it, without)
+        loss = of_loss.K
+    by_inputs, by_outputs, through = _polynomials(system, of_loss)
+    parts = (system.M, system.C, system.K, loss)
+    factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
+    responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
+    responses = _integrated(responses, w, np.asarray(orders)[np.array(us)])
+    # What is divided by nothing is infinite; of a state that was not found nothing is a number.
+    known = jnp.all(jnp.isfinite(system.M)) & jnp.all(jnp.isfinite(system.K))
+    responses = jnp.where(jnp.isfinite(jnp.abs(responses)) | ~known, responses, jnp.inf + 0j)
+    return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
+
+
+def _integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"], orders: Any) -> Any:
+    """Responses to inputs that are velocities or accelerations, by ``orders``, of those to the displacements."""
+    for order in (1, 2):
+        own = np.asarray(orders) == order
+        if np.any(own):
+            whole = responses / _powers(w)[order][:, None, None]
+            responses = library_of((responses, w)).where(own, whole, responses)
+    return responses
+
+
+def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:
+    """Second-order forms with the stiffness of the elements times their loss factors, and with none.
+
+    Their difference, in K, B0, C0 and D0, is what is lossy, to be taken i times.
+    """
+    m = lin.matrices
+    lossy, k = _lossy(m, losses)
+    none = {name: np.zeros(m.K0.shape) for name in ("M0", "C0", "D0", "K0", "N0", "G0")} | {"S_d": np.zeros(m.S.shape)}
+
+    def of(**own: Any):
+        return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **own}), lin.model)))[0]
+
+    return of(S=lossy, K0=k), of(S=np.zeros(m.S.shape))
+
+
+@jit
+def _lossy(m: Matrices, losses: Float[Array, "n_e"]):
+    """Lossy stiffness of the elements and of the degrees of freedom."""
+    lossy = (losses[:, None] * m.S + m.S * losses) / 2
+    return lossy, m.DFe.T @ lossy @ m.DFe
+
+
+def _polynomials(system: SecondOrder, lossy: SecondOrder | None) -> list[Complex[Array, "3 i j"]]:
+    """What inputs do, outputs take, and takes outputs of inputs at once, by powers of i w from the lowest."""
+    found = []
+    for name in "BCD":
+        own = jnp.stack([getattr(system, f"{name}{i}") for i in range(3)]).astype(complex)
+        if lossy is not None:
+            own = own.at[0].add(1j * getattr(lossy, f"{name}0").astype(complex))
+        found.append(own)
+    return found
+
+
+def _powers(w: Float[Array, "*n_f"], count: int = 3) -> Complex[Array, "count *n_f"]:
+    """Powers of i w, from the lowest."""
+    turns = np.array([1, 1j, -1, -1j, 1])[:count].reshape(-1, *[1] * np.ndim(w))
+    return library_of(w).stack([w**i for i in range(count)]).astype(complex) * turns
+
+
+def _at(w: Float[Array, "n_f"], polynomial: Complex[Array, "3 i j"]) -> Complex[Array, "n_f i j"]:
+    """Polynomial of i w."""
+    return library_of((w, polynomial)).einsum("pf,pij->fij", _powers(w), polynomial)
+
+
+def _modal_factors(
+    m: Float[Array, "n n"], c: Float[Array, "n n"], k: Float[Array, "n n"], loss: Float[Array, "n n"]
+) -> tuple[Any, Any]:
+    """Undamped modes W with W^T (K + s M) W = 1, what mass, damping and loss are between them, and whether there are.
+
+    Scaled so, motions without mass are modes like others, with a mass of zero, and the sum has the whole flexibility.
+    """
+    m, c, k, loss = (jax.lax.stop_gradient(part) for part in (m, c, k, loss))
+    shift, _, found = shift_to_definite(k, m)
+    mu, vectors = _refined(m, k + shift * m, *pencil(m, k + shift * m))
+    damping, losses = vectors.T @ c @ vectors, vectors.T @ loss @ vectors
+    return (mu, shift * mu, vectors, damping, losses), found
+
+
+def _refined(
+    a: Float[Array, "n n"], b: Float[Array, "n n"], mu: Float[Array, "n"], vectors: Float[Array, "n n"]
+) -> tuple[Any, Any]:
+    """Eigenvalues and vectors of A w = mu B w after one step of Newton's method, each right to its own round-off.
+
+    As they are found they are known to round-off of the largest mu, of the slowest mode. What is left of products
+    w_i^T B w_j, the square of how far the step turned, is taken off once more.
+
+    Source:
+        Ogita, Aishima (2018), Japan J. Industrial and Applied Mathematics 35, 1007, with B in place of the unit matrix.
+    """
+    of_a, of_b = vectors.T @ a @ vectors, vectors.T @ b @ vectors
+    values = diagonal_of(of_a) / diagonal_of(of_b)
+    gap = values[None, :] - values[:, None]
+    apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
+    turned = jnp.where(apart, (of_a - values[None, :] * of_b) / jnp.where(apart, gap, 1.0), 0.0)
+    # Modes of one frequency are as good in any directions, and so are those that round-off does not tell apart, as of
+    # motions almost without mass: those stay.
+    turned = jnp.where(jnp.maximum(jnp.abs(turned), jnp.abs(turned.T)) < TURN, turned, 0.0)
+    vectors = vectors + vectors @ turned
+    # Slow modes, the last ones, take the part of faster ones off, which moves them little; not the other way round.
+    vectors = vectors - vectors @ jnp.triu(vectors.T @ b @ vectors, 1)
+    of_a, of_b = jnp.sum(vectors * (a @ vectors), axis=0), jnp.sum(vectors * (b @ vectors), axis=0)
+    return of_a / of_b, vectors / jnp.sqrt(of_b)
+
+
+def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
+    own = jnp.abs(diagonal_of(matrix))
+    allowed = COUPLED * jnp.sqrt(own[:, None] * own) + ROUND_OFF * jnp.max(own, initial=0.0)
+    return jnp.any((jnp.abs(matrix) > allowed) & ~np.eye(len(matrix), dtype=bool))
+
+
+@jax.custom_jvp
+def _transfer(
+    factors: tuple[Array, ...] | None,
+    w: Float[Array, "n_f"],
+    parts: tuple[Array, ...],
+    by_inputs: Complex[Array, "3 n_q n_u"] | tuple[Array],
+    by_outputs: Complex[Array, "3 n_y n_q"] | tuple[Array],
+) -> Complex[Array, "n_f n_y n_u"]:
+    """C(i w) (-w^2 M + i w C + K + i L)^-1 B(i w), THEORY.md 14, eq. (14.30), by modes (14.31).
+
+    Args:
+        factors: As of :func:`_modal_factors`; None for solutions in the degrees of freedom.
+        parts: M, C, K and L.
+        by_inputs: B by powers, (3, n_q, n_u), or one matrix for each frequency, (n_f, n_q, n_u), in a tuple.
+        by_outputs: C likewise.
+    """
+    if factors is None:
+        m, c, k, loss = parts
+        # Each freedom in a unit that makes its own stiffness one.
+        own = jnp.abs(diagonal_of(k))
+        scale = 1 / jnp.sqrt(jnp.where(own > 0, own, 1.0))
+        m, c, k, loss = (part * scale[:, None] * scale for part in (m, c, k, loss))
+        units = scale.astype(complex)
+        right, left = _expanded(w, by_inputs) * units[:, None], _expanded(w, by_outputs) * units
+        return _solved_each(w, k, m, c, loss, right, left)
+    mu, shifted, vectors, damping, losses = factors
+    vectors = vectors.astype(complex)
+    coupled = _is_coupled(damping) | _is_coupled(losses)
+
+    def summed():
+        return _sum_over_modes(w, factors, by_inputs, by_outputs)
+
+    def solved():
+        right, left = (_expanded(w, of) for of in (by_inputs, by_outputs))
+        stiffness, mass = jnp.diag(1 - shifted), jnp.diag(mu)
+        return _solved_each(w, stiffness, mass, damping, losses, vectors.T @ right, left @ vectors)
+
+    return jax.lax.cond(coupled, solved, summed)
+
+
+def _expanded(w: Float[Array, "n_f"], given: Complex[Array, "3 i j"] | tuple[Array]):
+    """One matrix for each frequency, of a polynomial or of what is so already."""
+    return given[0] if isinstance(given, tuple) else _at(w, given)
+
+
+def _sum_over_modes(
+    w: Float[Array, "n_f"],
+    factors: tuple[Array, ...],
+    by_inputs: Complex[Array, "3 n_q n_u"] | tuple[Array],
+    by_outputs: Complex[Array, "3 n_y n_q"] | tuple[Array],
+):
+    mu, shifted, vectors, damping, losses = factors
+    vectors = vectors.astype(complex)
+    column = w[:, None]
+    inverse = jax.lax.complex(1 - shifted - column**2 * mu, column * diagonal_of(damping) + diagonal_of(losses))
+    hit = jnp.abs(inverse) <= HIT * (1 + shifted + column**2 * mu)
+    gains = jnp.where(hit, 0.0, 1 / jnp.where(hit, 1.0, inverse))
+    if isinstance(by_inputs, tuple) or isinstance(by_outputs, tuple):
+        right, left = vectors.T @ _expanded(w, by_inputs), _expanded(w, by_outputs) @ vectors
+        return left @ (gains[:, :, None] * right)
+    right, left = vectors.T @ by_inputs, by_outputs @ vectors
+    # Of each mode, output and input by powers of i w: then one product of matrices sums over all modes.
+    (_, n, n_u), n_y = right.shape, left.shape[1]
+    shares = [jnp.zeros((n, n_y, n_u), complex)] * 5
+    for i in range(3):
+        for j in range(3):
+            shares[i + j] = shares[i + j] + left[i].T[:, :, None] * right[j][:, None, :]
+    flat = jnp.stack(shares).reshape(5, n, n_y * n_u)
+    responses = jnp.sum(_powers(w, 5)[:, :, None] * (gains @ flat), axis=0)
+    sizes = jnp.max(jnp.abs(flat), axis=0)
+    takes_part = sizes > NO_PART * jnp.max(sizes, axis=0, initial=0.0)
+    unbounded = (hit.astype(float) @ takes_part.astype(float)) > 0
+    return jnp.where(unbounded, jnp.inf + 0j, responses).reshape(len(w), n_y, n_u)
+
+
+def _solved_each(
+    w: Float[Array, "n_f"],
+    k: Float[Array, "n n"],
+    m: Float[Array, "n n"],
+    c: Float[Array, "n n"],
+    loss: Float[Array, "n n"],
+    right: Complex[Array, "n_f n n_u"],
+    left: Complex[Array, "n_f n_y n"],
+):
+    """Solutions at each frequency, one after the other: a batch of large LAPACK calls may never end on a CPU."""
+
+    def one(at: tuple[Array, ...]):
+        w, right, left = at
+        return left @ jnp.linalg.solve(jax.lax.complex(k - w**2 * m, w * c + loss), right)
+
+    return jax.lax.map(one, (w, right, left))
+
+
+@_transfer.defjvp
+def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+    """d(C Z^-1 B) = dC X + Y dB - Y dZ X with X = Z^-1 B and Y = C Z^-1: no mode is differentiated."""
+    factors, w, parts, by_inputs, by_outputs = primals
+    _, dw, (dm, dc, dk, dloss), d_inputs, d_outputs = tangents
+    n = parts[0].shape[0]
+    every = (jnp.broadcast_to(jnp.eye(n, dtype=complex), (len(w), n, n)),)
+    right, left = (_expanded(w, of) for of in (by_inputs, by_outputs))
+    moved = _transfer(factors, w, parts, (right,), every)
+    felt = _transfer(factors, w, parts, every, (left,))
+    found = left @ moved
+    one, s, s2 = (power[:, None, None] for power in _powers(w))
+    of_z = sum(
+        change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, one), (dloss, 1j))
+    )
+    m, c = (part.astype(complex) for part in parts[:2])
+    turned = (1j * dw.astype(complex))[:, None, None]
+    of_z = of_z + turned * ((2 * s * m + c) @ moved)
+    change = -felt @ of_z
+
+    def moves(polynomial: Complex[Array, "3 i j"] | tuple[Array], d_polynomial: Any):
+        if isinstance(polynomial, tuple):
+            return d_polynomial[0]
+        return _at(w, d_polynomial) + turned * (polynomial[1] + 2 * s * polynomial[2])
+
+    change = change + moves(by_outputs, d_outputs) @ moved + felt @ moves(by_inputs, d_inputs)
+    return found, change
+
+
+def response_by_elements(
+    lin: Linearization, hertz: Float[Array, "n_f"], us: tuple[int, ...], ys: tuple[int, ...], losses: Any
+) -> Any:
+    """H(i 2 pi f) of a large mechanism, (n_f, n_y, n_u), infinite where an undamped resonance is hit.
+
+    Source:
+        THEORY.md 14, eq. (14.30), and its derivative (14.32), in the coordinates and multipliers of 7, eq. (7.15).
+    """
+    system, w = large_second_order(lin).of(us, ys), 2 * np.pi * as_known(hertz)
+    elements, polynomials = system.elements, [part.astype(complex) for part in system[1:4]]
+    if losses is not None:
+        lossy = large_second_order(lin, lossy_elements(lin, losses)).of(us, ys)
+        elements = elements._replace(loss=lossy.elements.stiffness, lossy=lossy.elements.elastic)
+        polynomials = [part + 1j * own.astype(complex) for part, own in zip(polynomials, lossy[1:4], strict=True)]
+    b, c, d = polynomials
+    at_once = as_known(_transfer_by_elements(elements, w, b, c)) + _at(w, d)
+    # What is infinite at a resonance stays so, whatever it is divided by; what is no number stays none.
+    with np.errstate(invalid="ignore"):
+        found = _integrated(at_once, w, system.orders)
+        return library_of(at_once).where(library_of(at_once).isinf(abs(at_once)), np.inf + 0j, found)
+
+
+@jax.custom_jvp
+def _transfer_by_elements(
+    elements: ElementMatrices, w: Float[Array, "n_f"], b: Complex[Array, "3 n_x n_u"], c: Complex[Array, "3 n_y n_x"]
+) -> Complex[Array, "n_f n_y n_u"]:
+    """C(i w) Z^-1 B(i w)."""
+    return solutions(elements, w, b, c, only_responses=True)
+
+
+def solutions(
+    elements: ElementMatrices,
+    w: Any,
+    b: Complex[Array, "3 n_x n_u"],
+    c: Complex[Array, "3 n_y n_x"],
+    *,
+    only_responses: bool = False,
+) -> Any:
+    """Z^-1 B and Z^-T C^T at each frequency, of coordinates that move and multipliers, or C Z^-1 B alone for less.
+
+    Args:
+        b, c: By powers of i w, complex, (3, n_x, n_u) and (3, n_y, n_x).
+
+    Returns:
+        (n_f, n + h, n_u + n_y), zero where an undamped resonance is hit; or (n_f, n_y, n_u), infinite there.
+    """
+    like = jax.ShapeDtypeStruct(_shape(elements, w, b, c, only_responses), complex)
+    return on_host(functools.partial(_solved_on_host, only_responses=only_responses), like, elements, w, b, c)
+
+
+def _shape(elements: ElementMatrices, w: Any, b: Any, c: Any, only_responses: bool) -> tuple[int, int, int]:
+    """Of what :func:`solutions` returns."""
+    n_u, n_y = b.shape[2], c.shape[1]
+    return (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], sum(elements.unknowns), n_u + n_y)
+
+
+def _solved_on_host(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray, *, only_responses: bool):
+    """As :func:`solutions` of known numbers; NumPy and SciPy alone."""
+    shape = _shape(elements, w, b, c, only_responses)
+    whole, rows, answer = Whole(elements), sum(elements.unknowns), np.full(shape, np.inf + 0j)
+    for i, s in enumerate(1j * w):
+        powers = s ** np.arange(3)
+        right = np.tensordot(powers, b, 1)[elements.free]
+        left = np.tensordot(powers, c, 1)[:, elements.free]
+        factors = whole.factors(whole.at_frequency(s))
+        if not factors.regular:
+            answer[i] = np.inf if only_responses else 0.0
+            continue
+        rest = rows - whole.n
+        moved = _solution(elements, factors, s, np.pad(right, ((0, rest), (0, 0))))
+        if only_responses:
+            answer[i] = left @ moved[: whole.n]
+            continue
+        sensed = _solution(elements, factors, s, np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
+        answer[i] = np.concatenate([moved, sensed], axis=1)
+    return answer
+
+
+def _solution(elements: ElementMatrices, factors: Any, s: complex, right: np.ndarray, transposed: bool = False):
+    """Solution of the equations at a frequency; NumPy and SciPy alone."""
+
+    def exact(z: np.ndarray):
+        return forces(elements, z, transposed, s)
+
+    sizes = elements.sizes[elements.free]
+    return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, NEAR_RESONANCE)
+
+
+@jit
+def _by_solutions(
+    elements: ElementMatrices,
+    w: Float[Array, "n_f"],
+    b: Complex[Array, "3 n_x n_u"],
+    c: Complex[Array, "3 n_y n_x"],
+    moved: Complex[Array, "n_f r k"],
+) -> Complex[Array, "n_f n_y n_u"]:
+    """C X + Y^T (B - Z X) at each frequency."""
+    n, n_u = elements.unknowns[0], b.shape[2]
+
+    def one(at: tuple[Array, Array]):
+        s, (x, y) = lax.complex(jnp.zeros_like(at[0]), at[0]), jnp.split(at[1], [n_u], axis=1)
+        powers = _powers(at[0])
+        right = jnp.tensordot(powers, b, 1)[elements.free]
+        left = jnp.tensordot(powers, c, 1)[:, elements.free]
+        balance = product(elements, x, None, s)
+        out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
+        return left @ x[:n] + y.T @ out_of_balance
+
+    return lax.map(one, (w, moved))
+
+
+@_transfer_by_elements.defjvp
+def _transfer_by_elements_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+    """As (14.32): with X = Z^-1 B and Y = Z^-T C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
+    moved = solutions(*primals)
+    found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
+    regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(primals[2])
+    return jnp.where(regular, found, jnp.inf + 0j), jnp.where(regular, change, 0j)
