@@ -356,8 +356,8 @@ FAULTS = [
     Fault("linear/buckling.py", "stays = at.K0 + at.G0", "stays = at.K0", "paths/test_path.py -k preload"),
     Fault(
         "linear/buckling.py",
-        "operator = factorise(k).solve(-g)\n    if",
-        "operator = factorise(k).solve(g)\n    if",
+        "jnp.linalg.eigvals(factorise(k).solve(-g))",
+        "jnp.linalg.eigvals(factorise(k).solve(g))",
         "spacar/test_light.py -k buckling",
     ),
     Fault(
@@ -2899,7 +2899,7 @@ FAULTS = [
     ),
     Fault("linear/modes.py", "if count > 2 * n:", "if False:", "linear/test_traced_poles.py -k more_poles"),
     Fault("linear/modes.py", "check(result, True)", "result", "linear/test_traced_poles.py -k collected"),
-    Fault("linear/traced_poles.py", "values**2 * dm", "values * dm", "linear/test_traced_poles.py -k closed_form"),
+    Fault("linear/traced_poles.py", "values**2 * m", "values * m", "linear/test_traced_poles.py -k closed_form"),
     Fault(
         "linear/traced_poles.py", "2 * middle * m + c", "2 * middle * m", "linear/test_traced_poles.py -k closed_form"
     ),
@@ -3633,12 +3633,6 @@ FAULTS = [
     ),
     Fault(
         "linear/buckling.py",
-        "real = is_real(values) & _is_told(operator, values, conditions)",
-        "real = is_real(values)",
-        "linear/test_buckling.py -k follows_a_column",
-    ),
-    Fault(
-        "linear/buckling.py",
         "hidden = (complex_ones > noise)",
         "hidden = (complex_ones < 0)",
         "linear/test_buckling.py -k follows_a_column",
@@ -4201,11 +4195,10 @@ FAULTS = [
         "max(side, key=abs) for side in sides",
         "design/test_verdict.py -k reached_is_found",
     ),
-    Fault("linear/buckling.py", "jnp.where(nothing, jnp.inf, noise)", "noise", "linear/test_buckling.py -k own_axis"),
     Fault(
         "linear/buckling.py",
-        "jnp.where(_is_nothing(topology, parameters, m.G0, curvature, m.DFx), jnp.inf, noise)",
-        "noise",
+        "jnp.where(nothing, jnp.inf, jnp",
+        "jnp.where(False, jnp.inf, jnp",
         "linear/test_buckling.py -k own_axis",
     ),
     Fault(

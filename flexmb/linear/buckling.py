@@ -77,11 +77,7 @@ class Buckling(Shapes, Result, Record):
 def curvature_of_increment(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_x n_x"], Float[Array, "n_e"], Float[Array, "n_x"]]:
-    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry.
-
-    Args:
-        at: Preloaded state.
-        near: Deformations there, (n_e,) [m, rad].
+    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry ``at``.
 
     Returns:
         In the coordinates, (n_x, n_x) [N/m, N m/rad]; stresses, (n_e,) [N, N m]; displacements, (n_x,) [m, rad, -].
@@ -112,7 +108,7 @@ def scaled_stiffness(
     near: Float[Array, "n_e"],
     raised: tuple[Topology, Parameters, State] | None = None,
 ) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"], Float[Array, ""]]:
-    """Stiffness that stays and stiffness that is scaled with the loads, about a state.
+    """Stiffness that stays and stiffness that is scaled with the loads, about a state, THEORY.md 7, eq. (7.4).
 
     Args:
         near: Deformations there, (n_e,) [m, rad].
@@ -121,9 +117,6 @@ def scaled_stiffness(
     Returns:
         Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-]; infinite
         where all that is scaled is.
-
-    Source:
-        THEORY.md 7, eq. (7.4).
     """
     if parameters.increment is None:
         stays, scaled, curvature = at.K0, at.G0, at.curvature
@@ -134,16 +127,15 @@ def scaled_stiffness(
         curvature, sigma, moved = curvature_of_increment(*grown, near)
         scaled = at.transfer.DFx.T @ curvature @ at.transfer.DFx
     tangent = at.x, near, at.jacobian, at.S, at.transfer.DFx
-    noise = _noise(topology, parameters, tangent, stays, sigma, moved)
-    nothing = _is_nothing(topology, parameters, scaled, curvature, at.transfer.DFx)
-    return stays, scaled, jax.lax.stop_gradient(jnp.where(nothing, jnp.inf, noise))
+    return stays, scaled, _noise(topology, parameters, tangent, (stays, scaled), curvature, sigma, moved)
 
 
 def _noise(
     topology: Topology,
     parameters: Parameters,
     tangent: tuple[Array, ...],
-    stays: Float[Array, "n_q n_q"],
+    stiffnesses: tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"]],
+    curvature: Float[Array, "n_x n_x"] | None,
     sigma: Float[Array, "n_e"],
     moved: Float[Array, "n_x"],
 ) -> Float[Array, ""]:
@@ -158,10 +150,13 @@ def _noise(
     reach = jnp.max(rows, axis=1, initial=0.0)
     elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), topology.e.held, 0.0)
     wrong = ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
-    relative = factorise(stays).solve(dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx)
+    relative = factorise(stiffnesses[0]).solve(
+        dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx
+    )
     # Root of the trace of its square: an upper bound of its eigenvalues.
     noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
-    return jnp.where(jnp.isfinite(noise), noise, 0.0)
+    nothing = _is_nothing(topology, parameters, stiffnesses[1], curvature, dfx)
+    return jax.lax.stop_gradient(jnp.where(nothing, jnp.inf, jnp.where(jnp.isfinite(noise), noise, 0.0)))
 
 
 def _is_nothing(
@@ -189,43 +184,28 @@ def _is_nothing(
 
 
 def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
-    """Load multipliers, infinite where they are unbounded.
-
-    Args:
-        inverse: 1/lambda, (n,) [-].
-        noise: How large it comes out where it is but round-off, () [-].
-
-    Returns:
-        lambda, (n,) [-].
-    """
+    """Load multipliers of 1/lambda, infinite where they are unbounded, or round-off below ``noise``."""
     least = jnp.maximum(jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED, noise)
     bounded = (jnp.abs(inverse) > least) & (inverse != 0)
     return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
 
 
-def _inverse_multipliers(topology: Topology, k: Float[Array, "n n"], g: Float[Array, "n n"]):
-    """Values 1/lambda by descending magnitude, zero for those not real, vectors, and the largest size of those."""
-    complex_ones = jnp.zeros(())
-    if lacks_potential(topology):
-        operator = factorise(k).solve(-g)
-        values, vectors, conditions = general_eigen(operator)
-        real = is_real(values) & _is_told(operator, values, conditions)
-        complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(values)), initial=0.0)
-        values, vectors = jnp.where(real, values.real, 0.0), vectors.real
-    else:
-        values, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
-    order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(values)))
-    return values[order], vectors[:, order], complex_ones
+def _of_unsymmetric(k: Float[Array, "n n"], g: Float[Array, "n n"]):
+    """Real values 1/lambda, zero for complex ones and what round-off makes, vectors, and the largest size of those."""
+    operator = factorise(k).solve(-g)
+    inverse, vectors, conditions = general_eigen(operator)
+    real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(operator, inverse, conditions)
+    complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(inverse)), initial=0.0)
+    return jnp.where(real, inverse.real, 0.0), vectors.real, complex_ones
 
 
 def _is_told(
     operator: Float[Array, "n n"], values: Complex[Array, "n"], conditions: Float[Array, "n"]
 ) -> Bool[Array, "n"]:
-    """Which eigenvalues of an unsymmetric matrix are known, (n,).
+    """Which eigenvalues of an unsymmetric matrix are known, (n,): round-off is that of the matrix times its condition.
 
     A load that follows may have no multipliers at all: of K^-1 G without an eigenvalue but zero round-off makes some,
-    by a root of it as high as the matrix has coordinates. The round-off of an eigenvalue is that of the matrix times
-    its condition.
+    by a root of it as high as the matrix has coordinates.
     """
     operator, values = jax.lax.stop_gradient((operator, values))
     return len(values) * np.finfo(float).eps * jnp.linalg.norm(operator) * conditions < TOLD * jnp.abs(values)
@@ -235,28 +215,23 @@ def _is_told(
 def multipliers_of(
     k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""], *, unsymmetric: bool = False
 ) -> Float[Array, "n"]:
-    """Real load multipliers by magnitude, of a stiffness that stays and one that is scaled.
+    """Real load multipliers by magnitude, of a stiffness K that stays and one G that is scaled.
 
-    Args:
-        k: Stiffness that stays, regular, (n, n).
-        g: Stiffness that is scaled, (n, n).
-        noise: How large 1/lambda comes out where it is but round-off, () [-].
-        unsymmetric: Whether loads or laws have no potential.
+    ``noise`` is how large 1/lambda comes out where it is but round-off; ``unsymmetric`` says there is no potential.
 
     Returns:
-        Lambda of det(k + lambda g) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
+        Lambda of det(K + lambda G) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
 
     Source:
         Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
     """
-    operator = factorise(k).solve(-g)
     if unsymmetric:
-        inverse, _, conditions = general_eigen(operator)
-        real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(operator, inverse, conditions)
+        values, _, _ = _of_unsymmetric(k, g)
     else:
-        inverse = jnp.linalg.eigvals(operator)
-        real = jnp.isfinite(inverse.real) & is_real(inverse)
-    found = bounded_of(jnp.where(real, inverse.real, 0.0), noise)
+        # The stiffness that stays may be of any definiteness.
+        inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
+        values = jnp.where(jnp.isfinite(inverse.real) & is_real(inverse), inverse.real, 0.0)
+    found = bounded_of(values, noise)
     return found[jnp.argsort(jnp.abs(found))]
 
 
@@ -264,10 +239,9 @@ def multipliers_of(
 def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
     """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`."""
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
-    tangent = m.x, m.e, jacobian, m.S, m.DFx
-    noise = _noise(topology, parameters, tangent, m.K0, m.sigma, sizes_of(topology, parameters))
     curvature = deformation_curvature(topology, parameters, m.x, m.e, m.sigma)
-    noise = jnp.where(_is_nothing(topology, parameters, m.G0, curvature, m.DFx), jnp.inf, noise)
+    tangent, sizes = (m.x, m.e, jacobian, m.S, m.DFx), sizes_of(topology, parameters)
+    noise = _noise(topology, parameters, tangent, (m.K0, m.G0), curvature, m.sigma, sizes)
     return multipliers_of(m.K0, m.G0, noise, unsymmetric=lacks_potential(topology))
 
 
@@ -292,7 +266,13 @@ def _buckling_about(
     """Multipliers, modes in the coordinates, whether complex ones hide a lower load, how far loads move, and code."""
     k, g, noise = scaled_stiffness(topology, parameters, at, near)
     dfx = at.transfer.DFx
-    inverse, vectors, complex_ones = _inverse_multipliers(topology, k, g)
+    if lacks_potential(topology):
+        inverse, vectors, complex_ones = _of_unsymmetric(k, g)
+    else:
+        inverse, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
+        complex_ones = jnp.zeros(())
+    order = jnp.argsort(-jnp.abs(jax.lax.stop_gradient(inverse)))
+    inverse, vectors = inverse[order], vectors[:, order]
     multiplier = bounded_of(inverse, noise)
     hidden = (complex_ones > noise) & (complex_ones > jnp.max(jnp.abs(inverse), initial=0.0))
     stable = is_positive_definite((k + k.T) / 2)
@@ -322,17 +302,12 @@ def _warn_of_moving(multiplier: Array, moved: Array, all_scaled: bool) -> None:
 def _asked(model: Model, function: str, throw: bool, where: Where):
     """Multipliers and modes of what a public function is asked about, and the linearisation of a path's state."""
     as_determined(model, function)
-    where.refuse(function)
-    lin = None
-    if where.at is None:
-        increment = 0.0 if where.increment is None else where.increment
-        target = load_factors_of(model, 1.0, increment, function)
-        multiplier, shapes, hidden, moved, result = _buckling(model.topology, model.parameters, target)
+    lin, factors = _about(model, where, function)
+    if lin is None:
+        found = _buckling(model.topology, model.parameters, factors)
     else:
-        lin, factors = _on_path(model, where, function)
-        multiplier, shapes, hidden, moved, result = _buckling_at(
-            model.topology, model.parameters, factors, lin.x, lin.e
-        )
+        found = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
+    multiplier, shapes, hidden, moved, result = found
     check_stiffness(model, result, throw)
     if is_concrete(hidden) and hidden:
         warn(
@@ -346,9 +321,13 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     return multiplier, shapes, lin
 
 
-def _on_path(model: Model, where: Where, function: str) -> tuple[Linearization, LoadFactors]:
-    """A state of a path, and its load factors."""
+def _about(model: Model, where: Where, function: str) -> tuple[Linearization | None, LoadFactors]:
+    """A state of a path and its load factors, or those of the equilibrium to find."""
+    where.refuse(function)
     at = where.at
+    if at is None:
+        increment = 0.0 if where.increment is None else where.increment
+        return None, load_factors_of(model, 1.0, increment, function)
     if not isinstance(at, ManyStates) or at.states().kind != "path":
         raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not a {type(at).__name__}.")
     found = where.state(model, function)
@@ -415,10 +394,7 @@ def _by_sparse(
 ) -> Any:
     """What a public function is asked by sparse factors; None where dense matrices are to answer.
 
-    Args:
-        function: Its name.
-        found: Gives the answer, multipliers first and last how far loads move the mechanism, of model, load factors,
-            count, and a state of a path.
+    ``found`` answers of model, load factors, count, and a state of a path: multipliers first, how far loads move last.
     """
     if count is not None:
         check_whole("count", count, 1)
@@ -431,14 +407,9 @@ def _by_sparse(
     chosen = sparse is None and throw and large and few_of(model, count)
     if count is None or not (sparse or chosen):
         return None
-    where.refuse(function)
+    about, factors = _about(model, where, function)
     try:
-        if where.at is not None:
-            about, factors = _on_path(model, where, function)
-            *answer, moved = found(model, factors, int(count), about)
-        else:
-            increment = 0.0 if where.increment is None else where.increment
-            *answer, moved = found(model, load_factors_of(model, 1.0, increment, function), int(count))
+        *answer, moved = found(model, factors, int(count), about)
         if is_concrete((answer[0], moved)):
             _warn_of_moving(answer[0], moved, model.parameters.increment is None and where.at is None)
         return answer
@@ -477,13 +448,7 @@ def buckling(
 
     Args:
         model: Mechanism with loads; see :func:`buckling_loads`.
-        count: How many of the smallest size; all unless given or where there are fewer.
-        sparse: ``count`` modes by sparse factors, of a model that needs no degrees of freedom, as for
-            :func:`buckling_loads`.
-        throw: Raise where the equilibrium fails or is unstable.
-        at: Path of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of the path, from 0; -1 for the last.
-        increment: Factor of the incremental loads in the state to begin from, () [-]; zero unless given.
+        count, sparse, throw, at, step, increment: As of :func:`buckling_loads`.
 
     Returns:
         Buckling with multipliers (n,) [-] and shapes (n_x, n); unbounded ones are left out.

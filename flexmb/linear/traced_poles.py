@@ -1,6 +1,7 @@
 """Poles of traced numbers, by calls on the host, whose derivatives follow from left and right vectors."""
 
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -31,7 +32,37 @@ BESIDE = 1e-7
 TURNS = 3
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _differentiable(find: Callable[[Any, Any], Any], balance: Callable[..., Any]) -> Callable[[Any, Any], Any]:
+    """Poles of equations, as many as the second argument is long, and a code, with first derivatives.
+
+    Args:
+        find: Poles, code, left and right vectors for which w^H (2 s M + C) v = 1.
+        balance: w^H (s^2 M + s C + K) v of equations, poles, left and right vectors.
+    """
+
+    @jax.custom_jvp
+    def with_vectors(equations: Any, count: Array):
+        return find(equations, count)
+
+    @with_vectors.defjvp
+    def _refused(*_: Any) -> Any:
+        raise NotImplementedError(
+            "Poles have first derivatives, and no second ones: leave out second_order, or jax.hessian."
+        )
+
+    @jax.custom_jvp
+    def poles(equations: Any, count: Array):
+        return with_vectors(equations, count)[:2]
+
+    @poles.defjvp
+    def _changes(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+        values, code, left, right = with_vectors(*primals)
+        _, change = jax.jvp(lambda of: balance(of, values, left, right), (primals[0],), (tangents[0],))
+        return (values, code), (-change, np.zeros((), jax.dtypes.float0))
+
+    return poles
+
+
 def traced_poles(
     k: Float[Array, "n n"], c: Float[Array, "n n"], m: Float[Array, "n n"], count: int
 ) -> tuple[Complex[Array, "count"], Int[Array, ""]]:
@@ -45,33 +76,23 @@ def traced_poles(
         there are fewer poles, or a negative mass; singular_stiffness where a motion has neither mass, stiffness nor
         damping.
     """
-    return _found(k, c, m, count)[:2]
+    # The number is handed on as a shape, which stays known.
+    return _of_matrices((k, c, m), np.zeros(count))
 
 
-@traced_poles.defjvp
-def _changes(count: int, given: tuple[Any, Any, Any], changes: tuple[Any, Any, Any]):
-    values, code, left, right = _found(*given, count)
-
-    def along(change: Any) -> Any:
-        return jnp.einsum("in,nm,im->i", jnp.conj(left), change.astype(complex), right)
-
-    dk, dc, dm = map(along, changes)
-    moved = -(dk + values * dc + values**2 * dm)
-    return (values, code), (moved, np.zeros((), jax.dtypes.float0))
+def _found(matrices: Any, count: Array) -> Any:
+    k, n = count.shape[0], len(matrices[0])
+    vectors = jax.ShapeDtypeStruct((k, n), complex)
+    like = jax.ShapeDtypeStruct((k,), complex), jax.ShapeDtypeStruct((), np.int32), vectors, vectors
+    return call_host(functools.partial(_with_vectors, count=k), like, *matrices)
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
-def _found(k: Any, c: Any, m: Any, count: int) -> Any:
-    vectors = jax.ShapeDtypeStruct((count, len(k)), complex)
-    like = jax.ShapeDtypeStruct((count,), complex), jax.ShapeDtypeStruct((), np.int32), vectors, vectors
-    return call_host(functools.partial(_with_vectors, count=count), like, k, c, m)
+def _balance(matrices: Any, values: Any, left: Any, right: Any) -> Any:
+    k, c, m = (jnp.einsum("in,nm,im->i", jnp.conj(left), of.astype(complex), right) for of in matrices)
+    return k + values * c + values**2 * m
 
 
-@_found.defjvp
-def _refused(*_: Any) -> Any:
-    raise NotImplementedError(
-        "Poles have first derivatives, and no second ones: leave out second_order, or jax.hessian."
-    )
+_of_matrices = _differentiable(_found, _balance)
 
 
 def _with_vectors(k: Any, c: Any, m: Any, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -131,34 +152,24 @@ def poles_of_elements(elements: ElementMatrices, count: int) -> Complex[Array, "
 
     Derivatives are NaN where poles meet or are repeated. Also singular_mass is raised; under a trace an error of JAX.
     """
-    # The number is handed on as a shape, which stays known.
-    return _of_elements(elements, np.zeros(count))
+    return _of_elements(elements, np.zeros(count))[0]
 
 
-@jax.custom_jvp
-def _of_elements(elements: ElementMatrices, count: Array) -> Complex[Array, "count"]:
-    return _with_motions(elements, count)[0]
-
-
-@_of_elements.defjvp
-def _of_elements_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    elements, count = primals
-    values, left, right = _with_motions(elements, count)
-
-    def balance(elements: ElementMatrices):
-        def of_one(s: Any, y: Any, z: Any):
-            return jnp.sum(y * product(elements, z[:, None], None, s)[:, 0])
-
-        return jax.vmap(of_one)(values, left, right)
-
-    return values, -jax.jvp(balance, (elements,), (tangents[0],))[1]
-
-
-@jax.custom_jvp
-def _with_motions(elements: ElementMatrices, count: Array) -> Any:
+def _found_by_elements(elements: ElementMatrices, count: Array) -> Any:
     k, rows = count.shape[0], sum(elements.unknowns)
     like = jax.ShapeDtypeStruct((k,), complex), *[jax.ShapeDtypeStruct((k, rows), complex)] * 2
-    return on_host(functools.partial(_nearest, count=k), like, elements)
+    values, left, right = on_host(functools.partial(_nearest, count=k), like, elements)
+    return values, jnp.zeros((), jnp.int32), left, right
+
+
+def _balance_by_elements(elements: ElementMatrices, values: Any, left: Any, right: Any) -> Any:
+    def of_one(s: Any, y: Any, z: Any):
+        return jnp.sum(y * product(elements, z[:, None], None, s)[:, 0])
+
+    return jax.vmap(of_one)(values, left, right)
+
+
+_of_elements = _differentiable(_found_by_elements, _balance_by_elements)
 
 
 def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -172,9 +183,6 @@ def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.n
     vectors = [_motions(whole, every, int(number)) for number in near]
     left, right = (np.array([pair[side] for pair in vectors]) for side in range(2))
     return every[near], left, right
-
-
-_with_motions.defjvp(_refused)
 
 
 def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
