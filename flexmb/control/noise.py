@@ -124,33 +124,29 @@ def noise_budget(
     """What independent sources of noise make of the outputs, through the mechanism and a controller around it.
 
     With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band``
-    that within, at frequencies that are chosen. With neither, sources are white, and it is exact, over all frequencies,
+    that within, at frequencies that are chosen. With neither, sources are white, and it is exact over all frequencies,
     by Lyapunov's equation.
 
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
-            parameters.
+        parameters.
         hertz: Frequencies, ascending, (n_f,) [Hz], close enough to each other to draw every resonance.
-        sources: Power spectral densities, one-sided, [unit^2/Hz], by the name of an input, for what adds to it, such as
-            motion of a floor or noise of an actuator, or by "sensor " and the name of an output, for what adds to what
-            a controller reads of it: a number, an array, (n_f,), that goes with ``hertz``, or a function of
-            frequencies, (n_f,) [Hz].
+        sources: Power spectral densities, one-sided, [unit^2/Hz]: a number, an array, (n_f,), that goes with ``hertz``,
+            or a function of frequencies, (n_f,) [Hz]. Their keys are names of inputs, for what adds to these, such as
+            motion of a floor, or "sensor " and the name of an output, for what adds to what a controller reads of it.
         band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole, and
             where a density that is a function bends or jumps; from 0 Hz it begins at 1e-4 of the slowest pole. A line
             of a density is met that is 1e-3 of its frequency wide at each side: narrower ones need ``hertz``, and so do
-            those of a density that ``jax.jit`` traces, of which nothing is known.
+            those of a density that ``jax.jit`` traces.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
             n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
-            of one by one. Matrices and what functions return may be traced, so that gains are dimensions like others.
-            Whether a loop is stable is not known of a function of frequencies.
+            of one by one. Matrices and what functions return may be traced. Whether a loop with a function is stable is
+            not known.
         measured: Names of the outputs that the controller reads, in its order; those that it names itself, or all.
         driven: Names of the inputs that it drives likewise.
         sign: -1 for u = -K y, as of ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
         outputs: Names of the outputs wanted; all unless given.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
-        step: Number of the state of a path or a motion, from 0; -1 for the last.
-        time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
 
     Returns:
         NoiseBudget. A root mean square is infinite where white noise passes at once, as from a force to an
@@ -158,17 +154,16 @@ def noise_budget(
 
     Raises:
         AnalysisError: unstable where the mechanism, or the loop, does not come to rest, or has a resonance without
-            damping within the frequencies, so that its noise has no end;
-            what the linearisation failed by.
+            damping within the frequencies, so that its noise has no end; what the linearisation failed by.
         ModelError: Noise of a sensor that no controller reads; no outputs; an input that moves nothing.
         KeyError: A source, an output or an input that there is not.
         ValueError: No sources; a density that is negative or has another shape; neither ``hertz`` nor ``band`` where a
-            density is no number; a controller that does not fit; a ``band`` beside one that is a function of
-            frequencies under ``jax.jit``.
+            density is no number; a controller that does not fit; under ``jax.jit`` a ``band`` beside one that is a
+            function.
 
     Warns:
         FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band begins; the loop of
-            a controller that is a function of frequencies, or a density that is one, is too sharp to be drawn.
+            a controller that is a function, or a density that is one, is too sharp to be drawn.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).
@@ -269,10 +264,9 @@ class _Frequencies(NamedTuple):
 
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
-        steps: Of the band, the width that each stands for, (n_f,) [Hz], and where they are in steps of such widths,
-            (n_f,); None where the trapezoidal rule sums.
+        steps: The width that each of a band stands for, (n_f,) [Hz], and their places in such widths; None: trapezia.
         settles: Whether noise has an end.
-        whole: Where the sum is over all frequencies: the state space that gives it.
+        whole: The state space that sums over all frequencies, where it is to.
     """
 
     hertz: Any

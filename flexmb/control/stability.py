@@ -122,8 +122,9 @@ class ClosedLoop(Result):
 def closed_loop(model: Model | Linearization | control.StateSpace, controller: Any, *, sign: int = -1) -> ClosedLoop:
     """The linear loop of a mechanism and a controller: is it stable, and how far from instability?
 
-    A controller that makes the loop unstable is warned of. :func:`flexmb.simulate` does not ask: the linearised
-    equations would take a fifth of its compile time; its motion runs away, and is refused by name where it does.
+    A controller that makes the loop unstable is warned of. :func:`flexmb.simulate` does not ask this, which would take
+    a
+    fifth of its compile time: there a motion that runs away is refused by name.
 
     Args:
         model: Mechanism about its equilibrium, its linearisation such as that by :func:`flexmb.damped`, or a state

@@ -213,8 +213,8 @@ def state_matrices(
 ) -> tuple[StateMatrices, list[str]]:
     """State-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
-    Motions without mass are condensed statically (their damping is left out), so that the states are those of the
-    degrees of freedom that carry mass. Where everything is held there are none, and D says how the outputs follow.
+    Motions without mass are condensed statically, without their damping: states are the degrees of freedom that carry
+    mass. Where everything is held there are none, and D says how the outputs follow.
 
     An input that is the displacement of what is held adds no states: they are the degrees of freedom less what the
     input moves at once by its inertia, and are then named "shifted". A velocity adds its integral to the states, an
@@ -226,8 +226,8 @@ def state_matrices(
             Differentiable in its parameters for named inputs and outputs. Which motions carry no mass is decided on
             concrete numbers; under a trace all are taken to carry mass, and D is NaN where an output takes a rate of an
             input.
-        modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes
-            [m sqrt(kg)] and rates. All others follow inputs at once, as they do at rest, to an acceleration of what is
+        modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes [m
+            sqrt(kg)] and rates. All others follow inputs at once, as they do at rest, to an acceleration of what is
             held with the inertia that it moves: the response at rest of positions, deformations, stresses and reactions
             is right, and that in the band nearly so. Velocities and accelerations of what follows would take rates of
             the inputs and are left out, so that these outputs are off by the share of the flexibility at rest that is
@@ -250,13 +250,12 @@ def state_matrices(
 
     Warns:
         FlexmbWarning: Damping of motions without mass is left out, and responses at the frequencies of poles are off by
-            more than 1 % for that. What is kept is off by more than 1 % in its band, up to ``bandwidth`` or else the
-            highest mode that is kept, measured as :func:`to_statespace` says.
+            more than 1 % for that; what is kept is off by more than 1 % in its band, as :func:`to_statespace` says.
 
     Source:
-        THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I],
-        [-M0^-1 K, -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of what is held and
-        constraint forces 14, eq. (14.1) to (14.5).
+        THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K,
+        -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of what is held and constraint
+        forces 14, eq. (14.1) to (14.5).
     """
     few = modes is not None or bandwidth is not None
     lin = model if _is_along_motion(model) else asked_about(model, "state_matrices", None, sparse, few=few)

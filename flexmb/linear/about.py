@@ -79,12 +79,8 @@ def _key(of: Any) -> str:
 def check_state(at: Any, model: Model, function: str) -> None:
     """Refuse a state of another model, as far as its names or numbers that are known tell.
 
-    Loads and strains may differ: those of a path's steps and of its imperfections do.
-
-    Args:
-        at: What has ``labels``, and may have a ``model``, or tell which one it was ``asked_of``.
-        model: What a function is asked about.
-        function: Its name.
+    Loads and strains may differ: those of a path's steps and of its imperfections do. ``at`` has ``labels``, and may
+    have a ``model``, or tell which one it was ``asked_of``.
     """
     own = getattr(at, "model", None) or getattr(at, "asked_of", None)
     if own is model:
@@ -112,9 +108,6 @@ def linearized(given: Any, function: str, throw: bool = True, where: Where | Non
     Args:
         given: Model, which is linearised about its equilibrium or stands at a state of a path or a motion; or
             Linearization, which passes.
-        function: Name of the public function.
-        throw: Whether an equilibrium that was not found is an error.
-        where: Which state.
 
     Raises:
         TypeError: It is neither, or is linearised element by element.
@@ -165,8 +158,6 @@ def by_elements(
 
     Args:
         given: Model, or its linearisation.
-        function: Name of the public function.
-        where: Which state.
         sparse: Whether to; None: where a mechanism is large.
         few: Whether so little is asked for that sparse matrices are worth it.
         throw: Whether a failure is an error, as it always is by sparse matrices.

@@ -109,12 +109,6 @@ def eigenvalues_beside(
     return linalg.eigsh(operator, k=count, M=stiffness, Minv=inverse, v0=start, **how)
 
 
-def more_below(matrix: Any, n: int, found: int) -> bool:
-    """Whether a sparse symmetric [[A, D^T], [D, 0]], A (n, n), has more negative eigenvalues than those found."""
-    negative = negative_where_held(matrix, SparseFactors(matrix), n)
-    return negative is not None and negative > found
-
-
 def changed(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
     """How much one more iteration changes motions, by ``left``, beside their own size, as a matrix measures both."""
     wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
@@ -129,6 +123,81 @@ def check_modes(wrong: np.ndarray, what: str) -> None:
             f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
             " of freedom.",
         )
+
+
+class Constrained:
+    """A symmetric K where constraints D v = 0 hold, and its factors.
+
+    Attributes:
+        tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
+        stiffness: K, (n, n).
+        factors: Of the tangent.
+    """
+
+    def __init__(self, tangent: Any, n: int):
+        self.n, self.tangent, self.stiffness = n, tangent, tangent[:n, :n]
+        self.factors = SparseFactors(tangent)
+
+    def solved(self, forces: np.ndarray) -> np.ndarray:
+        """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
+        rest = np.zeros((self.tangent.shape[0] - self.n, *forces.shape[1:]))
+        return self.factors.solve(np.concatenate([forces, rest]))
+
+    def moved(self, forces: np.ndarray) -> np.ndarray:
+        """Motions under forces, (n,) or (n, k)."""
+        return self.solved(forces)[: self.n]
+
+    def few(self, count: int) -> bool:
+        """Whether constraints leave so few motions that all are found."""
+        return 2 * self.n - self.tangent.shape[0] <= max(FEW, 3 * count)
+
+    def searched(self, matrix: Any, count: int, known: tuple[Any, Any] | None, start: np.ndarray, **how: Any):
+        """As :func:`eigenvalues_beside`, from a motion under the forces A x of a start x."""
+        known = known or (np.zeros(0), np.zeros((self.n, 0)))
+        first = self.moved(matrix @ start)
+        return eigenvalues_beside(matrix, self.stiffness, self.moved, known, count, first, **how)
+
+    def largest(
+        self, matrix: Any, count: int, last: Callable[[np.ndarray], float | None], both: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Largest m of A v = m K v, as many of each as there are, and their motions with v^T K v = 1.
+
+        Args:
+            matrix: Sparse symmetric A, (n, n).
+            count: How many.
+            last: Up to which value all are counted, by inertia, of those found; None: no matter.
+            both: Whether negative ones are large too.
+
+        Raises:
+            numpy.linalg.LinAlgError: K is not positive definite.
+        """
+        if self.few(count):
+            return AllowedMotions(self.tangent, self.factors, self.n).largest(matrix, count)
+
+        def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
+            which = "LM" if both else "LA"
+            return self.searched(matrix, count, (values, known), start, which=which, tol=1e-13)
+
+        def passed_over(values: np.ndarray):
+            least = last(values)
+            if least is None:
+                return False
+            for side in (1.0, -1.0) if both else (1.0,):
+                below = plus(self.tangent, matrix, -side / least)
+                negative = negative_where_held(below, SparseFactors(below), self.n)
+                if negative is not None and negative > int(np.sum(side * values > least)):
+                    return True
+            return False
+
+        return with_all_copies(search, passed_over, lambda m: -np.abs(m) if both else -m, (self.n, count))
+
+
+def plus(tangent: Any, matrix: Any, factor: float) -> Any:
+    """Sparse [[K + c A, D^T], [D, 0]] of that with K alone."""
+    import scipy.sparse
+
+    rest = tangent.shape[0] - matrix.shape[0]
+    return (tangent + scipy.sparse.block_diag([factor * matrix, scipy.sparse.csr_array((rest, rest))])).tocsc()
 
 
 class AllowedMotions:

@@ -24,10 +24,10 @@ CLUSTER = 1e-6
 
 
 def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
-    """Lower estimate of the least of positive values, smooth where several are equal.
+    """Lower estimate (sum of v^-p)^(-1/p) of the least of positive values, smooth where several are equal.
 
-    (sum of v^-p)^(-1/p): of eigenvalues or loads a symmetric function, whose first derivative is right where they are
-    repeated although that of each alone does not exist. Between n^(-1/p) of the minimum and the minimum.
+    Of eigenvalues or loads it is a symmetric function, whose first derivative is right where they are repeated although
+    that of each alone does not exist. It lies between n^(-1/p) of the minimum and the minimum.
 
     Args:
         values: Positive, infinite ones allowed, (n,).
@@ -50,19 +50,16 @@ def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
 
 
 def smooth_maximum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
-    """Upper estimate of the largest of positive values, smooth where several are equal.
-
-    (sum of v^p)^(1/p), between the maximum and n^(1/p) of it.
+    """Upper estimate (sum of v^p)^(1/p) of the largest of positive values, between it and n^(1/p) of it.
 
     Args:
-        values: Positive, (n,).
-        sharpness: p, () [-].
+        values, sharpness: As of :func:`smooth_minimum`, values finite.
 
     Returns:
         () [unit of the values].
 
     Raises:
-        ValueError: A value that is not positive, or a sharpness below 1.
+        ValueError: As :func:`smooth_minimum`.
 
     Source:
         As :func:`smooth_minimum`.
@@ -132,8 +129,7 @@ def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
     """Which mode of another state each mode has become, by shape and not by order.
 
     Args:
-        one: Modes of a model.
-        other: Modes of the same model under another load, or of one with other dimensions or degrees of freedom.
+        one, other: As of :func:`mode_assurance`.
 
     Returns:
         (n,) [-]: number, from 0, of the mode in ``other`` that continues each mode of ``one``; -1 where ``other`` has

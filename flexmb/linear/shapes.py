@@ -40,8 +40,5 @@ class Shapes(ByName, AboutState):
         Returns:
             Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
             component; of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
-
-        Raises:
-            KeyError: No such node or component.
         """
         return moved(self.labels, self.lin.x, self.shapes, node, component)

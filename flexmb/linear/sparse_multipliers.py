@@ -8,19 +8,8 @@ from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.linear import uneven
-from ..math.sparse import SparseFactors
 from ..results import RESULTS
-from .lanczos import (
-    BEFORE,
-    FEW,
-    AllowedMotions,
-    changed,
-    check_modes,
-    eigenvalues_beside,
-    more_below,
-    named,
-    with_all_copies,
-)
+from .lanczos import BEFORE, AllowedMotions, Constrained, changed, check_modes, named
 
 # Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
 UNBOUNDED = 1e9
@@ -116,79 +105,49 @@ def _refuse_negative(elastic: Pieces) -> None:
             )
 
 
-def _operator(stays: Any, n: int) -> tuple[Any, Any]:
-    """Factors of the stiffness that stays, and motions under forces as ARPACK asks for them."""
-    import scipy.sparse.linalg
-
-    factored = SparseFactors(stays)
-    if not factored.regular:
+def _constrained(stiffness: Any, n: int) -> Constrained:
+    """A stiffness with constraints; or singular_stiffness."""
+    at = Constrained(stiffness, n)
+    if not at.factors.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-
-    def moved(force: np.ndarray):
-        return factored.solve(np.concatenate([np.ravel(force), np.zeros(stays.shape[0] - n)]))[:n]
-
-    linalg: Any = scipy.sparse.linalg
-    return factored, linalg.LinearOperator((n, n), matvec=moved, dtype=float)
+    return at
 
 
 def _refuse_unstable(structural: Any, geometric: Any) -> None:
     """Raise where the preload is beyond a buckling load of its own: K0 + G0 is not positive definite."""
-    import scipy.sparse.linalg
-
-    n, linalg = geometric.shape[0], scipy.sparse.linalg
-    factored, moved = _operator(structural, n)
-    left = 2 * n - structural.shape[0]
-    if left <= FEW:
-        most = AllowedMotions(structural, factored, n).largest(-geometric, left)[0]
+    n = geometric.shape[0]
+    at = _constrained(structural, n)
+    if at.few(1):
+        most = AllowedMotions(structural, at.factors, n).largest(-geometric, n)[0]
     else:
-        start = moved.matvec(uneven(n))
         with named("Lower the constant loads"):
-            most = linalg.eigsh(-geometric, k=1, M=structural[:n, :n], Minv=moved, v0=start, which="LA", tol=1e-6)[0]
+            most = at.searched(-geometric, 1, None, uneven(n), which="LA", tol=1e-6)[0]
     if np.max(most, initial=0.0) >= 1:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
 
 
 def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
     """Multipliers of smallest size: -G v = (1/lambda) K v where the constraints hold, THEORY.md 7, eq. (7.4)."""
-    import scipy.sparse
-    import scipy.sparse.linalg
-
     n = scaled.shape[0]
-    factored, moved = _operator(stays, n)
-    stiffness, rest = stays[:n, :n], stays.shape[0] - n
+    at, rest = _constrained(stays, n), stays.shape[0] - n
     if abs(scaled).max() == 0:
         return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
-    if n - rest <= max(FEW, 3 * count):
-        try:
-            inverse, motions = AllowedMotions(stays, factored, n).largest(-scaled, count)
-        except np.linalg.LinAlgError:
-            raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
-    else:
 
-        def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
-            how = {"which": "LM", "tol": 1e-13}
-            return eigenvalues_beside(
-                -scaled, stiffness, moved.matvec, (values, known), count, moved.matvec(start), **how
-            )
+    def last(inverse: np.ndarray):
+        bounded = abs(inverse[-1]) > abs(inverse[0]) / UNBOUNDED
+        return abs(inverse[-1]) / (1 - BEFORE) if bounded else None
 
-        def passed_over(inverse: np.ndarray):
-            if abs(inverse[-1]) <= abs(inverse[0]) / UNBOUNDED:
-                return False
-            limit = (1 - BEFORE) / abs(inverse[-1])
-            wide = scipy.sparse.block_diag([limit * scaled, scipy.sparse.csr_array((rest, rest))])
-            sides = [(stays + side * wide).tocsc() for side in (1.0, -1.0)]
-            found = [int(np.sum(side * inverse > 1 / limit)) for side in (1.0, -1.0)]
-            return any(more_below(matrix, n, own) for matrix, own in zip(sides, found, strict=True))
-
-        inverse, motions = with_all_copies(search, passed_over, lambda inverse: -np.abs(inverse), (n, count))
+    try:
+        inverse, motions = at.largest(-scaled, count, last, both=True)
+    except np.linalg.LinAlgError:
+        raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
     order = np.argsort(-np.abs(inverse))
     inverse, motions = inverse[order], motions[:, order]
-    size = np.einsum("ij,ij->j", motions, stiffness @ motions)
+    size = np.einsum("ij,ij->j", motions, at.stiffness @ motions)
     false = np.abs(np.einsum("ij,ij->j", motions, noise @ motions)) / size
     bounded = np.abs(inverse) > np.maximum(np.max(np.abs(inverse)) / UNBOUNDED, false)
     values = np.where(bounded, 1 / np.where(bounded, inverse, 1.0), np.inf)
     # Once more, for the multipliers too: K v + D^T m = -lambda G v.
-    forces = np.vstack([-(scaled @ motions) / np.where(bounded, inverse, 1.0), np.zeros((rest, count))])
-    full = np.stack([factored.solve(force) for force in forces.T], axis=1)
-    check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], stiffness), "load multipliers")
+    full = at.solved(-(scaled @ motions) / np.where(bounded, inverse, 1.0))
+    check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], at.stiffness), "load multipliers")
     return Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))

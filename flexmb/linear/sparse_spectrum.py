@@ -14,7 +14,7 @@ from ..math.by_deformations import refined
 from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_where_held
 from ..results import RESULTS
-from .lanczos import BEFORE, FEW, AllowedMotions, changed, check_modes, eigenvalues_beside, more_below, with_all_copies
+from .lanczos import BEFORE, FEW, Constrained, changed, check_modes, plus
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
 
 # Of more motions than these all are not found by sparse matrices.
@@ -49,38 +49,22 @@ class Lowest(NamedTuple):
     multipliers: np.ndarray
 
 
-class _Shifted:
-    """K + s M where constraints D v = 0 hold, and its factors.
-
-    Attributes:
-        shift: s [rad^2/s^2].
-        tangent: Sparse [[K + s M, D^T], [D, 0]], (n + h, n + h).
-        stiffness: K + s M, (n, n).
-        mass: M, (n, n).
-        factors: Of the tangent.
-    """
+class _Shifted(Constrained):
+    """K + s M where constraints hold, with the shift s [rad^2/s^2] and the mass M, (n, n)."""
 
     def __init__(self, tangent: Any, mass: Any, shift: float):
-        self.shift, self.mass, self._n = shift, mass, mass.shape[0]
-        self.tangent = tangent if shift == 0.0 else with_mass(tangent, mass, shift)
-        self.stiffness = self.tangent[: self._n, : self._n]
-        self.factors = SparseFactors(self.tangent)
+        super().__init__(tangent if shift == 0.0 else plus(tangent, mass, shift), mass.shape[0])
+        self.shift, self.mass = shift, mass
 
     def is_definite(self) -> bool:
         """Whether K + s M is known to be positive definite where the constraints hold."""
-        return self.factors.regular and negative_where_held(self.tangent, self.factors, self._n) == 0
-
-    def solved(self, forces: np.ndarray) -> np.ndarray:
-        """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
-        rest = np.zeros((self.tangent.shape[0] - self._n, *forces.shape[1:]))
-        return self.factors.solve(np.concatenate([forces, rest]))
+        return self.factors.regular and negative_where_held(self.tangent, self.factors, self.n) == 0
 
     def once_more(self, motions: np.ndarray, inverse: np.ndarray, exact: Callable[[np.ndarray], np.ndarray] | None):
         """Motions and multipliers one iteration on, by a product that is better than the entries where there is one."""
-        forces = self.mass @ motions / inverse
+        forces, n = self.mass @ motions / inverse, self.n
         if exact is None:
             return self.solved(forces)
-        n = self._n
 
         def shifted(z: np.ndarray):
             found = exact(z)
@@ -89,18 +73,6 @@ class _Shifted:
 
         right = np.concatenate([forces, np.zeros((self.tangent.shape[0] - n, len(inverse)))])
         return refined(shifted, self.factors.solve, right, np.ones(n))
-
-    def moved(self, forces: np.ndarray) -> np.ndarray:
-        """Motions under forces, (n,) or (n, k)."""
-        return self.solved(forces)[: self._n]
-
-
-def with_mass(tangent: Any, mass: Any, factor: float) -> Any:
-    """Sparse [[K + c M, D^T], [D, 0]] of that without mass."""
-    import scipy.sparse
-
-    rest = tangent.shape[0] - mass.shape[0]
-    return (tangent + scipy.sparse.block_diag([factor * mass, scipy.sparse.csr_array((rest, rest))])).tocsc()
 
 
 def _below_all(tangent: Any, mass: Any) -> _Shifted:
@@ -143,31 +115,22 @@ def refuse_negative_masses(mass: Any, pieces: Any, tangent: Any) -> None:
 
 def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarray]:
     """Largest mu of M v = mu (K + s M) v, and their motions with v^T (K + s M) v = 1; about right, or right."""
-    n, mass = at.mass.shape[0], at.mass
-    every = 2 * n - at.tangent.shape[0]
-    heavy = np.flatnonzero(mass.diagonal() != 0)
-    if every <= max(FEW, 3 * count):
-        try:
-            return AllowedMotions(at.tangent, at.factors, n).largest(mass, count)
-        except np.linalg.LinAlgError:
-            raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
-    if len(heavy) <= max(FEW, 3 * count):
-        return _of_few_masses(at, heavy, count)
+    heavy = np.flatnonzero(at.mass.diagonal() != 0)
+    if not at.few(count):
+        if len(heavy) <= max(FEW, 3 * count):
+            return _of_few_masses(at, heavy, count)
+        if rough:
+            return at.searched(at.mass, count, None, uneven(at.n), which="LA", tol=ROUGH)
+    every = 2 * at.n - at.tangent.shape[0]
 
-    def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
-        how = {"which": "LA", "tol": ROUGH if rough else 1e-13}
-        return eigenvalues_beside(mass, at.stiffness, at.moved, (values, known), count, at.moved(mass @ start), **how)
-
-    def passed_over(inverse: np.ndarray):
+    def last(inverse: np.ndarray):
         # Up to the last, or where motions without mass begin.
-        last = max(inverse[-1] * (1 + BEFORE * abs(1 - at.shift * inverse[-1])), MASSLESS * every * inverse[0])
-        below = with_mass(at.tangent, mass, -1 / last)
-        return more_below(below, n, int(np.sum(inverse > last)))
+        return max(inverse[-1] * (1 + BEFORE * abs(1 - at.shift * inverse[-1])), MASSLESS * every * inverse[0])
 
-    start = uneven(n)
-    if rough:
-        return search(np.zeros(0), np.zeros((n, 0)), start)
-    return with_all_copies(search, passed_over, lambda inverse: -inverse, (n, count))
+    try:
+        return at.largest(at.mass, count, last, both=False)
+    except np.linalg.LinAlgError:
+        raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
 
 
 def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -181,11 +181,7 @@ class Stress(Result, Record):
 
     @property
     def where(self) -> Location:
-        """Where the largest von Mises stress is; the first of several, on concrete numbers.
-
-        Raises:
-            TypeError: The stress is traced.
-        """
+        """Where the largest von Mises stress is, the first of several; TypeError where the stress is traced."""
         if isinstance(self.von_mises, jax.core.Tracer):
             raise TypeError("where needs concrete numbers: ask for it outside jax.jit and jax.grad.")
         found = np.asarray(self.von_mises)
@@ -196,10 +192,7 @@ class Stress(Result, Record):
     def utilisation(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element over the strength of its material, (elements,) [-].
 
-        Above one it yields or breaks. Zero where the material states no strength.
-
-        Raises:
-            ModelError: No material states one.
+        Above one it yields or breaks. Zero where the material states no strength; ModelError where none states one.
         """
         return jnp.max(self._over("strength"), axis=-1)
 
@@ -208,9 +201,6 @@ class Stress(Result, Record):
         """Largest von Mises stress of each element over the fatigue limit of its material, (elements,) [-].
 
         It is that of a motion which reverses fully between this state and one with the opposite stress.
-
-        Raises:
-            ModelError: No material states one.
         """
         return jnp.max(self._over("fatigue"), axis=-1)
 
@@ -232,16 +222,10 @@ class Stress(Result, Record):
         return [name for name, missing in zip(self.names, unknown, strict=True) if missing]
 
     def smooth_utilisation(self, sharpness: float = 50.0) -> Float[Array, ""]:
-        """Upper estimate of the largest :attr:`utilisation` whose derivative has no jumps.
+        """Upper estimate of the largest :attr:`utilisation` whose derivative has no jumps, () [-]; or ModelError.
 
         Args:
             sharpness: As for :meth:`smooth_maximum`, () [-].
-
-        Returns:
-            () [-].
-
-        Raises:
-            ModelError: No material states a strength.
 
         Source:
             As :meth:`smooth_maximum`.
