@@ -1,20 +1,24 @@
 """Whether a model is solved by sparse factors."""
 
-from ..arguments import check_flag
+from typing import Any
+
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..math.sparse import LARGE
 from ..model.model import Model
 
 
-def by_sparse(model: Model, sparse: bool | None) -> bool:
-    """Whether a model is solved by sparse factors: as is asked, or, where nothing is, as it is large.
+def solver_for(model: Model, sparse: bool | None, solver: Any = None) -> LinearSolver:
+    """Solver that a public function is asked for; unless one is, sparse factors where the model is large.
 
     Args:
-        sparse: What a public function was given.
+        sparse, solver: What the public function was given.
 
     Raises:
-        TypeError: It is neither a truth value nor None.
+        TypeError, ValueError: As of :func:`flexmb.math.linear_solver.asked_solver`.
     """
-    if sparse is None:
-        return model.topology.n_x >= LARGE
-    check_flag("sparse", sparse)
-    return bool(sparse)
+    return asked_solver(sparse, solver) or (SPARSE if model.topology.n_x >= LARGE else DENSE)
+
+
+def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
+    """Whether a model is solved in all coordinates; arguments as of :func:`solver_for`."""
+    return solver_for(model, sparse, solver) != DENSE

@@ -1,0 +1,170 @@
+"""What a question asks of the linear equations of a mechanism: factors with a shift, solutions, inertia, regularity.
+
+A new solver is one class with the methods of :class:`LinearSolver`, and is given to a question by ``solver=``.
+"""
+
+import dataclasses
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from ..arguments import check_flag, shown
+from .element_matrices import ElementMatrices, Whole
+from .sparse import negative_where_held
+
+# Directions whose singular value is below this share of the largest are free.
+ROUND_OFF = 1e-12
+
+
+class FactoredEquations(Protocol):
+    """Factors of [[A, D^T], [D, 0]], A = K + a M + b C, on the host.
+
+    Attributes:
+        regular: Whether the factors can be trusted.
+    """
+
+    regular: bool
+
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """Motions of the coordinates that move, then multipliers.
+
+        Args:
+            right: Forces on these coordinates, then deformations of the constraints, (n + h,) or (n + h, k).
+            transposed: Whether A is transposed.
+        """
+        ...
+
+    def negative(self) -> int | None:
+        """Number of negative eigenvalues of a symmetric A where D v = 0; None where the factors do not determine it."""
+        ...
+
+
+@runtime_checkable
+class LinearSolver(Protocol):
+    """A way to factor the equations of a mechanism; hashable, and it calls nothing of JAX."""
+
+    def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> FactoredEquations:
+        """Factors of [[K + a M + b C, D^T], [D, 0]].
+
+        Args:
+            elements: Element matrices, with arrays of NumPy.
+            mass: a, such as -shift [1/s^2].
+            damping: b [1/s].
+
+        Raises:
+            AnalysisError: out_of_memory.
+        """
+        ...
+
+
+@dataclasses.dataclass(frozen=True)
+class SparseSolver:
+    """Sparse factors of the host, in an order of elimination that is found once for a mechanism."""
+
+    def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "SparseFactored":
+        """See :class:`LinearSolver`."""
+        return SparseFactored(Whole(elements), mass, damping)
+
+
+class SparseFactored:
+    """See :class:`FactoredEquations`.
+
+    Attributes:
+        matrix: The matrix, sparse, (n + h, n + h).
+        factors: Its factors.
+        regular: Whether they can be trusted.
+    """
+
+    def __init__(self, whole: Whole, mass: float, damping: float):
+        self.matrix, self._n = whole.at(mass, damping), whole.n
+        self.factors = whole.factors(self.matrix)
+        self.regular = self.factors.regular
+
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """See :class:`FactoredEquations`."""
+        return self.factors.solve(right, transposed)
+
+    def negative(self) -> int | None:
+        """See :class:`FactoredEquations`."""
+        return negative_where_held(self.matrix, self.factors, self._n)
+
+
+@dataclasses.dataclass(frozen=True)
+class DenseSolver:
+    """Dense matrices in the motions that the constraints allow, for a mechanism of few coordinates."""
+
+    def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "DenseFactored":
+        """See :class:`LinearSolver`."""
+        whole = Whole(elements)
+        return DenseFactored(whole.at(mass, damping).toarray(), whole.n, elements.sizes[elements.free])
+
+
+class DenseFactored:
+    """See :class:`FactoredEquations`.
+
+    Attributes:
+        regular: Whether the constraints are independent, and A regular in the motions that they allow.
+    """
+
+    def __init__(self, matrix: np.ndarray, n: int, sizes: np.ndarray):
+        scaled = np.concatenate([sizes, np.ones(len(matrix) - n)])
+        self._n, self._sizes, self._a = n, sizes, (scaled[:, None] * matrix * scaled)[:n, :n]
+        rows = matrix[n:, :n] * sizes
+        self._scale = 1 / np.maximum(np.max(np.abs(rows), axis=1, initial=0.0), np.finfo(float).tiny)
+        left, values, right = np.linalg.svd(rows * self._scale[:, None], full_matrices=True)
+        rank = int(np.sum(values > ROUND_OFF * np.max(values, initial=0.0)))
+        self._inverse = right[:rank].T @ (left[:, :rank].T / values[:rank, None])
+        self._allowed = right[rank:].T
+        self._reduced = self._allowed.T @ self._a @ self._allowed
+        pivots = np.linalg.svd(self._reduced, compute_uv=False)
+        some = pivots.size == 0 or bool(np.all(np.isfinite(pivots)) and pivots[-1] > ROUND_OFF * pivots[0])
+        self.regular = rank == len(rows) and some
+
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """See :class:`FactoredEquations`."""
+        columns = right.reshape(len(right), -1)
+        force, excess = self._sizes[:, None] * columns[: self._n], self._scale[:, None] * columns[self._n :]
+        a, reduced = (self._a.T, self._reduced.T) if transposed else (self._a, self._reduced)
+        onto = self._inverse @ excess
+        moved = onto + self._allowed @ np.linalg.solve(reduced, self._allowed.T @ (force - a @ onto))
+        pulled = self._scale[:, None] * (self._inverse.T @ (force - a @ moved))
+        return np.concatenate([self._sizes[:, None] * moved, pulled]).reshape(right.shape)
+
+    def negative(self) -> int | None:
+        """See :class:`FactoredEquations`."""
+        if not self.regular:
+            return None
+        return int(np.sum(np.linalg.eigvalsh((self._reduced + self._reduced.T) / 2) < 0))
+
+
+SPARSE, DENSE = SparseSolver(), DenseSolver()
+
+
+def asked_solver(sparse: Any, solver: Any) -> LinearSolver | None:
+    """Solver that a public function is asked for by ``solver``, or by ``sparse`` of the same meaning; None: by size.
+
+    Args:
+        sparse: True, False or None.
+        solver: "sparse", "dense", a :class:`LinearSolver` or None.
+
+    Raises:
+        TypeError, ValueError: One of them is of another kind, or they contradict each other.
+    """
+    if sparse is not None:
+        check_flag("sparse", sparse)
+    by_flag = None if sparse is None else (SPARSE if sparse else DENSE)
+    if solver is None:
+        return by_flag
+    if isinstance(solver, str):
+        if solver not in ("sparse", "dense"):
+            raise ValueError(f'Argument `solver` must be "sparse" or "dense", but is {shown(solver)}.')
+        found: Any = SPARSE if solver == "sparse" else DENSE
+    elif isinstance(solver, LinearSolver):
+        found = solver
+    else:
+        raise TypeError(f'Argument `solver` must be "sparse", "dense" or a LinearSolver, but is {shown(solver)}.')
+    if sparse is not None and bool(sparse) != (found != DENSE):
+        raise ValueError(
+            f"Arguments `solver` and `sparse` contradict each other: sparse={sparse}. Give `solver` alone."
+        )
+    return found
