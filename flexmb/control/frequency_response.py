@@ -18,6 +18,7 @@ from ..linear.damping import Losses, loss_factors
 from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
+from ..math.linear_solver import LinearSolver, asked_solver
 from ..model.model import Model
 from ..results import RESULTS, collect, or_nan
 from ..statics.stable import is_unstable, unstable_motions
@@ -132,6 +133,7 @@ def frequency_response(
     loss_factor: Losses | None = None,
     method: str | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
@@ -157,6 +159,8 @@ def frequency_response(
             motion, and by sparse matrices.
         sparse: By a solution with sparse matrices at each frequency, in all coordinates of a model that needs no
             degrees of freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
+        solver: "sparse" or "dense" for the same; a LinearSolver finds what is carried along at rest, and sparse factors
+            the complex solutions.
         at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
 
     Returns:
@@ -179,7 +183,7 @@ def frequency_response(
     check_choice("method", method, (None, "modes", "direct"))
     frequencies = check_hertz(hertz)
     where = Where(at, step, time, increment)
-    lin = asked_about(model, "frequency_response", where, sparse, few=method != "modes")
+    lin = asked_about(model, "frequency_response", where, asked_solver(sparse, solver), few=method != "modes")
     found = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
     if is_concrete((lin, found)):
         _tell_of_infinite(found)

@@ -411,7 +411,7 @@ def _carried(
     by_x, by_e = seeds(lin.model.topology, lin.x, held)
     forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
     excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
-    moved = as_known(solved(elements, -library.concatenate([forces, excess])))
+    moved = as_known(solved(elements, -library.concatenate([forces, excess]), solver=lin.solver))
     return by_x + spread(elements, moved[: elements.unknowns[0]])
 
 
@@ -423,7 +423,7 @@ def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
     if not h or not np.any(largest):
         return largest > 0
     try:
-        moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))])))
+        moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))]), solver=lin.solver))
     except AnalysisError:
         # Of a motion without stiffness that is not known.
         return largest > 0

@@ -16,6 +16,7 @@ from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass, refuse_without_anything
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import Factors, factorise
+from ..math.linear_solver import LinearSolver, asked_solver
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
@@ -210,6 +211,7 @@ def state_matrices(
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
 ) -> tuple[StateMatrices, list[str]]:
     """State-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
@@ -236,6 +238,7 @@ def state_matrices(
         bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
         sparse: Modes by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where modes are to be kept.
+        solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
 
     Returns:
         A, B, C, D (shapes in StateMatrices) [SI], and the names of the states.
@@ -258,7 +261,11 @@ def state_matrices(
         forces 14, eq. (14.1) to (14.5).
     """
     few = modes is not None or bandwidth is not None
-    lin = model if _is_along_motion(model) else asked_about(model, "state_matrices", None, sparse, few=few)
+    lin = (
+        model
+        if _is_along_motion(model)
+        else asked_about(model, "state_matrices", None, asked_solver(sparse, solver), few=few)
+    )
     found, names, _ = _matrices_of(lin, modes, bandwidth)
     return found, names
 
@@ -459,6 +466,7 @@ def to_statespace(
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
 ) -> "control.StateSpace":
     """The linearised mechanism as a ``control.StateSpace`` with names for states, inputs and outputs.
 
@@ -469,7 +477,7 @@ def to_statespace(
         modes: How many of the lowest modes to keep, or which, numbered from 0; see :func:`state_matrices`. A controller
             is designed on few states, and margins of many stiff ones are beyond python-control.
         bandwidth: Keep all modes up to this frequency [Hz].
-        sparse: As for :func:`state_matrices`.
+        sparse, solver: As for :func:`state_matrices`.
 
     Returns:
         control.StateSpace; matrices as :func:`state_matrices`. Where modes are kept it has an attribute
@@ -500,7 +508,7 @@ def to_statespace(
             " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
         )
     few = modes is not None or bandwidth is not None
-    lin = asked_about(model, "to_statespace", Where(at, step, time, increment), sparse, few=few)
+    lin = asked_about(model, "to_statespace", Where(at, step, time, increment), asked_solver(sparse, solver), few=few)
     inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
         raise ModelError("A state-space model needs an input and an output: name them with input() and output().")

@@ -181,7 +181,7 @@ def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: 
     elements, n_x, (n, h) = lin.elements, lin.x.shape[0], lin.elements.unknowns
 
     def lowest_of(count: int):
-        found: Any = as_known(lowest(elements, count))
+        found: Any = as_known(lowest(elements, count, lin.solver))
         return as_known(to_frequency(found.values)), found
 
     if bandwidth is None:

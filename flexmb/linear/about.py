@@ -1,11 +1,13 @@
 """What a question is asked about: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
 
+import dataclasses
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
-from ..arguments import check_flag, is_concrete, require_double_precision
+from ..arguments import is_concrete, require_double_precision
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..results import check
@@ -152,52 +154,53 @@ def few_of(given: Any, count: int | None) -> bool:
 
 
 def by_elements(
-    given: Any, function: str, where: Where, sparse: bool | None, *, few: bool = True, throw: bool = True
+    given: Any, function: str, where: Where, solver: LinearSolver | None, *, few: bool = True, throw: bool = True
 ) -> Linearization | None:
     """What a public function is asked about, where sparse matrices are to answer; None where dense ones are.
 
     Args:
         given: Model, or its linearisation.
-        sparse: Whether to; None: where a mechanism is large.
+        solver: By which; None: sparse factors where a mechanism is large.
         few: Whether so little is asked for that sparse matrices are worth it.
         throw: Whether a failure is an error, as it always is by sparse matrices.
 
     Raises:
-        ValueError: ``sparse`` does not go with what is given, or ``at`` is of another model.
+        ValueError: ``solver`` does not go with what is given, or ``at`` is of another model.
         AnalysisError: The equilibrium was not found.
     """
-    if sparse is not None:
-        check_flag("sparse", sparse)
     at, is_linearized = where.at, isinstance(given, Linearization)
     of_path = isinstance(at, ManyStates) and at.by_sparse
     if of_path or any(isinstance(of, Linearization) and of.large for of in (at, given)):
-        if sparse is False:
+        if solver == DENSE:
             raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
         where.refuse(function, given=is_linearized)
         about: Any = given if at is None else where.state(as_model(given, function), function)
-        return about
+        if solver in (None, about.solver):
+            return about
+        return Linearization(dataclasses.replace(about.matrices, solver=solver), about.model)
     if is_linearized or at is not None:
-        if sparse:
+        if solver not in (None, DENSE):
             raise ValueError(
                 f"With `sparse` give fm.{function} a Model, or what fm.linearize(model, sparse=True) answers: dense"
                 " matrices and states of a path or a motion stay dense."
             )
         return None
     model = as_model(given, function)
-    if not (few and throw and by_sparse(model, None) if sparse is None else sparse):
+    if solver == DENSE or (solver is None and not (few and throw and by_sparse(model, None))):
         return None
     if not throw:
         raise ValueError(
             f"By sparse matrices fm.{function} always raises where it fails: leave `throw` or `sparse` out."
         )
     where.refuse(function)
-    return linearized_by_elements(model, load_factors_of(model, 1.0, where.increment, function))
+    target = load_factors_of(model, 1.0, where.increment, function)
+    return linearized_by_elements(model, target, solver=solver or SPARSE)
 
 
 def asked_about(
-    given: Any, function: str, where: Where | None = None, sparse: bool | None = None, *, few: bool = True
+    given: Any, function: str, where: Where | None = None, solver: LinearSolver | None = None, *, few: bool = True
 ) -> Linearization:
     """What a public function is asked about, by elements or in the degrees of freedom, as of :func:`by_elements`."""
     where = where or Where()
-    large = by_elements(given, function, where, sparse, few=few)
+    large = by_elements(given, function, where, solver, few=few)
     return linearized(given, function, where=where) if large is None else large

@@ -9,13 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float, Int
 
-from ..arguments import check_flag, check_whole, is_concrete
+from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
 from ..display import Result, States, Summary, modal_summary
 from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian
 from ..mechanics.extent import sizes_of
@@ -340,6 +341,7 @@ def buckling_loads(
     *,
     count: int | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     throw: bool = True,
     at: ManyStates | None = None,
     step: int | None = None,
@@ -355,6 +357,7 @@ def buckling_loads(
         sparse: ``count`` multipliers by sparse factors, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium`. Chosen by size unless given, where ``count`` is and no stiffness is negative.
             They can be differentiated once.
+        solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
         throw: Raise where the equilibrium fails or is unstable; by sparse factors it is raised in any case.
         at: Path of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
@@ -377,7 +380,7 @@ def buckling_loads(
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
     how = throw, Where(at, step, None, increment)
-    found = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, sparse)
+    found = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, asked_solver(sparse, solver))
     if found is not None:
         return found[0]
     return _asked(model, "buckling_loads", *how)[0][:count]
@@ -390,7 +393,7 @@ def _by_sparse(
     throw: bool,
     where: Where,
     count: int | None,
-    sparse: bool | None,
+    solver: LinearSolver | None,
 ) -> Any:
     """What a public function is asked by sparse factors; None where dense matrices are to answer.
 
@@ -399,17 +402,16 @@ def _by_sparse(
     if count is not None:
         check_whole("count", count, 1)
     model = as_model(model, function)
-    if sparse is not None:
-        check_flag("sparse", sparse)
-    if sparse and count is None:
+    by_factors = solver not in (None, DENSE)
+    if by_factors and count is None:
         raise ValueError("With `sparse` give a Model and `count`, the number of load multipliers wanted.")
     large = is_large(model) or (isinstance(where.at, ManyStates) and where.at.by_sparse)
-    chosen = sparse is None and throw and large and few_of(model, count)
-    if count is None or not (sparse or chosen):
+    chosen = solver is None and throw and large and few_of(model, count)
+    if count is None or not (by_factors or chosen):
         return None
     about, factors = _about(model, where, function)
     try:
-        *answer, moved = found(model, factors, int(count), about)
+        *answer, moved = found(model, factors, int(count), about, solver or SPARSE)
         if is_concrete((answer[0], moved)):
             _warn_of_moving(answer[0], moved, model.parameters.increment is None and where.at is None)
         return answer
@@ -419,17 +421,17 @@ def _by_sparse(
         except ModelError:
             # Dense matrices cannot answer either: why sparse ones do not is what to tell.
             raise refused from None
-        if sparse:
+        if by_factors:
             raise
     return None
 
 
 def _sparse_buckling(
-    model: Model, factors: LoadFactors, count: int, about: Linearization | None = None
+    model: Model, factors: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
 ) -> tuple[Any, Any, Linearization, Any]:
     """Multipliers, modes, the state that they are about, and how far loads move the mechanism."""
     lin = linearized_by_elements(model, factors) if about is None else about
-    multipliers, shapes, moved = sparse_modes(model, factors, count, lin)
+    multipliers, shapes, moved = sparse_modes(model, factors, count, lin, solver)
     return multipliers, shapes, lin, moved
 
 
@@ -439,6 +441,7 @@ def buckling(
     *,
     count: int | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     throw: bool = True,
     at: ManyStates | None = None,
     step: int | None = None,
@@ -448,7 +451,7 @@ def buckling(
 
     Args:
         model: Mechanism with loads; see :func:`buckling_loads`.
-        count, sparse, throw, at, step, increment: As of :func:`buckling_loads`.
+        count, sparse, solver, throw, at, step, increment: As of :func:`buckling_loads`.
 
     Returns:
         Buckling with multipliers (n,) [-] and shapes (n_x, n); unbounded ones are left out.
@@ -466,7 +469,7 @@ def buckling(
             " jax.jit."
         )
     where = Where(at, step, None, increment)
-    found = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, sparse)
+    found = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, asked_solver(sparse, solver))
     multiplier, shapes, lin = _asked(model, "buckling", throw, where) if found is None else found
     bounded = int(np.sum(np.isfinite(multiplier)[:count]))
     multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]

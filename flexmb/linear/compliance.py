@@ -13,6 +13,7 @@ from ..compilation.compile import jit, unguarded
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
 from ..math.linear import diagonal_of, factorise
+from ..math.linear_solver import LinearSolver, asked_solver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check, collect, or_nan
@@ -46,6 +47,7 @@ def compliance(
     *,
     local: bool = False,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
@@ -59,6 +61,7 @@ def compliance(
         local: In axes that turn with the node instead of the global ones; needs a rotation.
         sparse: By sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
+        solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
         at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
 
     Returns:
@@ -78,8 +81,8 @@ def compliance(
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.
     """
     check_flag("local", local)
-    where = Where(at, step, time, increment)
-    lin = asked_about(model, "compliance", where, sparse)
+    where, chosen = Where(at, step, time, increment), asked_solver(sparse, solver)
+    lin = asked_about(model, "compliance", where, chosen)
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
@@ -91,7 +94,7 @@ def compliance(
             _warn_of_instability(found, node)
             return found
         except AnalysisError:
-            if sparse is not None or lin is model or lin is at:
+            if chosen is not None or lin is model or lin is at:
                 raise
         # Dense matrices know of nodes that no free motion takes along.
         lin = linearized(model, "compliance", where=where)
@@ -154,7 +157,7 @@ def compliance_of_large(lin: Linearization, parts: tuple[Any, ...], local: bool 
     """Compliance by sparse factors: displacements under the forces dual to them."""
     forces = _unit_forces(lin.x, parts, lin.elements.free, lin.elements.held, local=local)
     with naming_culprit(lin):
-        moved = solved(lin.elements, forces)
+        moved = solved(lin.elements, forces, solver=lin.solver)
     return computed(lambda _, forces, moved: forces.T @ moved, forces, moved)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from ..errors import AnalysisError
 from ..math.linear import uneven
-from ..math.sparse import SparseFactors, equilibrating, negative_where_held
+from ..math.linear_solver import FactoredEquations
+from ..math.sparse import SparseFactors, equilibrating
 from ..results import RESULTS
 
 # Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos
@@ -134,9 +135,8 @@ class Constrained:
         factors: Of the tangent.
     """
 
-    def __init__(self, tangent: Any, n: int):
-        self.n, self.tangent, self.stiffness = n, tangent, tangent[:n, :n]
-        self.factors = SparseFactors(tangent)
+    def __init__(self, tangent: Any, n: int, factors: FactoredEquations):
+        self.n, self.tangent, self.stiffness, self.factors = n, tangent, tangent[:n, :n], factors
 
     def solved(self, forces: np.ndarray) -> np.ndarray:
         """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
@@ -158,7 +158,12 @@ class Constrained:
         return eigenvalues_beside(matrix, self.stiffness, self.moved, known, count, first, **how)
 
     def largest(
-        self, matrix: Any, count: int, last: Callable[[np.ndarray], float | None], both: bool
+        self,
+        matrix: Any,
+        count: int,
+        last: Callable[[np.ndarray], float | None],
+        negative: Callable[[float], int | None],
+        both: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Largest m of A v = m K v, as many of each as there are, and their motions with v^T K v = 1.
 
@@ -166,13 +171,14 @@ class Constrained:
             matrix: Sparse symmetric A, (n, n).
             count: How many.
             last: Up to which value all are counted, by inertia, of those found; None: no matter.
+            negative: Number of negative eigenvalues of K - A/m where the constraints hold, of m; None: not known.
             both: Whether negative ones are large too.
 
         Raises:
             numpy.linalg.LinAlgError: K is not positive definite.
         """
         if self.few(count):
-            return AllowedMotions(self.tangent, self.factors, self.n).largest(matrix, count)
+            return AllowedMotions(self.tangent, SparseFactors(self.tangent), self.n).largest(matrix, count)
 
         def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
             which = "LM" if both else "LA"
@@ -182,22 +188,10 @@ class Constrained:
             least = last(values)
             if least is None:
                 return False
-            for side in (1.0, -1.0) if both else (1.0,):
-                below = plus(self.tangent, matrix, -side / least)
-                negative = negative_where_held(below, SparseFactors(below), self.n)
-                if negative is not None and negative > int(np.sum(side * values > least)):
-                    return True
-            return False
+            sides = (1.0, -1.0) if both else (1.0,)
+            return any((negative(side * least) or 0) > int(np.sum(side * values > least)) for side in sides)
 
         return with_all_copies(search, passed_over, lambda m: -np.abs(m) if both else -m, (self.n, count))
-
-
-def plus(tangent: Any, matrix: Any, factor: float) -> Any:
-    """Sparse [[K + c A, D^T], [D, 0]] of that with K alone."""
-    import scipy.sparse
-
-    rest = tangent.shape[0] - matrix.shape[0]
-    return (tangent + scipy.sparse.block_diag([factor * matrix, scipy.sparse.csr_array((rest, rest))])).tocsc()
 
 
 class AllowedMotions:

@@ -8,12 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_flag, check_whole, computed, is_concrete
+from ..arguments import check_whole, computed, is_concrete
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, short
 from ..math.element_matrices import ElementMatrices, SparseMatrices, Whole, by_coordinates
+from ..math.linear_solver import DENSE as DENSE_SOLVER
+from ..math.linear_solver import SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
@@ -115,6 +117,7 @@ class LargeMatrices(Record):
 
     Attributes:
         elements: In all coordinates, with multipliers of the constraints.
+        solver: Factors of these equations.
     """
 
     elements: ElementMatrices
@@ -128,6 +131,7 @@ class LargeMatrices(Record):
     result: Int[Array, ""]
     factors: LoadFactors
     symmetric: bool = static()
+    solver: LinearSolver = static(default=SPARSE)
     moving: ClassVar[None] = None
 
 
@@ -202,6 +206,7 @@ class Linearization(ByName, AboutState, Result, Record):
     model: Model
     result = _Of[Int[Array, "*states"]]()
     elements = _Of[ElementMatrices]()
+    solver = _Of[LinearSolver]()
     one_axis = "x"
 
     @property
@@ -418,6 +423,7 @@ def about_state(
     e: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
     *more: Any,
+    solver: LinearSolver = SPARSE,
 ) -> Linearization:
     """Linearised equations about a state at rest that has been found, element by element.
 
@@ -427,11 +433,15 @@ def about_state(
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
     elements = moving_element_matrices(model.topology, model.parameters, factors, x, e, sigma)
     symmetric = not lacks_potential(model.topology)
-    return Linearization(LargeMatrices(elements, x, e, sigma, *more, factors=factors, symmetric=symmetric), model)
+    return Linearization(
+        LargeMatrices(elements, x, e, sigma, *more, factors=factors, symmetric=symmetric, solver=solver), model
+    )
 
 
 @one_thread()
-def linearized_by_elements(model: Model, target: LoadFactors, throw: bool = True) -> Linearization:
+def linearized_by_elements(
+    model: Model, target: LoadFactors, throw: bool = True, solver: LinearSolver = SPARSE
+) -> Linearization:
     """Linearised equations about the equilibrium of a large mechanism, element by element.
 
     Raises:
@@ -442,7 +452,7 @@ def linearized_by_elements(model: Model, target: LoadFactors, throw: bool = True
         collect(RESULTS.unstable_state)
     check_stiffness(model, found[-1], throw)
     warn_of_coarse(model, found[1])
-    return about_state(model, target, *or_nan(found, found[-1], throw))
+    return about_state(model, target, *or_nan(found, found[-1], throw), solver=solver)
 
 
 def linearized_by_freedoms(model: Model, target: LoadFactors, throw: bool) -> Linearization:
@@ -461,7 +471,8 @@ def linearize(
     load_factor: float = 1.0,
     increment: float | None = None,
     throw: bool = True,
-    sparse: bool = False,
+    sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
 ) -> Linearization:
     """Linearised equations of motion about the static equilibrium under the constant loads.
 
@@ -473,6 +484,8 @@ def linearize(
         sparse: Of a mechanism of thousands of elements, which needs no degrees of freedom: the equations in all
             coordinates, element by element. Modes, compliance, stress, responses and a state space of few modes are
             asked of them as of others. See :func:`flexmb.equilibrium` for what it takes.
+        solver: "sparse" or a :class:`flexmb.math.linear_solver.LinearSolver` for the same, by which these questions are
+            answered; "dense" for the equations in the degrees of freedom.
 
     Returns:
         Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
@@ -489,7 +502,9 @@ def linearize(
     Source:
         THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.
     """
-    check_flag("sparse", sparse)
-    (as_model if sparse else as_determined)(model, "linearize")
+    chosen = asked_solver(sparse, solver) or DENSE_SOLVER
+    (as_determined if chosen == DENSE_SOLVER else as_model)(model, "linearize")
     target = load_factors_of(model, load_factor, increment, "linearize")
-    return (linearized_by_elements if sparse else linearized_by_freedoms)(model, target, throw)
+    if chosen == DENSE_SOLVER:
+        return linearized_by_freedoms(model, target, throw)
+    return linearized_by_elements(model, target, throw, chosen)

@@ -14,6 +14,7 @@ from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, modal_summary
 from ..math.element_matrices import Whole, times
+from ..math.linear_solver import DENSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
@@ -110,14 +111,15 @@ def refuse_unsymmetric(symmetric: bool) -> None:
 
 
 def _asked(
-    model: Any, function: str, count: int | None, where: Where, sparse: bool | None, throw: bool = True
+    model: Any, function: str, count: int | None, where: Where, solver: LinearSolver | None, throw: bool = True
 ) -> tuple[Linearization | None, int | None]:
     """What is asked about by sparse matrices, or None, and how many are wanted, which these are told always."""
     count = None if count is None else check_whole("count", count, 1)
     large = None
-    if count is not None or not sparse:
-        large = by_elements(model, function, where, sparse, few=few_of(model, count), throw=throw)
-    if count is None and (sparse or large is not None):
+    by_factors = solver not in (None, DENSE)
+    if count is not None or not by_factors:
+        large = by_elements(model, function, where, solver, few=few_of(model, count), throw=throw)
+    if count is None and (by_factors or large is not None):
         raise ValueError(f"With sparse matrices give `count`, the number of {function} wanted.")
     return large, count
 
@@ -128,6 +130,7 @@ def frequencies(
     *,
     count: int | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     throw: bool = True,
     at: Linearization | ManyStates | None = None,
     step: int | None = None,
@@ -145,6 +148,7 @@ def frequencies(
         sparse: ``count`` frequencies by sparse matrices in all coordinates, of a model that needs no degrees of
             freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count``
             is.
+        solver: "sparse", "dense", or a :class:`flexmb.math.linear_solver.LinearSolver` in place of sparse factors.
         throw: Raise where the equilibrium or the eigenproblem fails.
         at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
@@ -163,11 +167,11 @@ def frequencies(
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
     where = Where(at, step, time, increment)
-    large, count = _asked(model, "frequencies", count, where, sparse, throw)
+    large, count = _asked(model, "frequencies", count, where, asked_solver(sparse, solver), throw)
     if large is not None:
         refuse_unsymmetric(large.symmetric)
         with naming_culprit(large):
-            return to_frequency(lowest_values(large.elements, cast(int, count)))
+            return to_frequency(lowest_values(large.elements, cast(int, count), large.solver))
     # Of designs it is also told where a state is not stable.
     if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
@@ -217,6 +221,7 @@ def modes(
     *,
     count: int | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     throw: bool = True,
     at: Linearization | ManyStates | None = None,
     step: int | None = None,
@@ -228,8 +233,8 @@ def modes(
     Args:
         model: Mechanism, or its linearisation.
         count: How many of the lowest; all unless given or where there are fewer.
-        sparse: As for :func:`frequencies`. Modes by sparse matrices are differentiable in the parameters: eigenvalues
-            always, shapes where no eigenvalue is repeated.
+        sparse, solver: As for :func:`frequencies`. Modes by sparse matrices are differentiable in the parameters:
+            eigenvalues always, shapes where no eigenvalue is repeated.
         throw: Raise where the equilibrium or the eigenproblem fails.
         at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
 
@@ -244,7 +249,7 @@ def modes(
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
     where = Where(at, step, time, increment)
-    large, count = _asked(model, "modes", count, where, sparse, throw)
+    large, count = _asked(model, "modes", count, where, asked_solver(sparse, solver), throw)
     if large is not None:
         return _modes_of_large(large, count)
     lin = linearized(model, "modes", throw, where)
@@ -272,7 +277,7 @@ def _modes_of_large(lin: Linearization, count: Any) -> Modes:
     """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
     refuse_unsymmetric(lin.symmetric)
     with naming_culprit(lin):
-        found: Any = lowest(lin.elements, count)
+        found: Any = lowest(lin.elements, count, lin.solver)
     roles = lin.model.topology
     deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
     q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
@@ -293,6 +298,7 @@ def poles(
     *,
     count: int | None = None,
     sparse: bool | None = None,
+    solver: str | LinearSolver | None = None,
     at: Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
@@ -304,7 +310,7 @@ def poles(
         model: Mechanism, or its linearisation.
         count: How many of those nearest to zero, and one more where the last is one of a complex pair; all unless given
             or where there are fewer. Under ``jax.grad`` and ``jax.jit`` it must be given, and so many are answered.
-        sparse: ``count`` poles by sparse matrices, as for :func:`frequencies`.
+        sparse, solver: ``count`` poles by sparse matrices, as for :func:`frequencies`.
         at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
 
     Returns:
@@ -323,7 +329,7 @@ def poles(
         (7.20). Derivatives: (10.4).
     """
     where = Where(at, step, time, increment)
-    large, count = _asked(model, "poles", count, where, sparse)
+    large, count = _asked(model, "poles", count, where, asked_solver(sparse, solver))
     if large is not None:
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
@@ -359,6 +365,6 @@ def _poles_of_large(lin: Linearization, count: Any) -> Any:
             return poles_of_elements(lin.elements, count)
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
-    refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
+    refuse_negative_masses(whole)
     with naming_culprit(lin):
-        return poles_of_sparse(whole, count)
+        return poles_of_sparse(whole, count, lin.solver)

@@ -15,6 +15,7 @@ from ..errors import AnalysisError, ModelError
 from ..math.derivative import jvp_of_varied
 from ..math.element_matrices import times, times_transposed
 from ..math.indices import accumulate, put
+from ..math.linear_solver import LinearSolver
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, deformations
 from ..mechanics.extent import sizes_of
@@ -159,9 +160,14 @@ def _matrices(
     return MultiplierMatrices(found._replace(curved=[]), preload, stressed, noise)
 
 
-@jax.custom_jvp
+@functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
 def _found(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: Balanced,
+    count: Array,
+    solver: LinearSolver,
 ) -> tuple[Buckled, Float[Array, ""]]:
     """Smallest multipliers about a state with their modes, and how far what is scaled moves the mechanism."""
     near, (free, _, held) = _deformed(topology, parameters, at), unknowns(topology)
@@ -170,11 +176,11 @@ def _found(
     n, h, k = free.shape[0], held.shape[0], count.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n, k), (h, k), (k,))]
     moved = moved_by_loads(topology, parameters, at.x, None if growth is None else growth.x)
-    return on_host(functools.partial(smallest_of_sparse, count=k), Buckled(*like), own), moved
+    return on_host(functools.partial(smallest_of_sparse, count=k, solver=solver), Buckled(*like), own), moved
 
 
 @_found.defjvp
-def _no_second_derivative(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _no_second_derivative(*_: Any):
     raise NotImplementedError("Load multipliers by sparse factors can be differentiated once: give sparse=False.")
 
 
@@ -183,11 +189,16 @@ def _deformed(topology: Topology, parameters: Parameters, at: Balanced) -> Array
     return deformations(topology, parameters, at.x, at.near)
 
 
-@jax.custom_jvp
+@functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
 def _load_multipliers(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array
+    topology: Topology,
+    parameters: Parameters,
+    factors: LoadFactors,
+    at: Balanced,
+    count: Array,
+    solver: LinearSolver,
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-    found, moved = _found(topology, parameters, factors, at, count)
+    found, moved = _found(topology, parameters, factors, at, count, solver)
     return found.values, moved
 
 
@@ -253,9 +264,9 @@ def _quotients(
 
 
 @_load_multipliers.defjvp
-def _load_multipliers_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _load_multipliers_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors, at, count = primals
-    found, moved = _found(topology, parameters, factors, at, count)
+    found, moved = _found(topology, parameters, factors, at, count, solver)
     near = _deformed(topology, parameters, at)
     bounded = jnp.isfinite(found.values)
 
@@ -290,7 +301,7 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 
 @one_thread()
 def sparse_multipliers(
-    model: Model, target: LoadFactors, count: int, about: Linearization | None = None
+    model: Model, target: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
     """Load multipliers of smallest size by sparse factors, (count,) or fewer, and as of :func:`moved_by_loads`.
 
@@ -305,7 +316,7 @@ def sparse_multipliers(
         THEORY.md 7, eq. (7.4), with multipliers in place of degrees of freedom; derivative eq. (7.19).
     """
     asked = _about(model, target, count, about)
-    found, moved = _load_multipliers(*asked)
+    found, moved = _load_multipliers(*asked, solver)
     # Under a trace nothing is raised of an equilibrium that was not found.
     failed = jnp.asarray(asked[3].result)
     return jnp.where((failed == RESULTS.successful) | (failed == RESULTS.critical_state), found, jnp.nan), moved
@@ -313,10 +324,10 @@ def sparse_multipliers(
 
 @one_thread()
 def sparse_modes(
-    model: Model, target: LoadFactors, count: int, about: Linearization
+    model: Model, target: LoadFactors, count: int, about: Linearization, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, "n_x k"], Float[Array, ""]]:
     """As :func:`sparse_multipliers`, with the buckling modes in the coordinates, one a column, as the second."""
     topology, *rest = _about(model, target, count, about)
-    found, moved = _found(topology, *rest)
+    found, moved = _found(topology, *rest, solver)
     whole = jnp.zeros((topology.n_x, found.motions.shape[1]))
     return found.values, put(whole, unknowns(topology)[0], found.motions), moved

@@ -8,6 +8,8 @@ from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import energies
 from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.linear import uneven
+from ..math.linear_solver import LinearSolver
+from ..math.sparse import SparseFactors
 from ..results import RESULTS
 from .lanczos import BEFORE, AllowedMotions, Constrained, changed, check_modes, named
 
@@ -53,7 +55,7 @@ class Buckled(NamedTuple):
     geometric: Any
 
 
-def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
+def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearSolver) -> Buckled:
     """The ``count`` multipliers of smallest size, and their motions.
 
     Raises:
@@ -72,8 +74,8 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int) -> Buckled:
     scaled, noise = (Whole(own._replace(curved=pieces)).curved for pieces in (given.scaled, given.noise))
     staying = Whole(own._replace(curved=given.preload or []))
     if abs(staying.curved).max() > 0:
-        _refuse_unstable(staying.structural, staying.curved)
-    found = _smallest(staying.at(), scaled, noise, count)
+        _refuse_unstable(staying, solver)
+    found = _smallest(staying, (scaled, given.scaled), noise, count, solver)
     # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
     bounded, motions = np.isfinite(found.values), np.zeros((len(own.sizes), count))
     motions[own.free] = found.motions
@@ -105,31 +107,30 @@ def _refuse_negative(elastic: Pieces) -> None:
             )
 
 
-def _constrained(stiffness: Any, n: int) -> Constrained:
-    """A stiffness with constraints; or singular_stiffness."""
-    at = Constrained(stiffness, n)
+def _constrained(whole: Whole, solver: LinearSolver) -> Constrained:
+    """The stiffness of element matrices with constraints; or singular_stiffness."""
+    at = Constrained(whole.at(), whole.n, solver.factored(whole.elements))
     if not at.factors.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
     return at
 
 
-def _refuse_unstable(structural: Any, geometric: Any) -> None:
+def _refuse_unstable(staying: Whole, solver: LinearSolver) -> None:
     """Raise where the preload is beyond a buckling load of its own: K0 + G0 is not positive definite."""
-    n = geometric.shape[0]
-    at = _constrained(structural, n)
+    at = _constrained(Whole(staying.elements._replace(curved=[])), solver)
     if at.few(1):
-        most = AllowedMotions(structural, at.factors, n).largest(-geometric, n)[0]
+        most = AllowedMotions(at.tangent, SparseFactors(at.tangent), at.n).largest(-staying.curved, at.n)[0]
     else:
         with named("Lower the constant loads"):
-            most = at.searched(-geometric, 1, None, uneven(n), which="LA", tol=1e-6)[0]
+            most = at.searched(-staying.curved, 1, None, uneven(at.n), which="LA", tol=1e-6)[0]
     if np.max(most, initial=0.0) >= 1:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
 
 
-def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
+def _smallest(staying: Whole, scales: tuple[Any, Pieces], noise: Any, count: int, solver: LinearSolver) -> Buckled:
     """Multipliers of smallest size: -G v = (1/lambda) K v where the constraints hold, THEORY.md 7, eq. (7.4)."""
-    n = scaled.shape[0]
-    at, rest = _constrained(stays, n), stays.shape[0] - n
+    (scaled, pieces), n = scales, staying.n
+    at, rest = _constrained(staying, solver), staying.elements.unknowns[1]
     if abs(scaled).max() == 0:
         return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
 
@@ -137,8 +138,13 @@ def _smallest(stays: Any, scaled: Any, noise: Any, count: int) -> Buckled:
         bounded = abs(inverse[-1]) > abs(inverse[0]) / UNBOUNDED
         return abs(inverse[-1]) / (1 - BEFORE) if bounded else None
 
+    def negative(inverse: float):
+        own = staying.elements
+        curved = [*own.curved, *((rows, columns, g / inverse) for rows, columns, g in pieces)]
+        return solver.factored(own._replace(curved=curved)).negative()
+
     try:
-        inverse, motions = at.largest(-scaled, count, last, both=True)
+        inverse, motions = at.largest(-scaled, count, last, negative, both=True)
     except np.linalg.LinAlgError:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message) from None
     order = np.argsort(-np.abs(inverse))

@@ -14,6 +14,7 @@ from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, refined, softness
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import uneven
+from ..math.linear_solver import SPARSE, LinearSolver
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
@@ -43,13 +44,13 @@ class _ShiftedPoles:
         regular: Whether it exists.
     """
 
-    def __init__(self, whole: Whole, shift: float):
-        self.shift, self.n, self.size = shift, whole.n, 2 * whole.n
+    def __init__(self, whole: Whole, shift: float, solver: LinearSolver):
+        self.shift, self.n, self.size, self.solver = shift, whole.n, 2 * whole.n, solver
         self._damping, self._mass, self._elements = whole.damping, whole.mass, whole.elements
         tangent = whole.at(shift**2, shift)
         self._rest = tangent.shape[0] - whole.n
         self.motions, self._tangent = whole.n - self._rest, tangent
-        self._factors = whole.factors(tangent)
+        self._factors = solver.factored(whole.elements, mass=shift**2, damping=shift)
         self.regular = self._factors.regular
         if not self.regular:
             return
@@ -113,7 +114,7 @@ class _ShiftedPoles:
         return found
 
 
-def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
+def poles_of_sparse(whole: Whole, count: int, solver: LinearSolver = SPARSE) -> Complex[np.ndarray, "n"]:
     """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 nearest to zero, ordered by |Im| [rad/s].
 
     Args:
@@ -127,7 +128,7 @@ def poles_of_sparse(whole: Whole, count: int) -> Complex[np.ndarray, "n"]:
     Source:
         THEORY.md 7, eq. (7.3) and (7.20); implicitly restarted Arnoldi method of ARPACK (Lehoucq, Sorensen, Yang 1998).
     """
-    at = _regular(whole)
+    at = _regular(whole, solver)
     every = 2 * at.motions
     if not every:
         return np.zeros(0, complex)
@@ -168,7 +169,7 @@ def is_steady(elements: ElementMatrices) -> bool:
     import jax
 
     whole = Whole(jax.tree.map(np.asarray, elements))
-    at = _ShiftedPoles(whole, 0.0)
+    at = _ShiftedPoles(whole, 0.0, SPARSE)
     if not at.regular:
         return False
     if whole.damping.count_nonzero():
@@ -176,7 +177,7 @@ def is_steady(elements: ElementMatrices) -> bool:
             return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE)
         # Where these are not found, what is without damping tells.
         whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
-        at = _ShiftedPoles(whole, 0.0)
+        at = _ShiftedPoles(whole, 0.0, SPARSE)
     if at.motions <= FEW:
         values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     else:
@@ -186,16 +187,16 @@ def is_steady(elements: ElementMatrices) -> bool:
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
-def _regular(whole: Whole) -> _ShiftedPoles:
+def _regular(whole: Whole, solver: LinearSolver) -> _ShiftedPoles:
     """Shifted by as little as makes it regular: by nothing, but where a motion meets no stiffness."""
-    at = _ShiftedPoles(whole, 0.0)
+    at = _ShiftedPoles(whole, 0.0, solver)
     if at.regular:
         return at
     stiff = np.max(np.abs(whole.at().diagonal()[: whole.n]), initial=0.0) or 1.0
     heavy, viscous = (np.max(np.abs(of.diagonal()), initial=0.0) for of in (whole.mass, whole.damping))
     first = np.sqrt(FIRST_SHIFT * stiff / heavy) if heavy > 0 else FIRST_SHIFT * stiff / viscous if viscous > 0 else 0.0
     for i in range(MAX_SHIFTS if first > 0 else 0):
-        at = _ShiftedPoles(whole, float(first * GROWTH**i))
+        at = _ShiftedPoles(whole, float(first * GROWTH**i), solver)
         if at.regular:
             return at
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
@@ -205,7 +206,7 @@ def _better(at: _ShiftedPoles, whole: Whole, found: np.ndarray) -> _ShiftedPoles
     """Shifted by as much as the slowest pole that is no zero beside the shift before."""
     sizes = np.abs(found)
     sizes = sizes[sizes > at.shift]
-    better = _ShiftedPoles(whole, float(np.min(sizes))) if len(sizes) else at
+    better = _ShiftedPoles(whole, float(np.min(sizes)), at.solver) if len(sizes) else at
     return better if better.regular else at
 
 

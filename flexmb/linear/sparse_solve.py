@@ -18,6 +18,7 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.by_deformations import bordered, energies, forces, product, refined, spread
 from ..math.element_matrices import ElementMatrices, Whole, times
+from ..math.linear_solver import SPARSE, LinearSolver
 from ..math.sparse import SparseFactors, on_host_thread
 from ..results import RESULTS
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
@@ -69,9 +70,14 @@ def _refuse_lost(lost: bool) -> None:
         raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
 
 
-def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, transposed: bool = False) -> np.ndarray:
-    whole = Whole(elements)
-    factored = SparseFactors(whole.bordered(whole.at(), border)) if border.size else whole.factors(whole.at())
+def _solved(
+    elements: ElementMatrices, right: np.ndarray, border: np.ndarray, *, solver: LinearSolver, transposed: bool = False
+) -> np.ndarray:
+    if border.size:
+        whole = Whole(elements)
+        factored = SparseFactors(whole.bordered(whole.at(), border))
+    else:
+        factored = solver.factored(elements)
     if not factored.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
     right, rest, (n, h) = np.asarray(right), border.shape[1], elements.unknowns
@@ -86,7 +92,10 @@ def _solved(elements: ElementMatrices, right: np.ndarray, border: np.ndarray, tr
 
 
 def solved(
-    elements: ElementMatrices, right: Float[Array | np.ndarray, "r k"], border: Any = None
+    elements: ElementMatrices,
+    right: Float[Array | np.ndarray, "r k"],
+    border: Any = None,
+    solver: LinearSolver = SPARSE,
 ) -> Float[Array, "r k"]:
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
@@ -98,21 +107,24 @@ def solved(
         AnalysisError: singular_stiffness; under a trace it is NaN.
     """
     if border is None:
-        return _bordered_solution(elements, right, np.zeros((elements.unknowns[0], 0)))
+        return _bordered_solution(elements, right, np.zeros((elements.unknowns[0], 0)), solver)
     rows, library = right.shape[0], library_of((right, border))
     right = library.concatenate([right, library.zeros((border.shape[1], right.shape[1]))])
-    return _bordered_solution(elements, right, border)[:rows]
+    return _bordered_solution(elements, right, border, solver)[:rows]
 
 
-@jax.custom_jvp
-def _bordered_solution(elements: ElementMatrices, right: Float[Array, "r *k"], border: Float[Array, "n b"]) -> Array:
-    return on_host(_solved, jax.ShapeDtypeStruct(right.shape, float), elements, right, border)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _bordered_solution(
+    elements: ElementMatrices, right: Float[Array, "r *k"], border: Float[Array, "n b"], solver: LinearSolver
+) -> Array:
+    how = functools.partial(_solved, solver=solver)
+    return on_host(how, jax.ShapeDtypeStruct(right.shape, float), elements, right, border)
 
 
 @_bordered_solution.defjvp
-def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _solved_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, right, border = primals
-    z = _bordered_solution(elements, right, border)
+    z = _bordered_solution(elements, right, border, solver)
 
     def balance(elements: ElementMatrices, border: Float[Array, "n b"]):
         return bordered(elements, z, border)
@@ -120,7 +132,7 @@ def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     _, change = jax.jvp(balance, (elements, border), (tangents[0], tangents[2]))
 
     def solve(transposed: bool):
-        how = functools.partial(_solved, transposed=transposed)
+        how = functools.partial(_solved, solver=solver, transposed=transposed)
         return lambda _, right: _traced(how, jax.ShapeDtypeStruct(right.shape, float), elements, right, border)
 
     def matvec(z: Float[Array, "r *k"]):
@@ -129,7 +141,7 @@ def _solved_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     return z, lax.custom_linear_solve(matvec, tangents[1] - change, solve(False), transpose_solve=solve(True))
 
 
-def lowest(elements: ElementMatrices, count: int) -> Lowest:
+def lowest(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, with their motions; differentiable.
 
     The sign of a motion makes its largest entry positive, coordinates in extents and radians. Where eigenvalues are
@@ -143,7 +155,7 @@ def lowest(elements: ElementMatrices, count: int) -> Lowest:
         THEORY.md 7, eq. (7.16): Lanczos method of ARPACK, shifted and inverted; derivatives as Nelson (1976).
     """
     # The number is handed on as a shape, which stays known.
-    return _lowest(elements, np.zeros(_possible(elements, count)))
+    return _lowest(elements, np.zeros(_possible(elements, count)), solver)
 
 
 def _possible(elements: ElementMatrices, count: int) -> int:
@@ -152,33 +164,28 @@ def _possible(elements: ElementMatrices, count: int) -> int:
     return min(count, n - h)
 
 
-@jax.custom_jvp
-def _lowest(elements: ElementMatrices, count: Array) -> Lowest:
+@functools.partial(jax.custom_jvp, nondiff_argnums=(2,))
+def _lowest(elements: ElementMatrices, count: Array, solver: LinearSolver) -> Lowest:
     k, h, n_x = count.shape[0], elements.unknowns[1], elements.sizes.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n_x, k), (h, k))]
 
-    return Lowest(*on_host(functools.partial(_lowest_on_host, count=k), tuple(like), elements))
+    return Lowest(*on_host(functools.partial(_lowest_on_host, count=k, solver=solver), tuple(like), elements))
 
 
-def _lowest_on_host(elements: ElementMatrices, *, count: int):
+def _lowest_on_host(elements: ElementMatrices, *, count: int, solver: LinearSolver):
     """Lowest eigenvalues, motions of all coordinates and multipliers; NumPy and SciPy alone."""
     n, h = elements.unknowns
     whole = Whole(elements)
-    tangent, mass = whole.at(), whole.mass
-    refuse_negative_masses(mass, [own for *_, own in elements.mass], tangent)
-
-    def exact(z: np.ndarray):
-        return forces(elements, z)
-
-    values, moving, multipliers = lowest_of_sparse(tangent, mass, count, exact)
+    refuse_negative_masses(whole)
+    values, moving, multipliers = lowest_of_sparse(whole, count, solver)
     motions = np.zeros((len(elements.sizes), count))
     motions[elements.free] = moving
-    heaviest = np.max(mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
+    heaviest = np.max(whole.mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
     false = _false_stiffness(elements) / heaviest if heaviest else 0.0
     # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
     near = np.abs(values) < false / KNOWN
     if np.any(energies(elements, motions[:, near]) > FREE * false):
-        others = lowest_of_sparse(tangent, mass, count + 1, exact).values if np.all(near) and count < n - h else values
+        others = lowest_of_sparse(whole, count + 1, solver).values if np.all(near) and count < n - h else values
         others = np.abs(others[np.isfinite(others)])
         apart = np.min(others[others >= false / KNOWN], initial=np.inf)
         _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
@@ -188,9 +195,9 @@ def _lowest_on_host(elements: ElementMatrices, *, count: int):
 
 
 @_lowest.defjvp
-def _lowest_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _lowest_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, count = primals
-    at: Any = _lowest(elements, count)
+    at: Any = _lowest(elements, count, solver)
     (n, h), n_x = elements.unknowns, elements.sizes.shape[0]
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
     massive, values = jnp.isfinite(at.values), _finite(at.values)
@@ -256,21 +263,21 @@ def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:
     return jnp.where(jnp.isfinite(values), values, 0.0)
 
 
-def lowest_values(elements: ElementMatrices, count: int) -> Float[Array, "count"]:
+def lowest_values(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE) -> Float[Array, "count"]:
     """Lowest eigenvalues alone, as :func:`lowest`; their derivatives are of Rayleigh's quotient, without a solution."""
-    return _lowest_values(elements, np.zeros(_possible(elements, count)))
+    return _lowest_values(elements, np.zeros(_possible(elements, count)), solver)
 
 
-@jax.custom_jvp
-def _lowest_values(elements: ElementMatrices, count: Array) -> Float[Array, "count"]:
-    found: Any = _lowest(elements, count)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(2,))
+def _lowest_values(elements: ElementMatrices, count: Array, solver: LinearSolver) -> Float[Array, "count"]:
+    found: Any = _lowest(elements, count, solver)
     return found.values
 
 
 @_lowest_values.defjvp
-def _lowest_values_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _lowest_values_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     elements, count = primals
-    at: Any = _lowest(elements, count)
+    at: Any = _lowest(elements, count, solver)
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
 
     def quotients(elements: ElementMatrices):

@@ -4,17 +4,18 @@ M v = mu (K + s M) v is solved in the inner product of K + s M, with omega^2 = 1
 without mass leave no measure of, these would grow among what iterations find.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import AnalysisError, ModelError
-from ..math.by_deformations import refined
+from ..math.by_deformations import forces, refined
+from ..math.element_matrices import Whole
 from ..math.linear import uneven
+from ..math.linear_solver import LinearSolver
 from ..math.sparse import SparseFactors, negative_where_held
 from ..results import RESULTS
-from .lanczos import BEFORE, FEW, Constrained, changed, check_modes, plus
+from .lanczos import BEFORE, FEW, Constrained, changed, check_modes
 from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS
 
 # Of more motions than these all are not found by sparse matrices.
@@ -50,66 +51,65 @@ class Lowest(NamedTuple):
 
 
 class _Shifted(Constrained):
-    """K + s M where constraints hold, with the shift s [rad^2/s^2] and the mass M, (n, n)."""
+    """K + s M of element matrices where constraints hold, with the shift s [rad^2/s^2] and the mass M, (n, n)."""
 
-    def __init__(self, tangent: Any, mass: Any, shift: float):
-        super().__init__(tangent if shift == 0.0 else plus(tangent, mass, shift), mass.shape[0])
-        self.shift, self.mass = shift, mass
+    def __init__(self, whole: Whole, solver: LinearSolver, shift: float):
+        super().__init__(whole.at(shift), whole.n, solver.factored(whole.elements, mass=shift))
+        self.whole, self.solver, self.shift, self.mass = whole, solver, shift, whole.mass
 
     def is_definite(self) -> bool:
         """Whether K + s M is known to be positive definite where the constraints hold."""
-        return self.factors.regular and negative_where_held(self.tangent, self.factors, self.n) == 0
+        return self.factors.regular and self.factors.negative() == 0
 
-    def once_more(self, motions: np.ndarray, inverse: np.ndarray, exact: Callable[[np.ndarray], np.ndarray] | None):
-        """Motions and multipliers one iteration on, by a product that is better than the entries where there is one."""
-        forces, n = self.mass @ motions / inverse, self.n
-        if exact is None:
-            return self.solved(forces)
+    def once_more(self, motions: np.ndarray, inverse: np.ndarray):
+        """Motions and multipliers one iteration on, by a product that round-off spoils less than its entries."""
+        load, n = self.mass @ motions / inverse, self.n
 
         def shifted(z: np.ndarray):
-            found = exact(z)
+            found = forces(self.whole.elements, z)
             found[:n] += self.shift * (self.mass @ z[:n])
             return found
 
-        right = np.concatenate([forces, np.zeros((self.tangent.shape[0] - n, len(inverse)))])
+        right = np.concatenate([load, np.zeros((self.tangent.shape[0] - n, len(inverse)))])
         return refined(shifted, self.factors.solve, right, np.ones(n))
 
 
-def _below_all(tangent: Any, mass: Any) -> _Shifted:
+def _below_all(whole: Whole, solver: LinearSolver) -> _Shifted:
     """Shifted by an s that no eigenvalue is below -s of; or singular_stiffness.
 
     What is nearest to zero is the lowest only where nothing is below: an unstable mechanism has negative eigenvalues.
     """
-    heaviest = mass.diagonal().max(initial=0.0)
-    ratio = np.abs(tangent.diagonal()[: mass.shape[0]]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
+    heaviest = whole.mass.diagonal().max(initial=0.0)
+    ratio = np.abs(whole.at().diagonal()[: whole.n]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
     shift = 0.0
     for _ in range(MAX_SHIFTS if heaviest > 0 else 1):
-        found = _Shifted(tangent, mass, shift)
+        found = _Shifted(whole, solver, shift)
         if found.is_definite():
             return found
         shift = GROWTH * shift or FIRST_SHIFT * (ratio or 1.0)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def refuse_negative_masses(mass: Any, pieces: Any, tangent: Any) -> None:
-    """Raise singular_mass where a sparse mass has a negative eigenvalue where the constraints in a tangent hold.
+def refuse_negative_masses(whole: Whole) -> None:
+    """Raise singular_mass where the mass has a negative eigenvalue where the constraints hold.
 
-    Where none of the ``pieces`` is negative, the element matrices that it is the sum of, nor is their sum.
+    Where no element's mass is negative, nor is their sum.
     """
     import scipy.sparse
 
     try:
-        for own in pieces:
+        for *_, own in whole.elements.mass:
             largest = np.max(np.abs(own), axis=(1, 2), initial=0.0)
             np.linalg.cholesky(own + (NEGATIVE * largest + np.finfo(float).tiny)[:, None, None] * np.eye(own.shape[1]))
     except np.linalg.LinAlgError:
         pass
     else:
         return
-    size, rows = np.abs(mass.diagonal()), tangent[mass.shape[0] :, : mass.shape[0]]
+    mass, n = whole.mass, whole.n
+    size, rows = np.abs(mass.diagonal()), whole.constraints
     some = NEGATIVE * np.where(size > 0, size, np.max(size, initial=0.0))
-    whole = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
-    if negative_where_held(whole, SparseFactors(whole), mass.shape[0]) != 0:
+    matrix = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
+    if negative_where_held(matrix, SparseFactors(matrix), n) != 0:
         raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
 
 
@@ -127,8 +127,11 @@ def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarra
         # Up to the last, or where motions without mass begin.
         return max(inverse[-1] * (1 + BEFORE * abs(1 - at.shift * inverse[-1])), MASSLESS * every * inverse[0])
 
+    def negative(inverse: float):
+        return at.solver.factored(at.whole.elements, mass=at.shift - 1 / inverse).negative()
+
     try:
-        return at.largest(at.mass, count, last, both=False)
+        return at.largest(at.mass, count, last, negative)
     except np.linalg.LinAlgError:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
 
@@ -144,15 +147,10 @@ def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndar
     return inverse, motions / np.sqrt(np.where(inverse > 0, inverse, 1.0))
 
 
-def lowest_of_sparse(
-    tangent: Any, mass: Any, count: int, exact: Callable[[np.ndarray], np.ndarray] | None = None
-) -> Lowest:
-    """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with sparse factors.
+def lowest_of_sparse(whole: Whole, count: int, solver: LinearSolver) -> Lowest:
+    """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with factors of a solver.
 
-    Args:
-        tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
-        mass: Sparse M without negative eigenvalues where D v = 0, (n, n).
-        exact: Product with the tangent that round-off spoils less than its entries do, of (n + h, k); None: none.
+    M has no negative eigenvalues where the constraints hold.
 
     Raises:
         ModelError: ``count`` is so large a part of very many.
@@ -161,7 +159,7 @@ def lowest_of_sparse(
     Source:
         THEORY.md 7, eq. (7.16); shift-inverted Lanczos method of ARPACK.
     """
-    n, total = mass.shape[0], tangent.shape[0]
+    n, total = whole.n, sum(whole.elements.unknowns)
     every = 2 * n - total
     if asks_for_all(count, every):
         raise ModelError(
@@ -170,29 +168,29 @@ def lowest_of_sparse(
         )
     if every <= 0:
         return Lowest(np.zeros(0), np.zeros((n, 0)), np.zeros((total - n, 0)))
-    at = _below_all(tangent, mass)
-    if not mass.count_nonzero():
+    at = _below_all(whole, solver)
+    if not at.mass.count_nonzero():
         return Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
     if at.shift > 0:
         # As small a shift leaves few digits to what is far above it.
-        at = _better(at, tangent, _found(at, count, rough=True)[0])
-    found, wrong = _lowest_at(at, count, exact)
+        at = _better(at, _found(at, count, rough=True)[0])
+    found, wrong = _lowest_at(at, count)
     if np.max(wrong, initial=0.0) > GOOD:
         # Nor does a stiffness that is far softer in one motion than in others.
-        at = _better(at, tangent, 1 / (found.values[np.isfinite(found.values)] + at.shift))
-        found, wrong = _lowest_at(at, count, exact)
+        at = _better(at, 1 / (found.values[np.isfinite(found.values)] + at.shift))
+        found, wrong = _lowest_at(at, count)
     check_modes(wrong, "frequencies")
     return found
 
 
-def _better(at: _Shifted, tangent: Any, inverse: np.ndarray) -> _Shifted:
+def _better(at: _Shifted, inverse: np.ndarray) -> _Shifted:
     """Shifted to amidst the eigenvalues that are asked for, of which about right ones are given."""
     above = 1 / inverse[inverse > MASSLESS * np.max(inverse)] - at.shift
     above = above[above > max(at.shift, 0.0)]
-    return _Shifted(tangent, at.mass, float(np.sqrt(np.min(above) * np.max(above)))) if len(above) else at
+    return _Shifted(at.whole, at.solver, float(np.sqrt(np.min(above) * np.max(above)))) if len(above) else at
 
 
-def _lowest_at(at: _Shifted, count: int, exact: Callable[[np.ndarray], np.ndarray] | None) -> tuple[Lowest, np.ndarray]:
+def _lowest_at(at: _Shifted, count: int) -> tuple[Lowest, np.ndarray]:
     """Eigenvalues and motions, and how far from eigenvectors these are, (count,)."""
     n, total = at.mass.shape[0], at.tangent.shape[0]
     inverse, motions = _found(at, count, rough=False)
@@ -203,13 +201,13 @@ def _lowest_at(at: _Shifted, count: int, exact: Callable[[np.ndarray], np.ndarra
     kept = motions[:, order[:some]]
     kept = kept / np.sqrt(np.einsum("ij,ij->j", kept, at.mass @ kept))
     # Once more, for the multipliers too: K v + D^T m = (w^2 + s) M v.
-    full = at.once_more(kept, inverse, exact)
+    full = at.once_more(kept, inverse)
     multipliers, wrong = full[n:], changed(full[:n] - kept, kept, at.mass)
-    for _ in range(ONCE_MORE if exact is not None else 0):
+    for _ in range(ONCE_MORE):
         kept, multipliers, inverse, wrong = _told_apart(at.mass, kept, full, inverse)
         if np.max(wrong, initial=0.0) <= GOOD:
             break
-        full = at.once_more(kept, inverse, exact)
+        full = at.once_more(kept, inverse)
     found = Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
     found.values[:some] = 1 / inverse - at.shift
     found.motions[:, :some], found.multipliers[:, :some] = kept, multipliers

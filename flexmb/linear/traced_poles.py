@@ -175,7 +175,7 @@ _of_elements = _differentiable(_found_by_elements, _balance_by_elements)
 def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Poles nearest to zero with their left and right motions and multipliers; NumPy and SciPy alone."""
     whole = Whole(elements)
-    refuse_negative_masses(whole.mass, [own for *_, own in elements.mass], whole.at())
+    refuse_negative_masses(whole)
     every = poles_of_sparse(whole, count + 1)
     near = np.sort(np.argsort(np.abs(every), kind="stable")[:count])
     if len(near) < count:

@@ -1,5 +1,6 @@
 """Large mechanisms by sparse matrices: modes, compliance and stress are those of dense ones, and so are derivatives."""
 
+import dataclasses
 import threading
 
 import jax
@@ -11,6 +12,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.linear.sparse_solve import on_host
+from flexmb.math.linear_solver import SPARSE
 from flexmb.math.sparse import on_host_thread
 from flexmb.results import RESULTS
 
@@ -135,6 +137,28 @@ def test_repeated_frequencies_have_derivatives_of_what_does_not_depend_on_shapes
     assert float(slope[0]) == approx(float(value[0]) / 2e-3, rel=1e-4)
     # Mass goes as the square of the thickness, and so do squares of shapes with the inverse of it.
     assert float(slope[1]) == approx(-2 * float(value[1]) / 2e-3, rel=1e-3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Counted:
+    """A linear solver that keeps with which shifts it was asked."""
+
+    asked: list = dataclasses.field(default_factory=list, compare=False)
+
+    def factored(self, elements, mass=0.0, damping=0.0):
+        self.asked.append((mass, damping))
+        return SPARSE.factored(elements, mass, damping)
+
+
+def test_questions_are_answered_by_the_solver_that_they_are_given():
+    own, dense = Counted(), bent(check=True)
+    lin = fm.linearize(bent(), solver=own)
+    np.testing.assert_allclose(fm.compliance(lin, "n6"), fm.compliance(dense, "n6", solver="dense"), rtol=1e-7)
+    assert own.asked == [(0.0, 0.0)]
+    found = fm.frequencies(lin, count=2)
+    np.testing.assert_allclose(found, fm.frequencies(dense, count=2, sparse=False), rtol=1e-7)
+    np.testing.assert_allclose(found, fm.frequencies(lin, count=2, solver="sparse"), rtol=1e-9)
+    assert len(own.asked) == 2
 
 
 @pytest.mark.slow
