@@ -33,6 +33,7 @@ from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from .assemble import assemble, stack
+from .calls import recorded
 from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
 from .description import Description, Key, Member, NamedSignal, turn_about
@@ -76,6 +77,7 @@ class Builder(Description):
 
     # -- nodes and elements ------------------------------------------------------------------------------------
 
+    @recorded
     def node(self, name: str, position: Sequence[float]) -> str:
         """Add a node at a position.
 
@@ -99,6 +101,7 @@ class Builder(Description):
         self._new_node(name, kind, position)
         return name
 
+    @recorded
     def rotation(self, name: str, start: Sequence[float] | None = None) -> str:
         """Add a rotation of its own, for a second body hinged at a position that already has one.
 
@@ -118,6 +121,7 @@ class Builder(Description):
         self._new_node(name, kind, own)
         return name
 
+    @recorded
     def warping(self, name: str) -> str:
         """Add a warping of its own, for beams that shall share no other one or another one than that of their node.
 
@@ -135,6 +139,7 @@ class Builder(Description):
         self._new_node(name, WARPING, list(WARPING.start))
         return name
 
+    @recorded
     @unguarded
     def add(
         self,
@@ -194,6 +199,7 @@ class Builder(Description):
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
+    @recorded
     def fix(self, node: str, *components: str | int) -> None:
         """Hold coordinates at their start values.
 
@@ -227,6 +233,7 @@ class Builder(Description):
                 member.roles[0] = Role.DEPENDENT
         self._clamped.update(part for part in parts if part not in there)
 
+    @recorded
     def prescribe(
         self,
         of: str,
@@ -272,6 +279,7 @@ class Builder(Description):
         self._set_roles([entry], Role.PRESCRIBED)
         self._load("prescribed", increment)[entry] = copied(value)
 
+    @recorded
     def start(
         self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
     ) -> None:
@@ -293,6 +301,7 @@ class Builder(Description):
         self._owner(entry)
         self.starts[entry] = copied((value, velocity))
 
+    @recorded
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
 
@@ -311,6 +320,7 @@ class Builder(Description):
         if rotary is not None:
             self._add_hidden("inertia", rotary[0], inertia=rotary[1])
 
+    @recorded
     def inertia(self, node: str, inertia: Any) -> None:
         """Put lumped rotary inertia on a node's rotation.
 
@@ -324,6 +334,7 @@ class Builder(Description):
         rotation, own = self._inertia(node, inertia)
         self._add_hidden("inertia", rotation, inertia=own)
 
+    @recorded
     @unguarded
     def body(
         self,
@@ -365,11 +376,7 @@ class Builder(Description):
         if step is not None:
             if beside := [n for n, v in (("mass", mass), ("center", center), ("inertia", inertia)) if v is not None]:
                 raise ModelError(f"{what}: a STEP file says its {' and '.join(beside)}; leave out one of them.")
-            mass, origin, inertia = body_of_step(what, step, material)
-            center, inertia = origin[:dimension], inertia[2, 2] if dimension == 2 else inertia
-            if at is not None:
-                check_numbers(f"{what}: at", at, (dimension,), ModelError)
-                center = stack([a + c for a, c in zip(at, center, strict=True)])
+            mass, center, inertia = body_of_step(what, step, material, at, dimension)
         elif given := [n for n, v in (("material", material), ("at", at)) if v is not None]:
             raise ModelError(f"{what}: {' and '.join(given)} goes with a STEP file alone: give step= too.")
         if mass is None:
@@ -406,6 +413,7 @@ class Builder(Description):
             )
         return rotation, inertia
 
+    @recorded
     def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.
 
@@ -434,6 +442,7 @@ class Builder(Description):
             key = ("node", part, i + 1)
             forces[key] = forces.get(key, 0.0) + value
 
+    @recorded
     def moment(self, node: str, moment: Any, *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant moment to a node's rotation, about fixed axes or about axes that turn with it.
 
@@ -456,6 +465,7 @@ class Builder(Description):
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
+    @recorded
     def gravity(self, acceleration: Sequence[float], *, increment: bool = False) -> None:
         """Let gravity act on all mass; a second call takes the place of the first.
 
@@ -468,6 +478,7 @@ class Builder(Description):
         self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
+    @recorded
     def prestress(self, element: str, *values: float, increment: bool = False, **named: float) -> None:
         """Constant stress resultants beside those of an element's stiffness; a second call takes the first one's place.
 
@@ -487,6 +498,7 @@ class Builder(Description):
         check_flag("increment", increment, ModelError)
         self._load("prestress", increment).update(self._values("Prestress", element, values, named))
 
+    @recorded
     def strain(self, element: str, *values: float, **named: float) -> None:
         """Set the deformations at which an element is free of stress; a second call takes the place of the first.
 
@@ -507,6 +519,7 @@ class Builder(Description):
             raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
         self._load("strain", False).update(self._values("Strain", element, values, named))
 
+    @recorded
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
         """Change the temperature of an element, which expands and, where one side is warmer, bends towards the other.
 
@@ -552,6 +565,7 @@ class Builder(Description):
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
+    @recorded
     def input(
         self,
         of: str,
@@ -583,6 +597,7 @@ class Builder(Description):
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
+    @recorded
     def output(
         self,
         of: str,
@@ -615,6 +630,7 @@ class Builder(Description):
         """
         self._add_signal("output", name, self._signal("output", of, component, quantity, kind, local))
 
+    @recorded
     def sensor(self, name: str, weights: Mapping[str, Any]) -> None:
         """Name an output that is a linear combination of what outputs measure.
 
@@ -633,6 +649,7 @@ class Builder(Description):
         """
         self._combine("output", "sensor", name, weights)
 
+    @recorded
     def actuator(self, name: str, weights: Mapping[str, Any]) -> None:
         """Name an input that acts on several things at once.
 

@@ -17,6 +17,7 @@ from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
+from .calls import MadeCall, recorded
 from .given import check_closure, number_in, number_in_element, numbers_freed, some_of
 
 AXES = ("x", "y", "z")
@@ -70,6 +71,7 @@ class Description:
         signals: Inputs and outputs.
         starts: Start value and velocity of degrees of freedom.
         dimension: 2 in the plane, 3 in space, None before the first node.
+        calls: Calls that made the contents, in order, with the name that :meth:`flexmb.Builder.add` returned.
     """
 
     def __init__(self):
@@ -80,8 +82,11 @@ class Description:
         self.signals: dict[str, list[NamedSignal]] = {"input": [], "output": []}
         self.starts: dict[Key, tuple[Any, Any]] = {}
         self.dimension: int | None = None
+        self.calls: list[MadeCall] = []
         self._clamped: set[str] = set()
+        self._is_recording = False
 
+    @recorded
     def release(self, element: str, *deformations: int | str, kind: str | None = None) -> None:
         """Let deformations of an element change (DEPENDENT), or coordinates of a node that are FIXED.
 
@@ -116,6 +121,7 @@ class Description:
                 self._set_roles([turn for i in range(3) if (turn := turn_about(self, part, i)) != key], Role.FIXED)
         self._set_roles([key], Role.DEPENDENT)
 
+    @recorded
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
 
@@ -151,6 +157,7 @@ class Description:
                 f" ['top.x', 'hinge.e2'], not {shown(labels)}."
             )
         twin, keys = self.copy(), dict[Key, None]()
+        twin.calls = [call for call in self.calls if call.method != "dof"]
         for label in labels:
             of, point, symbol = label.rpartition(".")
             if not point:
@@ -160,10 +167,12 @@ class Description:
                 of, symbol = turned_by(of)
             is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
             is_element |= of in twin.members and symbol in twin.members[of].element.deformation_names.values()
-            key = twin._entry_to_free(of, symbol, "element" if is_element else "node")
+            kind = "element" if is_element else "node"
+            key = twin._entry_to_free(of, symbol, kind)
             if key in keys:
                 raise ModelError(f"Argument `dofs` has {shown(label)} twice.")
             keys[key] = None
+            twin.calls.append(MadeCall("dof", (of, symbol), {"kind": kind}))
         if left_out := [
             f"'{of} {component}'" for kind, of, component in self.dofs if (kind, of, component) not in keys
         ]:
@@ -183,6 +192,7 @@ class Description:
             contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
             setattr(twin, field, contents)
         twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
+        twin.calls = list(self.calls)
         twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
         twin.signals = {k: list(v) for k, v in self.signals.items()}
         return twin

@@ -10,21 +10,24 @@ import numpy as np
 from ..arguments import check_numbers, is_concrete, shown
 from ..elements.sections import Material
 from ..errors import ModelError, clean
+from .assemble import stack
 
 # build123d gives millimetres, whatever the units of the file are.
 MILLIMETRE = 1e-3
 
 
-def body_of_step(what: str, step: Any, material: Any) -> tuple[Any, np.ndarray, Any]:
+def body_of_step(what: str, step: Any, material: Any, at: Any = None, dimension: int = 3) -> tuple[Any, Any, Any]:
     """Mass, centre of mass and inertia of all solids of a STEP file, in its axes.
 
     Args:
         what: What it is for, for messages.
         step: Path of the file.
         material: Material, whose density counts, or a density, () [kg/m^3].
+        at: Where the origin of the file is, (d,) [m].
+        dimension: d; 2 for the axes x and y of the file.
 
     Returns:
-        Mass () [kg], centre (3,) [m] and inertia about the centre, (3, 3) [kg m^2].
+        Mass () [kg], centre (d,) [m] and inertia about the centre [kg m^2], (3, 3), in the plane ().
 
     Raises:
         ImportError: build123d is not installed.
@@ -43,7 +46,11 @@ def body_of_step(what: str, step: Any, material: Any) -> tuple[Any, np.ndarray, 
     arms = centers - center
     parallel = np.einsum("s,s,ij->ij", volumes, np.sum(arms**2, axis=1), np.eye(3))
     inertia = np.sum(inertias, axis=0) + parallel - np.einsum("s,si,sj->ij", volumes, arms, arms)
-    return density * volume, center, density * (inertia + inertia.T) / 2
+    inertia, center = density * (inertia + inertia.T) / 2, center[:dimension]
+    if at is not None:
+        check_numbers(f"{what}: at", at, (dimension,), ModelError)
+        center = stack([a + c for a, c in zip(at, center, strict=True)])
+    return density * volume, center, inertia[2, 2] if dimension == 2 else inertia
 
 
 def _density(what: str, material: Any) -> Any:

@@ -90,7 +90,12 @@ def signal(r: Reading, s: Statement, p: dict[str, Any]) -> None:
         meant = "moment" if axis is not None and quantity == "force" else quantity
         label = label.replace("force", meant, 1) if meant == "moment" else label
         name = f"{label} ({p['number']})" if label in {signal.name for signal in known} else label
-        known.append(NamedSignal(name, meant, (kind, str(of), component), axis))
+        if kind == "node" and r.kind_of(of) is ROTATION3 and axis is None:
+            # The Builder refuses an Euler parameter.
+            known.append(NamedSignal(name, meant, (kind, str(of), component), axis))
+            return
+        word_of = component if axis is None else TURNS[axis]
+        getattr(r.builder, side)(str(of), word_of, meant, name=name, kind=kind)
 
     r.signals[side][p["number"]] = s, add
 

@@ -12,6 +12,7 @@ import jax.core
 
 from ..arguments import is_concrete
 from ..build.builder import Builder
+from ..build.calls import MadeCall
 from ..build.carry import carried
 from ..build.properties import check_record
 from ..elements import planar, spatial
@@ -42,7 +43,7 @@ class Built:
         builder: With all that could be built.
         problems: What is wrong, {"address", "message"} each.
         skipped: Ids of things that are not in the builder: they have problems, or refer to such that have.
-        made: What each thing made, by its id: names of "nodes" and of "elements".
+        made: Calls that each thing became, by its id.
         records: Sections, materials and dampings, by id.
         numbers: Values of the numeric fields, as they were used.
     """
@@ -50,7 +51,7 @@ class Built:
     builder: Builder
     problems: list[dict[str, str]]
     skipped: list[str]
-    made: dict[str, dict[str, list[str]]]
+    made: dict[str, list[MadeCall]]
     records: dict[str, Any]
     numbers: dict[str, Any]
 
@@ -128,7 +129,7 @@ class _Building:
         self.document, self.values, self.faults, self.concrete = document, values, faults, concrete
         self.builder = Builder()
         self.problems: list[dict[str, str]] = []
-        self.made: dict[str, dict[str, list[str]]] = {}
+        self.made: dict[str, list[MadeCall]] = {}
         self.records: dict[str, Any] = {}
         self.state: dict[str, str] = {}
         self.needs = {thing["id"]: referred(document.known, thing) for thing in document.things}
@@ -179,7 +180,7 @@ class _Building:
         args = self._arguments(call, thing)
         if len(self.problems) > before:
             return False
-        nodes, members = len(self.builder.nodes), len(self.builder.members)
+        nodes, members, calls = map(len, (self.builder.nodes, self.builder.members, self.builder.calls))
         trial = self.builder.copy() if call.kind == "block" else self.builder
         try:
             self._call(trial, call, thing, args)
@@ -188,10 +189,7 @@ class _Building:
             self._withdraw(nodes, members)
             return False
         self.builder = trial
-        self.made[id] = {
-            "nodes": list(self.builder.nodes)[nodes:],
-            "elements": [name for name, m in list(self.builder.members.items())[members:] if not m.hidden],
-        }
+        self.made[id] = self.builder.calls[calls:]
         return True
 
     def _withdraw(self, nodes: int, members: int) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..build.builder import Builder
-from ..build.description import Description
+from ..build.description import Description, NamedSignal
 from ..display import listed
 from ..errors import ModelError, SpacarError, clean
 from ..files import write_whole
@@ -24,12 +24,9 @@ from .building import build, free_names, numbers_of
 from .document import Document, apply
 from .formulas import formulas
 from .from_builder import document_of
-from .merged import apart, called, merged
 from .references import call_of
 from .study_beside import names_beside, write_beside
 
-# Comments by which the writer says what a number was called.
-LEGEND = re.compile(r"%\s(node|element|input|output) (\d{1,9}): (\S.*)", re.ASCII)
 # Lines of a file that belong to an analysis and name no node or element, so that they can stay when it is written anew.
 KEPT = ("TIMESTEP", "ERROR", "ITERSTEP")
 # What a file has of the material of a leaf spring.
@@ -95,7 +92,7 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
         if found.text != text:
             raise SpacarError(f"{clean(path.name)}:1: the file changed while it was read; open it again")
         warnings[:] = found.warnings
-        return SpacarModel(merged(called(found.builder, _legend(text))), **_rest(found))
+        return found
 
     title = path.stem if path.stem.isprintable() else "mechanism"
     document, left_out = document_of(read, own, title=title) if names else document_of(read(), title=title)
@@ -105,20 +102,6 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
     drawn = "drawing keywords are kept"
     notes += [one for one in warnings if drawn not in one]
     return document, [*notes, *left_out]
-
-
-def _rest(read: SpacarModel) -> dict[str, Any]:
-    return {name: getattr(read, name) for name in ("warnings", "name", "settings", "text", "parameters")}
-
-
-def _legend(text: str) -> dict[str, dict[str, str]]:
-    """Names by what they are of and by number, as comments of the writer have them."""
-    found: dict[str, dict[str, str]] = {}
-    for line in text.splitlines():
-        if match := LEGEND.fullmatch(line.strip()):
-            kind, number, name = match.groups()
-            found.setdefault(kind, {})[number] = name.strip()
-    return found
 
 
 # -- saving ----------------------------------------------------------------------------------------------------------
@@ -301,14 +284,14 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     built = build(document)
     known: Any = numbers_of(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
-    builder = apart(_without_strength(built.builder))
+    builder = _apart(_without_strength(built.builder))
     plain = [*_signals(builder), *map(text_of, lines_of(builder, settings or {}))]
     if not free:
         return plain, []
     found: list[WrittenLine | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = apart(_without_strength(build(document, numbers_of(document, names)).builder))
+        other = _apart(_without_strength(build(document, numbers_of(document, names)).builder))
         found[:] = lines_of(other, settings or {}, like=builder)
         return [
             v for line in found if isinstance(line, WrittenLine) for v in line.values if not isinstance(v, int | str)
@@ -337,6 +320,37 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
         lines.append(" ".join([line.keyword, *words]))
     how = "follows from names by more than + - * / **, and stays as it is"
     return lines, [f"number {n} of {keyword} {listed(of)} {how}" for (keyword, n), of in lost.items()]
+
+
+def _apart(builder: Builder) -> Builder:
+    """A builder in which the rotation of node 1 is node 2 again where no other is, as files number them."""
+    new: dict[str, str] = {}
+    for name in builder.nodes:
+        owner, _, part = name.rpartition(".")
+        if part == "rotation" and owner in builder.nodes and owner.isascii() and owner.isdecimal():
+            number = str(int(owner) + 1)
+            if number not in builder.nodes and number not in new.values():
+                new |= {name: number, f"{owner}.warping": f"{number}.warping"}
+
+    def key(entry: Any) -> Any:
+        is_node = isinstance(entry, tuple) and entry[0] == "node"
+        return (entry[0], new.get(entry[1], entry[1]), entry[2]) if is_node else entry
+
+    def signal(own: NamedSignal) -> NamedSignal:
+        return own._replace(key=key(own.key), parts=tuple(map(signal, own.parts)))
+
+    twin = builder.copy()
+    twin.nodes = {new.get(name, name): node for name, node in twin.nodes.items()}
+    for member in twin.members.values():
+        member.nodes = tuple(new.get(node, node) for node in member.nodes)
+    twin.dofs = list(map(key, twin.dofs))
+    twin.starts = {key(entry): value for entry, value in twin.starts.items()}
+    twin.loads = {
+        which: {kind: {key(entry): value for entry, value in own.items()} for kind, own in sets.items()}
+        for which, sets in twin.loads.items()
+    }
+    twin.signals = {side: list(map(signal, own)) for side, own in twin.signals.items()}
+    return twin
 
 
 def _signals(builder: Description) -> list[str]:

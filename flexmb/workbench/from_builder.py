@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import jax
 import jax.errors
+import numpy as np
 
-from ..arguments import shown
+from ..arguments import is_concrete, shown
 from ..build.builder import Builder
+from ..build.calls import replay
 from ..build.carry import built, carried, recorded
 from ..build.description import Description
 from ..errors import ModelError, clean, first_line
@@ -46,9 +49,9 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
     if not callable(source) or isinstance(source, Builder):
         if names:
             raise TypeError("Names belong to a function that builds a mechanism of them, as edit(function, t=1e-3).")
-        things = Calls(_builder_in(source))
-        left_out = things.left_out + _settings_of(source) + _names_of(source)
-        return _document(things, list(map(text_of, things.numbers)), {}, title or _title(source)), left_out
+        known = Calls(_builder_in(source))
+        left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(source) + _names_of(source)
+        return _document(source, known, list(map(text_of, known.numbers)), {}, title), left_out
     own = {name: _named(name, value) for name, value in (names or {}).items()}
     floats = {name: float(value[0]) for name, value in own.items() if value is not None}
     rest = {name: value for name, value in (names or {}).items() if own[name] is None}
@@ -57,13 +60,13 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
     # A model is no more than its numbers: the builder that it came from knows what was named and what was found.
     at = next((i for i, model in enumerate(models) if model is returned and len(builders) == len(models)), None)
     known = Calls(_builder_in(returned) if at is None else builders[at])
-    left_out = known.left_out + _settings_of(returned)
+    left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(returned)
     for name, value in rest.items():
         left_out.append(
             f"argument {name} = {clean(shown(value))} stays as it is: names are numbers with a decimal point"
         )
     texts, told = _texts(known, *_traced(source, floats, rest, models, at), ", ".join(floats))
-    return _document(known, texts, own, title or _title(source)), left_out + told
+    return _document(returned, known, texts, own, title or _title(source)), left_out + told
 
 
 def _texts(known: Calls, traced: list[str | None] | None, why: str, names: str) -> tuple[list[str], list[str]]:
@@ -109,13 +112,50 @@ def _traced(
 
 def _builder_in(source: Any) -> Description:
     if isinstance(source, SpacarModel):
-        return merged(source.builder)
+        return source.builder
     if isinstance(source, Description):
         return source
     if isinstance(source, Model):
         return builder_of(source)
     raise TypeError(
         f"A Builder is wanted, what read_spacar returns, a Model, or a function that returns one, not {shown(source)}."
+    )
+
+
+def _made_otherwise(builder: Description) -> list[str]:
+    """What a Builder holds and no call of it has made."""
+    twin = Builder()
+    twin.dimension = builder.dimension
+    replay(builder.calls, twin)
+    told = []
+    for part, contents in _contents(builder).items():
+        same, other = _contents(twin)[part], f"{part} that no call of the Builder has made"
+        told += [other] if contents.keys() != same.keys() else []
+        told += [
+            f"what was changed of {part.removesuffix('s')} '{clean(key)}' beside the calls of the Builder"
+            for key in contents
+            if key in same and not _equal(contents[key], same[key])
+        ]
+    return told
+
+
+def _contents(builder: Description) -> dict[str, dict[Any, Any]]:
+    signals = [(side, signal) for side, several in builder.signals.items() for signal in several]
+    return {
+        "nodes": {name: (node.start, node.roles) for name, node in builder.nodes.items()},
+        "elements": {name: (m.nodes, m.properties, m.roles) for name, m in builder.members.items()},
+        "loads": builder.loads,
+        "signals": {f"{side} {signal.name}": signal for side, signal in signals},
+        "starts": {"all": (builder.dofs, builder.starts)},
+    }
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two trees have equal entries; numbers that are traced count as equal."""
+    leaves, structure = jax.tree.flatten(one)
+    others, other_structure = jax.tree.flatten(other)
+    return structure == other_structure and all(
+        a is b or not is_concrete((a, b)) or np.array_equal(a, b) for a, b in zip(leaves, others, strict=True)
     )
 
 
@@ -140,23 +180,26 @@ def _title(source: Any) -> str:
     return name if name.isprintable() and name and not name.startswith("<") else "mechanism"
 
 
-def _document(calls: Calls, texts: list[str], names: Mapping[str, tuple[Any, ...] | None], title: str) -> Document:
+def _document(
+    source: Any, calls: Calls, texts: list[str], names: Mapping[str, tuple[Any, ...] | None], title: str
+) -> Document:
     """The document of calls whose numbers have texts."""
-    things = _once([_shortened({**thing, "args": _filled(thing["args"], texts)}) for thing in calls.things])
+    things = _once(calls.said(texts))
     bounds = {
         name: dict(zip(("value", "low", "high"), map(text_of, own), strict=False))
         for name, own in names.items()
         if own is not None
     }
-    return Document.from_data(
+    document = Document.from_data(
         {
             "format": FORMAT,
-            "title": title,
-            "dimension": calls.b.dimension or 2,
+            "title": title or _title(source),
+            "dimension": calls.builder.dimension or 2,
             "names": bounds,
             "things": [{"id": str(i), **thing} for i, thing in enumerate(things, 1)],
         }
     )
+    return merged(document, source.text) if isinstance(source, SpacarModel) else document
 
 
 def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -185,26 +228,6 @@ def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
             thing = {**thing, "name": seen[content]}
         kept.append({**thing, "args": args})
     return kept
-
-
-def _filled(value: Any, texts: list[str]) -> Any:
-    """An argument with texts in place of numbers."""
-    if isinstance(value, NumberPlace):
-        return texts[value]
-    if isinstance(value, list):
-        return [_filled(one, texts) for one in value]
-    return {key: _filled(one, texts) for key, one in value.items()} if isinstance(value, dict) else value
-
-
-def _shortened(thing: dict[str, Any]) -> dict[str, Any]:
-    """One temperature for both ends that have the same, no gradient where there is none."""
-    if thing["call"] != "temperature":
-        return thing
-    args = dict(thing["args"])
-    args["change"] = list(dict.fromkeys(args["change"]))
-    if all(one == "0" for one in args["gradient"]):
-        del args["gradient"]
-    return {**thing, "args": args}
 
 
 def _places(calls: Calls, lost: list[int]) -> list[str]:

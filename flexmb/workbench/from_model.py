@@ -1,8 +1,9 @@
-"""A model taken apart into the contents of a Builder, with the degrees of freedom and releases that were found."""
+"""A model taken apart into calls of a Builder, with the degrees of freedom and releases that were found."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import Any
 
 import jax
@@ -12,16 +13,26 @@ from ..arguments import is_concrete
 from ..build.assemble import UNIT_NORM
 from ..build.builder import Builder
 from ..build.description import Key, Member, NamedSignal, Node
+from ..build.given import released_in
+from ..elements import planar, spatial
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, SERIES2, SERIES3, WARPING, NodeKind
+from ..elements.section import MaterialDamping, Section
 from ..elements.sections import Rigidity
 from ..errors import ModelError
+from ..model.by_name import TURN_OF, TURNS, frame_of, turned_by
 from ..model.model import Model, Signal
-from ..model.parameters import Loads
-from ..model.topology import Block
+from ..model.roles import Role
+
+# The call that puts an element without a name on a node, by its type.
+HIDDEN = {"mass": "mass", "inertia": "inertia", "body": "body"}
+HIDDEN |= {"follower_force": "force", "moment": "moment", "follower_moment": "moment"}
+TYPES = {getattr(room, name): name for room in (planar, spatial) for name in HIDDEN if hasattr(room, name)}
+# What a signal measures or does unless said otherwise.
+USUAL = {"input": ("force", "moment", "stress"), "output": ("position", "deformation")}
 
 
 def builder_of(model: Model) -> Builder:
-    """Contents of a Builder that builds a model, with its numbers as they are.
+    """A Builder whose calls build a model, with its numbers as they are.
 
     Args:
         model: Concrete.
@@ -31,120 +42,274 @@ def builder_of(model: Model) -> Builder:
     """
     if not is_concrete(model) or np.ndim(model.parameters.reference) != 1:
         raise ModelError("One model with numbers of its own is wanted, not one that is traced or many at once.")
-    return _Contents(model).found
+    return _Taken(model).builder
 
 
-class _Contents:
-    """One model taken apart."""
+class _Taken:
+    """One model on its way into calls."""
 
     def __init__(self, model: Model):
-        self.model, self.found = model, Builder()
         self.labels, self.topology, self.parameters = model.labels, model.topology, model.parameters
-        self.found.dimension = self.labels.dimension
+        self.builder = Builder()
+        self.builder.dimension = self.labels.dimension
         x_roles, self.e_roles = model.roles()
-        reference, first = np.asarray(self.parameters.reference), 0
+        self.nodes = {name: node for name, node in self._found_nodes(x_roles)}
+        self.members = self._found_members()
+        self.turns = [name for name, member in self.members.items() if self._is_turn(name, member)]
+        self.frames = {frame_of(turned_by(name)[0]) for name in self.turns}
+        self._add_nodes()
+        for name, member in self.members.items():
+            if not member.hidden and name not in self.turns:
+                self._add(name, member)
+        self._fix()
+        for member in self.members.values():
+            if member.hidden:
+                self._put(member)
+        self._prescribe()
+        for increment, loads in ((False, self.parameters.loads), (True, self.parameters.increment)):
+            if loads is not None:
+                self._load(loads, {"increment": True} if increment else {})
+        if self.parameters.strain is not None:
+            for name, row in self._rows(self.parameters.strain, self.labels.e):
+                self.builder.strain(name, *row)
+        dofs: list[Key] = [self._key("node", i) for i in np.asarray(self.topology.x.dof).tolist()]
+        dofs += [self._key("element", i) for i in np.asarray(self.topology.e.dof).tolist()]
+        for (of, kind), run in itertools.groupby(
+            map(self._said, dofs), key=lambda said: (said[0], said[2].get("kind"))
+        ):
+            self.builder.dof(of, *(component for _, component, _ in run), **({"kind": kind} if kind else {}))
+        if self.parameters.start is not None:
+            for key, *pair in zip(dofs, *(np.asarray(part).tolist() for part in self.parameters.start), strict=True):
+                of, component, kind = self._said(key)
+                if any(pair):
+                    self.builder.start(of, component, *pair, **kind)
+        for k, (side, signals) in enumerate((("input", self.labels.inputs), ("output", self.labels.outputs))):
+            weights = itertools.repeat(1.0)
+            if self.parameters.weights is not None:
+                weights = iter(np.asarray(self.parameters.weights[k]).tolist())
+            for signal in signals:
+                self._name_signal(side, signal, [next(weights) for _ in signal.terms])
+
+    # -- what there is ----------------------------------------------------------------------------------------------
+
+    def _found_nodes(self, roles: list[Role]) -> Iterator[tuple[str, Node]]:
+        reference, powers, first = np.asarray(self.parameters.reference), np.asarray(self.topology.powers), 0
         for name, entries in itertools.groupby(self.labels.x, key=lambda entry: entry.of):
             own = list(entries)
             last = first + len(own)
-            kind = self._kind(own[0].kind, tuple(np.asarray(self.topology.powers)[first:last].tolist()))
-            self.found.nodes[name] = Node(kind, reference[first:last].tolist(), x_roles[first:last])
+            kind = self._kind(own[0].kind, tuple(powers[first:last].tolist()))
+            yield name, Node(kind, reference[first:last].tolist(), roles[first:last])
             first = last
-        self._members()
-        x, e = self.labels.x, self.labels.e
-        dofs: list[Key] = [("node", x[i].of, x[i].component) for i in np.asarray(self.topology.x.dof).tolist()]
-        dofs += [("element", e[i].of, e[i].component) for i in np.asarray(self.topology.e.dof).tolist()]
-        self.found.dofs = dofs
-        self._loads("initial", self.parameters.loads)
-        if self.parameters.increment is not None:
-            self._loads("increment", self.parameters.increment)
-        if self.parameters.strain is not None:
-            self.found.loads["initial"]["strain"] = self._entries(self.parameters.strain, "element")
-        if self.parameters.start is not None:
-            pairs = np.stack([np.asarray(one) for one in self.parameters.start], 1).tolist()
-            self.found.starts = {key: tuple(pair) for key, pair in zip(dofs, pairs, strict=True) if any(pair)}
-        for k, (side, signals) in enumerate((("input", self.labels.inputs), ("output", self.labels.outputs))):
-            weights = None if self.parameters.weights is None else iter(np.asarray(self.parameters.weights[k]).tolist())
-            self.found.signals[side] = [self._signal(signal, weights) for signal in signals]
 
     def _kind(self, part: str, powers: tuple[int, ...]) -> NodeKind:
         plane = self.labels.dimension == 2
         if part == "internal":
             return (SERIES2 if plane else SERIES3).sized(len(powers), powers)
-        return {
-            "position": POINT2 if plane else POINT3,
-            "rotation": ANGLE if plane else ROTATION3,
-            "warping": WARPING,
-        }[part]
+        kinds = {"position": (POINT2, POINT3), "rotation": (ANGLE, ROTATION3), "warping": (WARPING, WARPING)}
+        return kinds[part][not plane]
 
-    def _members(self) -> None:
-        shown = {(kind, nodes): name for name, kind, nodes in reversed(self.labels.elements)}
+    def _found_members(self) -> dict[str, Member]:
+        # Elements without deformations have no labels there; two on one node are told apart by their order.
+        shown: dict[tuple, list[str]] = {}
+        for name, kind, nodes in self.labels.elements:
+            shown.setdefault((kind, nodes), []).append(name)
         found: dict[str, Member] = {}
         for block, stacked in zip(self.topology.blocks, self.parameters.properties, strict=True):
             if block.element.deformation is UNIT_NORM.deformation:
                 continue
             for i in range(block.x.shape[0]):
-                nodes = self._nodes(block, i)
-                e = np.asarray(block.e[i]).tolist()
-                name = self.labels.e[e[0]].of if e else shown.get((block.element.name, nodes), "")
-                hidden = not name
-                name = name or f"{block.element.name} {nodes[0]} {len(found)}"
+                row, e = np.asarray(block.x[i]).tolist(), np.asarray(block.e[i]).tolist()
+                nodes = tuple(self.labels.x[row[first]].of for first in (0, *block.splits))
+                named = shown.get((block.element.name, nodes), [])
+                name = self.labels.e[e[0]].of if e else named.pop(0) if named else ""
                 properties = _of_one(stacked, i) | dict(block.options)
                 if name in found:
                     known = found[name].properties
                     found[name].properties = known | {k: v for k, v in properties.items() if known.get(k) is None}
                     continue
-                whole = dict.fromkeys(block.element.properties) | properties
-                found[name] = Member(block.element, nodes, whole, [self.e_roles[k] for k in e], hidden=hidden)
+                roles = [self.e_roles[k] for k in e]
+                key = name or f"{block.element.name} {nodes[0]} {len(found)}"
+                found[key] = Member(block.element, nodes, properties, roles, hidden=not name)
         order = [name for name, *_ in self.labels.elements]
-        self.found.members = {
-            name: found[name] for name in sorted(found, key=lambda n: order.index(n) if n in order else len(order))
-        }
+        return dict(sorted(found.items(), key=lambda pair: order.index(pair[0]) if pair[0] in order else len(order)))
 
-    def _nodes(self, block: Block, i: int) -> tuple[str, ...]:
-        firsts = [0, *block.splits]
-        row = np.asarray(block.x[i]).tolist()
-        return tuple(self.labels.x[row[first]].of for first in firsts)
+    def _is_turn(self, name: str, member: Member) -> bool:
+        """Whether an element is the hinge by which a rotation in space is turned or held."""
+        node, axis = turned_by(name)
+        of_frame = member.element.name == "hinge" and member.nodes[0] == frame_of(node)
+        return name.startswith(TURN_OF) and of_frame and (axis != "" or member.roles[0] is Role.PRESCRIBED)
 
-    def _entries(self, values: Any, kind: str) -> dict[Key, Any]:
-        """What is not zero, by name."""
-        labels, array = self.labels.x if kind == "node" else self.labels.e, np.asarray(values)
-        return {(kind, labels[i].of, labels[i].component): float(array[i]) for i in np.flatnonzero(array).tolist()}
+    # -- how it is said ---------------------------------------------------------------------------------------------
 
-    def _loads(self, which: str, loads: Loads) -> None:
-        own: dict[str, Any] = {}
+    def _key(self, kind: str, index: int) -> Key:
+        entry = (self.labels.x if kind == "node" else self.labels.e)[index]
+        return kind, entry.of, entry.component
+
+    def _owner(self, node: str) -> str:
+        """The node whose rotation this is, or the rotation itself where it has none."""
+        owner = node.removesuffix(".rotation")
+        return owner if owner in self.nodes else node
+
+    def _said(self, key: Key) -> tuple[str, str, dict[str, str]]:
+        """Whose coordinate or deformation it is, which, and the kind of the owner where a node is called so too."""
+        kind, of, number = key
+        if kind == "element" and of in self.turns:
+            of, axis = turned_by(of)
+            kind, component = "node", axis or "rotation"
+        elif kind == "element":
+            element = self.members[of].element
+            component = element.deformation_names.get(number, "") if number in element.closure else ""
+        else:
+            own = self.nodes[of].kind
+            component = "" if own.part == "internal" else own.components[number - 1]
+            of = self._owner(of)
+        both = of in self.nodes and of in self.members
+        return of, component or str(number), {"kind": kind} if both else {}
+
+    # -- nodes and elements -----------------------------------------------------------------------------------------
+
+    def _add_nodes(self) -> None:
+        for name, node in self.nodes.items():
+            part, owned = node.kind.part, name.rpartition(".")[0] in self.nodes
+            usual = tuple(node.start) == tuple(node.kind.start or ())
+            if part == "position":
+                self.builder.node(name, node.start)
+            elif part == "rotation" and name not in self.frames and not (owned and usual):
+                self.builder.rotation(name, *([] if usual else [node.start]))
+            elif part == "warping" and not name.endswith(".warping"):
+                self.builder.warping(name)
+
+    def _add(self, name: str, member: Member) -> None:
+        element, roles = member.element, member.roles
+        properties = {key: value for key, value in member.properties.items() if value is not None}
+        section, damping = properties.get("section"), properties.get("damping")
+        if isinstance(damping, MaterialDamping) and isinstance(section, Section) and section.states("damping"):
+            # Of the material of the section.
+            del properties["damping"]
+        if "clamped" in properties:
+            properties["clamped"] = tuple(map(bool, properties["clamped"]))
+        chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}
+        free = {n for n, role in enumerate(roles, 1) if role is Role.DEPENDENT} - {*element.measured}
+        usual = released_in(name, element.freed(member.properties), element, len(roles))
+        if free != {*usual} - {*element.measured} - chosen:
+            names = element.deformation_names
+            properties["released"] = [names[n] if n in element.closure and n in names else n for n in sorted(free)]
+        nodes = [node for node in member.nodes if self.nodes[node].kind.part != "internal"]
+        self.builder.add(element, *nodes, name=name, **properties)
+
+    def _fix(self) -> None:
+        """Nodes as a whole with their rotations, then what is left of nodes and rotations."""
+        held = {name: [i for i, r in enumerate(n.roles, 1) if r is Role.FIXED] for name, n in self.nodes.items()}
+        whole = {name for name, numbers in held.items() if len(numbers) == len(self.nodes[name].roles)}
+        for name, node in self.nodes.items():
+            part, rotation = node.kind.part, f"{name}.rotation"
+            if (
+                not held[name]
+                or name in self.frames
+                or (self._owner(name) != name and {name, self._owner(name)} <= whole)
+            ):
+                continue
+            if name not in whole or part == "warping":
+                said = [self._said(("node", name, i)) for i in held[name]]
+                self.builder.fix(said[0][0], *(component for _, component, _ in said))
+            elif part == "position" and rotation in self.nodes and rotation not in whole:
+                self.builder.fix(name, "position")
+            else:
+                self.builder.fix(self._owner(name), *(["rotation"] if self._owner(name) != name else []))
+        for name in self.turns:
+            if self.members[name].roles[0] is Role.FIXED:
+                self.builder.fix(*turned_by(name))
+
+    # -- loads ------------------------------------------------------------------------------------------------------
+
+    def _put(self, member: Member) -> None:
+        """Masses, inertias, bodies and loads that elements without a name stand for."""
+        kind = TYPES.get(member.element, "")
+        if not kind:
+            raise ModelError(
+                f"What acts on node '{member.nodes[0]}' as '{member.element.name}' is no call of a Builder."
+            )
+        own = {key: value for key, value in member.properties.items() if value is not None}
+        flags = {"increment": True} if own.pop("incremental", False) else {}
+        flags |= {"follower": True} if kind.startswith("follower") else {}
+        if kind != HIDDEN[kind]:
+            own = {HIDDEN[kind]: own.pop(HIDDEN[kind])}
+        getattr(self.builder, HIDDEN[kind])(self._owner(member.nodes[0]), **own, **flags)
+
+    def _prescribe(self) -> None:
+        sets = [(False, self.parameters.loads), (True, self.parameters.increment)]
+        for kind, roles, field in (("node", self.topology.x, "x"), ("element", self.topology.e, "e")):
+            for k, index in enumerate(np.asarray(roles.prescribed).tolist()):
+                key = self._key(kind, index)
+                of, component, kind_of = self._said(key)
+                more: dict[str, Any] = dict(kind_of)
+                if component == "rotation":
+                    hinge = self.members[key[1]]
+                    tilt = {"tilt": "fixed"} if hinge.roles[1] is Role.FIXED else {}
+                    more |= {"axis": hinge.properties["axis"]} | tilt
+                given = [(i, getattr(loads, field)) for i, loads in sets if loads is not None]
+                values = [(i, float(array[k])) for i, array in given if array is not None]
+                for increment, value in values or [(False, 0.0)]:
+                    self.builder.prescribe(of, component, value, increment=increment, **more)
+
+    def _rows(self, values: Any, labels: Any) -> Iterator[tuple[str, list[float]]]:
+        """Values of each node or element that are not zero, up to the last of them."""
+        array = np.asarray(values).tolist()
+        for name, entries in itertools.groupby(range(len(array)), key=lambda i: labels[i].of):
+            row = [array[i] for i in entries]
+            while row and row[-1] == 0:
+                row.pop()
+            if row:
+                yield name, row
+
+    def _load(self, loads: Any, more: dict[str, bool]) -> None:
         if loads.force is not None:
-            own["force"] = self._entries(loads.force, "node")
+            for name, row in self._rows(loads.force, self.labels.x):
+                kind = self.nodes[name].kind
+                if kind is ANGLE:
+                    self.builder.moment(self._owner(name), row[0], **more)
+                else:
+                    missing = 0 if kind.part == "internal" else kind.size - len(row)
+                    self.builder.force(name, [*row, *[0.0] * missing], **more)
         if loads.prestress is not None:
-            own["prestress"] = self._entries(loads.prestress, "element")
-        if loads.gravity is not None:
-            own["gravity"] = {"all": np.asarray(loads.gravity).tolist()}
-        prescribed = {}
-        for kind, roles, labels, values in (
-            ("node", self.topology.x, self.labels.x, loads.x),
-            ("element", self.topology.e, self.labels.e, loads.e),
-        ):
-            if values is not None:
-                pairs = zip(np.asarray(roles.prescribed).tolist(), np.asarray(values).tolist(), strict=True)
-                prescribed |= {(kind, labels[i].of, labels[i].component): value for i, value in pairs}
-        if prescribed:
-            own["prescribed"] = prescribed
+            for name, row in self._rows(loads.prestress, self.labels.e):
+                self.builder.prestress(name, *row, **more)
         if loads.temperature is not None:
-            rows = {name: int(self.labels.deformations(name, 1)) for name in self.labels.warm}
-            own["temperature"] = {
-                ("element", name, 1): np.asarray(loads.temperature[i]).tolist() for name, i in rows.items()
-            }
-        self.found.loads[which] = own
+            for name in self.labels.warm:
+                first, last, *across = np.asarray(loads.temperature[int(self.labels.deformations(name, 1))]).tolist()
+                gradient = {"gradient": across} if any(across) else {}
+                self.builder.temperature(name, first if first == last else [first, last], **gradient, **more)
+        if loads.gravity is not None:
+            self.builder.gravity(np.asarray(loads.gravity).tolist(), **more)
 
-    def _signal(self, signal: Signal, weights: Any) -> NamedSignal:
+    # -- signals ----------------------------------------------------------------------------------------------------
+
+    def _name_signal(self, side: str, signal: Signal, weights: list[float]) -> None:
         if signal.parts:
-            parts = tuple(self._signal(part, None) for part in signal.parts)
-            factors = tuple(next(weights) for _ in parts)
-            return NamedSignal(signal.name, signal.quantity, parts[0].key, parts=parts, weights=factors)
-        if weights is not None:
-            next(weights)
-        kind, labels = ("element", self.labels.e) if signal.of_element else ("node", self.labels.x)
-        entry = labels[signal.index]
-        return NamedSignal(signal.name, signal.quantity, (kind, entry.of, entry.component), signal.axis, signal.local)
+            parts = [
+                f"{part.quantity} {of}.{component}" for part in signal.parts for of, component, _ in [self._of(part)]
+            ]
+            pairs = dict(zip(parts, weights, strict=True))
+            (self.builder.sensor if side == "output" else self.builder.actuator)(signal.name, pairs)
+            return
+        of, component, kind = self._of(signal)
+        quantity = "" if signal.quantity in USUAL[side] else signal.quantity
+        if (
+            not signal.of_element
+            and signal.axis is None
+            and self.nodes[self.labels.x[signal.index].of].kind is ROTATION3
+        ):
+            # A Builder takes no signal of an Euler parameter.
+            self.builder.signals[side].append(
+                NamedSignal(signal.name, signal.quantity, self._key("node", signal.index))
+            )
+            return
+        getattr(self.builder, side)(of, component, quantity, name=signal.name, local=signal.local, **kind)
+
+    def _of(self, signal: Signal) -> tuple[str, str, dict[str, str]]:
+        """What a signal is about, as :meth:`_said`, or about which axis."""
+        of, component, kind = self._said(self._key("element" if signal.of_element else "node", signal.index))
+        return of, component if signal.axis is None else TURNS[signal.axis], kind
 
 
 def _of_one(stacked: dict[str, Any], i: int) -> dict[str, Any]:

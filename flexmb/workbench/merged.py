@@ -1,114 +1,121 @@
-"""Nodes and elements of a SPACAR input file as one thinks of them: named, and rotations belong to positions."""
+"""The mechanism of a SPACAR file as one thinks of it: names for numbers, and rotations that belong to positions."""
 
-from collections.abc import Callable
+import re
 from typing import Any
 
-import numpy as np
+from .calls_of import shortest
+from .content import Document
+from .references import Names, call_of, renamed_part, with_references
 
-from ..build.builder import Builder
-from ..build.description import NamedSignal
+# Comments by which the writer of files says what a number was called.
+LEGEND = re.compile(r"%\s(node|element|input|output) (\d{1,9}): (\S.*)", re.ASCII)
+SIGNALS = {"input": ("input", "actuator"), "output": ("output", "sensor")}
+# Coordinates of positions, and of rotations in the plane, by their numbers.
+LETTERS = {"position": {"1": "x", "2": "y", "3": "z"}, "rotation": {"1": "phi"}}
+
+Things = list[dict[str, Any]]
 
 
-def merged(builder: Builder) -> Builder:
-    """A builder whose rotations are those of the positions that they stand beside in all their elements.
+def merged(document: Document, text: str) -> Document:
+    """A document whose rotations are those of the positions that they stand beside in all their elements.
 
-    A file numbers positions and rotations by themselves. What stands beside one position alone becomes its rotation,
-    "1.rotation", and its warping likewise; a second rotation at a position, as behind a hinge, stays by itself.
+    A file numbers positions and rotations by themselves. A rotation beside one position alone becomes that of the
+    position, as "1.rotation", and so does a warping. A second rotation at a position, as behind a hinge, stays.
 
     Args:
-        builder: Not changed.
+        document: Of the file, with its numbers as names.
+        text: The file, whose comments tell names.
     """
+    things = _called(document.things, text)
+    new = _parts_of_positions(things)
+    names, nodes = Names(things), {thing["id"] for thing in things if thing["call"] in ("node", "rotation", "warping")}
+    gone = {thing["id"] for thing in things if thing["call"] in ("rotation", "warping") and thing["name"] in new}
+
+    def follows(id: str, name: str) -> str | None:
+        return new.get(name) if id in nodes else None
+
+    kept = [with_references(thing, names, follows) for thing in things if thing["id"] not in gone]
+    rotations = {name.removesuffix(".rotation") for name in new.values() if name.endswith(".rotation")}
+    held = {thing["args"]["node"] for thing in kept if thing["call"] == "fix" and "components" not in thing["args"]}
+    found = [_said(thing, rotations, held, document.dimension) for thing in kept]
+    return document.with_things([thing for thing in found if thing is not None])
+
+
+def _called(things: Things, text: str) -> Things:
+    """Things with the names that the comments of a file tell."""
+    told: dict[str, dict[str, str]] = {}
+    for line in text.splitlines():
+        if match := LEGEND.fullmatch(line.strip()):
+            kind, number, name = match.groups()
+            told.setdefault(kind, {})[number] = name.strip()
+    makers = [(thing, call_of(thing)) for thing in things]
+    new: dict[str, str] = {}
+    for kind in ("node", "element"):
+        there = {thing["name"]: thing["id"] for thing, call in makers if call is not None and call.makes == kind}
+        own = {old: name for old, name in told.get(kind, {}).items() if old in there and name.isprintable()}
+        if len({own.get(old, old) for old in there}) == len(there):
+            new |= {there[old]: name for old, name in own.items()}
+    for side, calls in SIGNALS.items():
+        several = [thing for thing in things if thing["call"] in calls]
+        own = [told.get(side, {}).get(str(number), thing["name"]) for number, thing in enumerate(several, 1)]
+        if len(set(own)) == len(own):
+            new |= {thing["id"]: name for thing, name in zip(several, own, strict=True)}
+    if not new:
+        return things
+    names, old = Names(things), {thing["id"]: thing.get("name") for thing in things}
+
+    def follows(id: str, name: str) -> str | None:
+        return renamed_part(name, str(old[id]), new[id]) if id in new else None
+
+    followed = [with_references(thing, names, follows) for thing in things]
+    return [{**thing, "name": new[thing["id"]]} if thing["id"] in new else thing for thing in followed]
+
+
+def _parts_of_positions(things: Things) -> dict[str, str]:
+    """What rotations and warpings are called that belong to one position, by the names that they have."""
     beside: dict[str, set[str]] = {}
-    for member in builder.members.values():
-        position = None
-        for node in member.nodes:
-            part = builder.nodes[node].kind.part
+    parts: dict[str, str] = {}
+    for thing in things:
+        call = call_of(thing)
+        if call is None or call.kind != "element":
+            continue
+        kinds, position = [k.part for k in call.function.nodes.values() if k.part != "internal"], None
+        for node, part in zip(thing["args"]["nodes"], kinds, strict=False):
             if part == "position":
                 position = node
-            elif part in ("rotation", "warping") and position is not None:
+            elif position is not None:
+                parts[node] = part
                 beside.setdefault(node, set()).add(position)
-    new: dict[str, str] = {}
+    # A rotation with a start of its own stays; the warping of a rotation follows it without a name.
+    named = {thing["name"] for thing in things if thing["call"] in ("node", "rotation", "warping")}
+    turned = {thing["name"] for thing in things if thing["call"] == "rotation" and thing["args"]}
+    found: dict[str, str] = {}
     for node, positions in beside.items():
-        own = builder.nodes[node]
-        usual = tuple(np.asarray(own.start, float)) == tuple(own.kind.start)
-        name = f"{next(iter(positions))}.{own.kind.part}"
-        # An element that warps looks for the warping of its node by that of the rotation.
-        if len(positions) == 1 and usual and name not in builder.nodes and name not in new.values():
-            new[node] = name
-    return _renamed(builder, lambda node: new.get(node, node), lambda element: element)
+        name = f"{next(iter(positions))}.{parts[node]}"
+        if len(positions) == 1 and node not in turned and name not in (named | set(found.values())) - {node}:
+            found[node] = name
+    return found
 
 
-def apart(builder: Builder) -> Builder:
-    """A builder in which the rotation of node 1 is node 2 again where no other is: the opposite of :func:`merged`.
-
-    Args:
-        builder: Not changed.
-    """
-    new: dict[str, str] = {}
-    for name in builder.nodes:
-        owner, _, part = name.rpartition(".")
-        if part == "rotation" and owner in builder.nodes and owner.isascii() and owner.isdecimal():
-            number = str(int(owner) + 1)
-            if number not in builder.nodes and number not in new.values():
-                new |= {name: number, f"{owner}.warping": f"{number}.warping"}
-    return _renamed(builder, lambda node: new.get(node, node), lambda element: element)
-
-
-def called(builder: Builder, legend: dict[str, dict[str, str]]) -> Builder:
-    """A builder of a file whose numbers have the names that its comments tell.
-
-    Args:
-        builder: Not changed.
-        legend: Names of each "node", "element", "input" and "output", by number.
-    """
-    nodes = _fitting(legend.get("node", {}), list(builder.nodes))
-    elements = _fitting(legend.get("element", {}), list(builder.members))
-
-    def of_node(node: str) -> str:
-        if node in nodes:
-            return nodes[node]
-        owner, _, part = node.rpartition(".")
-        if part == "warping" and owner in nodes:
-            return f"{nodes[owner].removesuffix('.rotation')}.{part}"
-        return f"{elements[owner]}.{part}" if part == "internal" and owner in elements else node
-
-    twin = _renamed(builder, of_node, lambda element: elements.get(element, element))
-    for side in ("input", "output"):
-        given = legend.get(side, {})
-        names = [given.get(str(i), signal.name) for i, signal in enumerate(twin.signals[side], 1)]
-        if len(set(names)) == len(names):
-            twin.signals[side] = [s._replace(name=name) for s, name in zip(twin.signals[side], names, strict=True)]
-    return twin
-
-
-def _fitting(names: dict[str, str], there: list[str]) -> dict[str, str]:
-    """Names of what is there, if no two are called alike."""
-    own = {number: name for number, name in names.items() if number in there and name.isprintable()}
-    after = [own.get(name, name) for name in there]
-    return own if len(set(after)) == len(after) else {}
-
-
-def _renamed(builder: Builder, of_node: Callable[[str], str], of_element: Callable[[str], str]) -> Builder:
-    def key(entry: Any) -> Any:
-        if not isinstance(entry, tuple):
-            return entry
-        kind, of, number = entry
-        return kind, of_node(of) if kind == "node" else of_element(of), number
-
-    def signal(own: NamedSignal) -> NamedSignal:
-        return own._replace(key=key(own.key), parts=tuple(map(signal, own.parts)))
-
-    twin = builder.copy()
-    twin.nodes = {of_node(name): node for name, node in twin.nodes.items()}
-    twin.members = {of_element(name): member for name, member in twin.members.items()}
-    for member in twin.members.values():
-        member.nodes = tuple(map(of_node, member.nodes))
-    twin._clamped = set(map(of_node, twin._clamped))
-    twin.dofs = list(map(key, twin.dofs))
-    twin.starts = {key(entry): value for entry, value in twin.starts.items()}
-    twin.loads = {
-        which: {kind: {key(entry): value for entry, value in own.items()} for kind, own in sets.items()}
-        for which, sets in twin.loads.items()
-    }
-    twin.signals = {side: list(map(signal, own)) for side, own in twin.signals.items()}
-    return twin
+def _said(thing: dict[str, Any], rotations: set[str], held: set[str], dimension: int) -> dict[str, Any] | None:
+    """A thing as one says it of nodes whose rotations belong to them; None of a rotation fixed with its node."""
+    args, call = dict(thing["args"]), call_of(thing)
+    key = next((key for key in ("node", "of") if key in args and args.get("kind") != "element"), "")
+    owner = args.get(key, "").removesuffix(".rotation")
+    turns = bool(key) and owner in rotations and args[key] != owner
+    if call is not None and call.kind == "element":
+        args["nodes"] = shortest(call.function, args["nodes"])
+    elif thing["call"] == "fix" and "components" not in args:
+        if turns and owner in held:
+            return None
+        if turns or (owner in rotations and f"{owner}.rotation" not in held):
+            args |= {"node": owner, "components": "rotation" if turns else "position"}
+    elif turns and thing["call"] in ("moment", "inertia"):
+        args["node"] = owner
+    elif key and (turns or owner in rotations):
+        letters = LETTERS["rotation" if turns else "position"] if dimension == 2 or not turns else {}
+        for name in ("component", "components"):
+            words = args.get(name, "").split()
+            if words and all(word in letters for word in words):
+                args |= {key: owner, name: " ".join(letters[word] for word in words)}
+    return {**thing, "args": args}

@@ -303,8 +303,8 @@ class _Image:
         name = document.by_id[id]["name"]
         return {
             n: self._reflected(np.asarray(self.built.builder.nodes[n].start, float))
-            for n in made["nodes"]
-            if n.startswith(f"{name} ") and self.built.builder.nodes[n].kind.part == "position"
+            for n in (call.positional[0] for call in made if call.method == "node")
+            if n.startswith(f"{name} ")
         }
 
     def _reflected(self, point: np.ndarray) -> np.ndarray:

@@ -1,0 +1,64 @@
+"""The calls that make a Builder's contents: recorded as they are made, and made again on another Builder."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple, TypeVar, cast
+
+from ..arguments import copied
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class MadeCall(NamedTuple):
+    """A call of a method of a Builder, with its own copies of what was given."""
+
+    method: str
+    positional: tuple[Any, ...]
+    keywords: dict[str, Any]
+
+
+def recorded(method: F) -> F:
+    """Add each call of the method that succeeds to ``calls`` of its Builder, unless another recorded call makes it."""
+
+    @functools.wraps(method)
+    def call(self: Any, *positional: Any, **keywords: Any) -> Any:
+        if self._is_recording:
+            return method(self, *positional, **keywords)
+        # An iterator can be read once.
+        positional = tuple(list(one) if isinstance(one, Iterator) else one for one in positional)
+        keywords = {name: list(one) if isinstance(one, Iterator) else one for name, one in keywords.items()}
+        self._is_recording = True
+        try:
+            made = method(self, *positional, **keywords)
+        finally:
+            self._is_recording = False
+        # A default name depends on what is there already.
+        named = {"name": made} if method.__name__ == "add" else {}
+        self.calls.append(MadeCall(method.__name__, _kept(positional), {**_kept(keywords), **named}))
+        return made
+
+    return cast(F, call)
+
+
+def replay(calls: Iterable[MadeCall], builder: Any) -> Any:
+    """Make calls on a Builder.
+
+    Args:
+        calls: In order.
+        builder: Builder, which is changed.
+
+    Returns:
+        The Builder.
+    """
+    for call in calls:
+        getattr(builder, call.method)(*call.positional, **call.keywords)
+    return builder
+
+
+def _kept(value: Any) -> Any:
+    """A copy that the caller does not change; records keep their identity, by which shared sections are known."""
+    if type(value) in (list, tuple):
+        return type(value)(map(_kept, value))
+    return {key: _kept(one) for key, one in value.items()} if isinstance(value, Mapping) else copied(value)
