@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
@@ -92,11 +93,11 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
     """
     found, faults = evaluated(document)
     if numbers is not None:
-        return _Building(document, {**found, **numbers}, faults, found).done()
+        return _Building(document, {**found, **numbers}, faults).done()
     if "built" not in document.kept:
         # Concrete also where this is asked within a function that is traced: it is kept.
         with jax.core.eval_context():
-            document.kept["built"] = _Building(document, dict(found), faults, found).done()
+            document.kept["built"] = _Building(document, dict(found), faults).done()
     built = document.kept["built"]
     # What is done to the builder by one who asked is not seen by another.
     return dataclasses.replace(built, builder=built.builder.copy())
@@ -122,15 +123,179 @@ def positions(document: Document, built: Built | None = None) -> dict[str, list[
     return places
 
 
+class Arguments:
+    """Arguments of calls from the texts of fields.
+
+    Attributes:
+        records: Sections, materials and dampings by the id of their thing.
+        element: ``f(name)``: the element type of that name.
+    """
+
+    def __init__(
+        self,
+        document: Document,
+        values: Mapping[str, Any],
+        faults: Mapping[str, str],
+        element: Callable[[str], Any] = lambda name: getattr(ROOMS[name.partition(".")[0]], name.partition(".")[2]),
+    ):
+        """Begin without records.
+
+        Args:
+            document: The document.
+            values: What stands for each number, by address.
+            faults: What is wrong with numbers, by address.
+            element: See the attribute.
+        """
+        self.document, self.values, self.faults, self.element = document, values, faults, element
+        self.concrete = evaluated(document)[0]
+        self.records: dict[str, Any] = {}
+
+    def of(self, call: Call, thing: dict[str, Any], tell: Callable[[str, str], None]) -> dict[str, Any]:
+        """Values of the fields that are given; what has none is told."""
+        found, given = {}, thing["args"]
+        for key, value in given.items():
+            field, address = call.fields.get(key), f"{thing['id']}/{key}"
+            if field is None:
+                tell(address, f"{call.name} takes no '{clean(key)}'. It takes: {', '.join(call.fields)}.")
+                continue
+            if value in ("", []):
+                continue
+            try:
+                found[key] = self._argument(field, address, value)
+            except _Fault as fault:
+                tell(fault.address, fault.message)
+        for key, field in call.fields.items():
+            if not field["optional"] and given.get(key) in (None, "", []):
+                tell(f"{thing['id']}/{key}", f"{call.entry['title'].capitalize()} needs {_article(field)}.")
+        return found
+
+    def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        kind = field["kind"]
+        if not isinstance(value, str) and kind not in ("number", *LISTS):
+            raise _Fault(address, f"One {kind} is wanted here, not a list.")
+        if isinstance(value, list) and kind != "weights" and any(not isinstance(one, str) for one in value):
+            raise _Fault(address, "A list of texts is wanted here, not one of lists.")
+        if kind == "number":
+            return self._number(field, address, value)
+        if kind == "vector":
+            return self._vector(field, address, value)
+        if kind == "weights":
+            return self._weights(address, value)
+        if kind in ("components", "deformations"):
+            words = _words(address, value)
+            if field["name"] == "released":
+                return words[0] if words == ["all"] else () if words == ["none"] else tuple(words)
+            return words[0] if field["name"] == "component" and len(words) == 1 else tuple(words)
+        if kind == "nodes":
+            return (value,) if isinstance(value, str) else tuple(value)
+        if kind == "sections":
+            names = [value] if isinstance(value, str) else value
+            return tuple(self._record("section", f"{address}/{k}", name) for k, name in enumerate(names))
+        return self._word(field, address, str(value))
+
+    def _word(self, field: dict[str, Any], address: str, value: str) -> Any:
+        """What one text means: a reference, a choice, a text."""
+        kind = field["kind"]
+        if kind in ("section", "material", "damping"):
+            return self._record(kind, address, value)
+        if kind == "flag":
+            if value not in FLAGS:
+                raise _Fault(address, f"This must be true or false, not '{clean(value)}'.")
+            return FLAGS[value]
+        if kind == "choice":
+            if value not in field["choices"]:
+                raise _Fault(address, f"This must be one of {', '.join(field['choices'])}, not '{clean(value)}'.")
+            return {"clamped": ENDS_IN_WORDS.get, "element": self.element}.get(field["name"], str)(value)
+        return value
+
+    def _number(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        if isinstance(value, list):
+            return [self._one(f"{address}/{k}") for k in range(len(value))]
+        if not field["whole"]:
+            return self._one(address)
+        # It chooses code: it is never traced.
+        self._one(address)
+        number = self.concrete[address]
+        if number != int(number):
+            raise _Fault(address, f"This must be a whole number, not '{clean(value)}'.")
+        return int(number)
+
+    def _vector(self, field: dict[str, Any], address: str, value: Any) -> Any:
+        count, alone = field["count"][str(self.document.dimension)], isinstance(value, str)
+        if alone and count not in (None, 1):
+            raise _Fault(address, f"This takes {count} numbers, not one.")
+        if count == 0:
+            raise _Fault(address, "This is for mechanisms in space.")
+        if count is not None and not alone and len(value) != count:
+            raise _Fault(address, f"This takes {count} number{'s' * (count > 1)}, not {len(value)}.")
+        found = [self._one(address)] if alone else [self._one(f"{address}/{k}") for k in range(len(value))]
+        is_one = (
+            len(found) == 1 and (alone or count in (None, 1)) and field["name"] not in ("values", "start", "breaks")
+        )
+        return found[0] if is_one else tuple(found)
+
+    def _weights(self, address: str, value: Any) -> dict[str, Any]:
+        found = {}
+        for k, pair in enumerate(value):
+            if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
+                raise _Fault(f"{address}/{k}", "Each part has its name and its factor.")
+            if pair[0] in found:
+                raise _Fault(f"{address}/{k}/0", f"'{clean(pair[0])}' is there twice: give the sum of its factors.")
+            found[pair[0]] = self._one(f"{address}/{k}/1")
+        return found
+
+    def _one(self, address: str) -> Any:
+        if address in self.faults and address not in self.values:
+            raise _Fault(address, self.faults[address])
+        if address not in self.values:
+            raise _Fault(address, "A number, a name or arithmetic is missing.")
+        return self.values[address]
+
+    def _record(self, kind: str, address: str, name: str) -> Any:
+        id = self.document.known.thing((kind,), name)
+        if id is None:
+            known = ", ".join(map(clean, self.document.known.by_space.get(kind, {}))) or "none yet"
+            raise _Fault(address, f"There is no {kind} '{clean(name)}'. There are: {known}.")
+        return self.records[id]
+
+
+def arranged(call: Call, name: str | None, args: Mapping[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+    """Arguments of a call by place and by name.
+
+    Args:
+        call: The call.
+        name: Of the thing, where it bears one.
+        args: Values of its fields.
+    """
+    rest = dict(args)
+    named = {"name": name} if call.makes and name else {}
+    if call.kind in ("element", "block"):
+        nodes = list(rest.pop("nodes")) if call.kind == "element" else []
+        return nodes, named | rest if nodes else rest | named
+    if call.kind in ("record", "constant"):
+        return [], rest
+    rest |= named
+    by_place: list[Any] = []
+    for key, parameter in list(inspect.signature(call.function).parameters.items())[1:]:
+        if parameter.kind is parameter.VAR_POSITIONAL:
+            by_place += rest.pop(key, ())
+        elif key not in rest or parameter.kind is parameter.KEYWORD_ONLY:
+            break
+        else:
+            by_place.append(rest.pop(key))
+    return by_place, rest
+
+
 class _Building:
     """One building of a document: each thing after those that it refers to."""
 
-    def __init__(self, document: Document, values: dict, faults: dict[str, str], concrete: dict):
-        self.document, self.values, self.faults, self.concrete = document, values, faults, concrete
+    def __init__(self, document: Document, values: dict, faults: dict[str, str]):
+        self.document, self.values, self.faults = document, values, faults
+        self.arguments = Arguments(document, values, faults)
         self.builder = Builder()
         self.problems: list[dict[str, str]] = []
         self.made: dict[str, list[MadeCall]] = {}
-        self.records: dict[str, Any] = {}
+        self.records = self.arguments.records
         self.state: dict[str, str] = {}
         self.needs = {thing["id"]: referred(document.known, thing) for thing in document.things}
 
@@ -177,7 +342,7 @@ class _Building:
             self._tell(id, f"'{clean(thing['call'])}' is no call of this version.")
             return False
         before = len(self.problems)
-        args = self._arguments(call, thing)
+        args = self.arguments.of(call, thing, self._tell)
         if len(self.problems) > before:
             return False
         nodes, members, calls = map(len, (self.builder.nodes, self.builder.members, self.builder.calls))
@@ -198,133 +363,21 @@ class _Building:
             for name in list(contents)[kept:]:
                 del contents[name]
 
-    def _arguments(self, call: Call, thing: dict[str, Any]) -> dict[str, Any]:
-        """Values of the fields that are given; what has none is told."""
-        found, given = {}, thing["args"]
-        for key, value in given.items():
-            field, address = call.fields.get(key), f"{thing['id']}/{key}"
-            if field is None:
-                self._tell(address, f"{call.name} takes no '{clean(key)}'. It takes: {', '.join(call.fields)}.")
-                continue
-            if value in ("", []):
-                continue
-            try:
-                found[key] = self._argument(field, address, value)
-            except _Fault as fault:
-                self._tell(fault.address, fault.message)
-        for key, field in call.fields.items():
-            if not field["optional"] and given.get(key) in (None, "", []):
-                self._tell(f"{thing['id']}/{key}", f"{call.entry['title'].capitalize()} needs {_article(field)}.")
-        return found
-
-    def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
-        kind = field["kind"]
-        if not isinstance(value, str) and kind not in ("number", *LISTS):
-            raise _Fault(address, f"One {kind} is wanted here, not a list.")
-        if isinstance(value, list) and kind != "weights" and any(not isinstance(one, str) for one in value):
-            raise _Fault(address, "A list of texts is wanted here, not one of lists.")
-        if kind == "number":
-            return self._number(field, address, value)
-        if kind == "vector":
-            return self._vector(field, address, value)
-        if kind == "weights":
-            return self._weights(address, value)
-        if kind in ("components", "deformations"):
-            return _words(address, value)
-        if kind == "nodes":
-            return [value] if isinstance(value, str) else value
-        if kind == "sections":
-            names = [value] if isinstance(value, str) else value
-            return [self._record("section", f"{address}/{k}", name) for k, name in enumerate(names)]
-        return self._word(field, address, str(value))
-
-    def _word(self, field: dict[str, Any], address: str, value: str) -> Any:
-        """What one text means: a reference, a choice, a text."""
-        kind = field["kind"]
-        if kind in ("section", "material", "damping"):
-            return self._record(kind, address, value)
-        if kind == "flag":
-            if value not in FLAGS:
-                raise _Fault(address, f"This must be true or false, not '{clean(value)}'.")
-            return FLAGS[value]
-        if kind == "choice":
-            if value not in field["choices"]:
-                raise _Fault(address, f"This must be one of {', '.join(field['choices'])}, not '{clean(value)}'.")
-            return ENDS_IN_WORDS[value] if field["name"] == "clamped" else value
-        return value
-
-    def _number(self, field: dict[str, Any], address: str, value: Any) -> Any:
-        if isinstance(value, list):
-            return [self._one(f"{address}/{k}") for k in range(len(value))]
-        if not field["whole"]:
-            return self._one(address)
-        # It chooses code: it is never traced.
-        self._one(address)
-        number = self.concrete[address]
-        if number != int(number):
-            raise _Fault(address, f"This must be a whole number, not '{clean(value)}'.")
-        return int(number)
-
-    def _vector(self, field: dict[str, Any], address: str, value: Any) -> Any:
-        count = field["count"][str(self.document.dimension)]
-        if isinstance(value, str):
-            if count not in (None, 1):
-                raise _Fault(address, f"This takes {count} numbers, not one.")
-            return [self._one(address)] if field["name"] in ("values", "start", "breaks") else self._one(address)
-        if count == 0:
-            raise _Fault(address, "This is for mechanisms in space.")
-        if count is not None and len(value) != count:
-            raise _Fault(address, f"This takes {count} number{'s' * (count > 1)}, not {len(value)}.")
-        found = [self._one(f"{address}/{k}") for k in range(len(value))]
-        return found[0] if count == 1 and field["name"] != "start" else found
-
-    def _weights(self, address: str, value: Any) -> dict[str, Any]:
-        found = {}
-        for k, pair in enumerate(value):
-            if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
-                raise _Fault(f"{address}/{k}", "Each part has its name and its factor.")
-            if pair[0] in found:
-                raise _Fault(f"{address}/{k}/0", f"'{clean(pair[0])}' is there twice: give the sum of its factors.")
-            found[pair[0]] = self._one(f"{address}/{k}/1")
-        return found
-
-    def _one(self, address: str) -> Any:
-        if address in self.faults and address not in self.values:
-            raise _Fault(address, self.faults[address])
-        if address not in self.values:
-            raise _Fault(address, "A number, a name or arithmetic is missing.")
-        return self.values[address]
-
-    def _record(self, kind: str, address: str, name: str) -> Any:
-        id = self.document.known.thing((kind,), name)
-        if id is None:
-            known = ", ".join(map(clean, self.document.known.by_space.get(kind, {}))) or "none yet"
-            raise _Fault(address, f"There is no {kind} '{clean(name)}'. There are: {known}.")
-        return self.records[id]
-
     def _call(self, builder: Builder, call: Call, thing: dict[str, Any], args: dict[str, Any]) -> None:
-        name = thing.get("name")
+        name, id = thing.get("name"), thing["id"]
+        by_place, by_name = arranged(call, name, args)
         if call.kind == "constant":
-            self.records[thing["id"]] = call.function
+            self.records[id] = call.function
         elif call.kind == "record":
-            made = call.function(**args)
+            made = call.function(**by_name)
             check_record(f"{call.makes} '{name}'", made)
-            self.records[thing["id"]] = made
+            self.records[id] = made
         elif call.kind == "element":
-            released = {"released": _released(args.pop("released"))} if "released" in args else {}
-            builder.add(call.function, *args.pop("nodes"), name=name, **released, **args)
+            builder.add(call.function, *by_place, **by_name)
         elif call.kind == "block":
-            if "element" in args:
-                room, _, kind = args["element"].partition(".")
-                args["element"] = getattr(ROOMS[room], kind)
-            call.function(builder, name=name, **args)
+            call.function(builder, **by_name)
         else:
-            several = args.pop("components", args.pop("deformations", args.pop("values", ())))
-            if "component" in args:
-                args["component"] = " ".join(map(str, args["component"]))
-            first = [args.pop(key) for key in ("node", "of", "element") if key in args]
-            named = {"name": name} if call.makes and name else {}
-            getattr(builder, call.name)(*first, *_components(several), **named, **args)
+            getattr(builder, call.name)(*by_place, **by_name)
 
     def _address_of(self, call: Call, thing: dict[str, Any], message: str) -> str:
         """The field that a message of the Builder is about, as far as that can be told."""
@@ -355,20 +408,9 @@ def _article(field: dict[str, Any]) -> str:
     return f"its {word}"
 
 
-def _words(address: str, value: Any) -> list[str]:
+def _words(address: str, value: Any) -> list[str | int]:
     """Components, written with blanks or commas between them."""
     texts = value if isinstance(value, list) else re.split(r"[\s,]+", value)
     if any(not isinstance(text, str) for text in texts):
         raise _Fault(address, "Components are written one after the other, such as 'x y'.")
-    return [text for text in texts if text]
-
-
-def _components(values: Any) -> list[Any]:
-    return [int(one) if isinstance(one, str) and one.isascii() and one.isdecimal() else one for one in values]
-
-
-def _released(words: list[str]) -> Any:
-    """What may change: "all", "none", or numbers and names."""
-    if words in (["all"], ["none"]):
-        return "all" if words == ["all"] else ()
-    return _components(words)
+    return [int(text) if text.isascii() and text.isdecimal() else text for text in texts if text]

@@ -1,7 +1,6 @@
 """A document as a Python script that builds the same mechanism, with its names as parameters of a function."""
 
 import builtins
-import inspect
 import json
 import keyword
 import re
@@ -11,9 +10,8 @@ import flexmb
 
 from ..errors import clean
 from ..spacar.arithmetic import names_in
-from .building import build, free_names, numbers_of
+from .building import Arguments, arranged, build, free_names, numbers_of
 from .document import Document
-from .fields import ENDS_IN_WORDS, Call
 from .references import call_of
 
 # Words that a variable of the script must not be called.
@@ -45,7 +43,8 @@ class _Script:
         self.function = self._variable(document.data["title"] or "mechanism", "mechanism")
         self.names = {name: self._variable(name, "number") for name in document.names}
         self.b = self._variable("b", "builder")
-        self.variables: dict[str, str] = {}
+        numbers = {address: Source(self._number(address)) for address in self.values}
+        self.arguments = Arguments(document, numbers, {}, Source)
 
     def text(self) -> str:
         """The whole script."""
@@ -145,108 +144,39 @@ class _Script:
         text = LEADING_ZEROS.sub("", " ".join(str(tree).split()))
         return NAME.sub(lambda found: self.names.get(found.group(), found.group()), text)
 
-    def _vector(self, address: str, values: Any) -> str:
-        numbers = [self._number(f"{address}/{k}") for k in range(len(values))]
-        return f"({', '.join(numbers)}{',' * (len(numbers) == 1)})"
-
     # -- calls -------------------------------------------------------------------------------------------------------
 
     def _lines(self, thing: dict[str, Any]) -> list[str]:
         call: Any = call_of(thing)
-        given = {key: value for key, value in thing["args"].items() if value not in ("", [])}
-        args = {key: self._argument(call.fields[key], f"{thing['id']}/{key}", given[key]) for key in given}
+        by_place, by_name = arranged(call, thing.get("name"), self.arguments.of(call, thing, lambda *_: None))
+        place = "fm" if hasattr(flexmb, call.name.partition(".")[0]) else "fm.sections"
+        made = [f"{place}.{call.name}", self.b]
         if call.kind in ("constant", "record"):
-            self.variables[thing["id"]] = variable = self._variable(thing["name"], str(call.makes))
+            self.arguments.records[thing["id"]] = variable = Source(self._variable(thing["name"], str(call.makes)))
+            made = [f"{variable} = {made[0]}"]
             if call.kind == "constant":
-                return [f"{variable} = fm.{call.name}"]
-            made = f"fm.{call.name}" if hasattr(flexmb, call.name) else f"fm.sections.{call.name}"
-            return [_wrapped(f"{variable} = {made}", [f"{key}={value}" for key, value in args.items()])]
-        name = [f"name={_quoted(thing['name'])}"] if thing.get("name") else []
-        if call.kind == "element":
-            nodes = args.pop("nodes").split(NODES)
-            rest = [f"{key}={value}" for key, value in args.items()]
-            return [_wrapped(f"{self.b}.add", [call.name, *nodes, *name, *rest])]
-        if call.kind == "block":
-            rest = [f"{key}={value}" for key, value in args.items()]
-            return [_wrapped(f"fm.{call.name}", [self.b, *rest, *name])]
-        return [_wrapped(f"{self.b}.{call.name}", self._of_method(call, args, thing.get("name")))]
-
-    def _of_method(self, call: Call, args: dict[str, str], name: str | None) -> list[str]:
-        """Arguments of a method: what it needs by place, the rest by name."""
-        found, by_place = [], True
-        if name and call.makes:
-            args = {"name": _quoted(name)} | args
-        for key, parameter in inspect.signature(call.function).parameters.items():
-            if key not in args:
-                by_place = by_place and key == "self"
-                continue
-            if parameter.kind is parameter.VAR_POSITIONAL:
-                found += args[key].split(NODES)
-            elif by_place and parameter.kind is not parameter.KEYWORD_ONLY:
-                found.append(args[key])
-            else:
-                found.append(f"{key}={args[key]}")
-        return found
-
-    def _argument(self, field: dict[str, Any], address: str, value: Any) -> str:
-        """One argument; several that stand by themselves are joined by :data:`NODES`."""
-        kind, one = field["kind"], value if isinstance(value, list) else [value]
-        text: Any = value
-        if kind == "number":
-            if field["whole"]:
-                return str(int(self.values[address]))
-            return self._vector(address, value) if isinstance(value, list) else self._number(address)
-        if kind == "vector":
-            return self._of_vector(field, address, value)
-        if kind == "weights":
-            pairs = [f"{_quoted(part)}: {self._number(f'{address}/{k}/1')}" for k, (part, _) in enumerate(value)]
-            return f"{{{', '.join(pairs)}}}"
-        if kind in ("components", "deformations"):
-            words = [word for text in one for word in re.split(r"[\s,]+", text) if word]
-            shown = [word if word.isascii() and word.isdecimal() else _quoted(word) for word in words]
-            if field["name"] == "released":
-                return _released(words, shown)
-            return NODES.join(shown)
-        if kind == "nodes":
-            return NODES.join(map(_quoted, one))
-        if kind in ("section", "sections", "material", "damping"):
-            space = ("section",) if kind == "sections" else (kind,)
-            made = [self.variables[str(self.document.known.thing(space, name))] for name in one]
-            return f"[{', '.join(made)}]" if kind == "sections" else made[0]
-        if kind == "flag":
-            return str(value == "true")
-        if kind == "choice" and field["name"] == "clamped":
-            return repr(ENDS_IN_WORDS[text])
-        if kind == "choice" and field["name"] == "element":
-            return text
-        return _quoted(text)
-
-    def _of_vector(self, field: dict[str, Any], address: str, value: Any) -> str:
-        """As the fields of a document are taken: one number for several that are equal, or alone in the plane."""
-        alone = isinstance(value, str)
-        several = [self._number(address)] if alone else [self._number(f"{address}/{k}") for k in range(len(value))]
-        if field["name"] == "values":
-            return NODES.join(several)
-        if field["name"] in ("start", "breaks"):
-            return f"({', '.join(several)}{',' * (len(several) == 1)})"
-        count = field["count"][str(self.document.dimension)]
-        one = alone or count == 1 or (count is None and len(several) == 1)
-        return several[0] if one else self._vector(address, value)
+                return made
+        elif call.kind == "element":
+            made = [f"{self.b}.add", call.name]
+        elif call.kind == "method":
+            made = [f"{self.b}.{call.name}"]
+        args = [*made[1:], *map(_written, by_place), *(f"{key}={_written(value)}" for key, value in by_name.items())]
+        return [_wrapped(made[0], args)]
 
 
-# Between arguments that are handed over one by one.
-NODES = "\0"
+class Source(str):
+    """A text that stands in the script as it is."""
 
 
-def _quoted(text: str) -> str:
-    """A text as Python writes it, in double quotes."""
-    return json.dumps(text, ensure_ascii=False)
-
-
-def _released(words: list[str], shown: list[str]) -> str:
-    if words in (["all"], ["none"]):
-        return '"all"' if words == ["all"] else "()"
-    return f"({', '.join(shown)}{',' * (len(shown) == 1)})"
+def _written(value: Any) -> str:
+    """A value as Python writes it, texts in double quotes."""
+    if isinstance(value, Source):
+        return value
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))}{',' * (len(value) == 1)})"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{_written(key)}: {_written(one)}' for key, one in value.items())}}}"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
 def _wrapped(called: str, args: list[str]) -> str:
