@@ -56,11 +56,7 @@ def _powers(kind: NodeKind) -> tuple[int, ...]:
 
 
 def assemble(builder: Description) -> Model:
-    """Model of a builder's contents, unchecked.
-
-    Returns:
-        Model with the degrees of freedom that the builder names.
-    """
+    """Model of a builder's contents, unchecked."""
     names = list(builder.nodes)
     starts = np.cumsum([0] + [builder.nodes[n].kind.size for n in names])
     first_x = dict(zip(names, starts.tolist(), strict=False))
@@ -155,15 +151,7 @@ def _starts(builder: Description) -> Any:
 
 
 def with_roles(model: Model, builder: Description) -> Model:
-    """As :func:`assemble`, where nothing has changed since but which coordinates and deformations are free ones.
-
-    Args:
-        model: What was assembled.
-        builder: The same with other DOF and DEPENDENT entries.
-
-    Returns:
-        The model with these roles, and with the start values of the degrees of freedom.
-    """
+    """As :func:`assemble`, where nothing has changed since but which coordinates and deformations are free ones."""
     if builder.starts:
         return assemble(builder)
     indices = {"node": {}, "element": {}}

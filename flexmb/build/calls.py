@@ -43,15 +43,7 @@ def recorded(method: F) -> F:
 
 
 def replay(calls: Iterable[MadeCall], builder: Any) -> Any:
-    """Make calls on a Builder.
-
-    Args:
-        calls: In order.
-        builder: Builder, which is changed.
-
-    Returns:
-        The Builder.
-    """
+    """Make calls on a Builder."""
     for call in calls:
         getattr(builder, call.method)(*call.positional, **call.keywords)
     return builder

@@ -46,11 +46,7 @@ def note_builder(builder: Description) -> None:
 
 @contextlib.contextmanager
 def carried(models: list[Model]) -> Iterator[None]:
-    """Give traced builds the degrees of freedom and releases of models that were built in the same order.
-
-    Args:
-        models: What :func:`recorded` noted.
-    """
+    """Give traced builds the degrees of freedom and releases of models that were built in the same order."""
     token = _REPLAY.set(iter(models))
     try:
         yield
@@ -59,11 +55,7 @@ def carried(models: list[Model]) -> Iterator[None]:
 
 
 def note(model: Model) -> Model:
-    """Note a finished model where models are recorded.
-
-    Returns:
-        The model.
-    """
+    """Note a finished model where models are recorded."""
     models = _RECORD.get()
     if models is not None:
         models.append(model)
@@ -77,15 +69,7 @@ def next_carried() -> Model | None:
 
 
 def as_in(builder: Description, model: Model) -> Description:
-    """A builder whose coordinates and deformations have the roles of a model with the same nodes and elements.
-
-    Args:
-        builder: Builder; not changed.
-        model: Model of the same nodes and elements, with other numbers.
-
-    Returns:
-        The copy; the builder itself if nodes or elements differ.
-    """
+    """A builder whose coordinates and deformations have the roles of a model with the same nodes and elements."""
     labels, topology, twin = model.labels, model.topology, builder.copy()
     owners: tuple[Any, Any] = (twin.nodes, twin.members)
     for owner, entries, roles in zip(owners, (labels.x, labels.e), model.roles(), strict=True):

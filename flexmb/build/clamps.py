@@ -56,10 +56,6 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared. What does not
     twist, since that is FIXED, does not warp.
 
-    Args:
-        builder: Builder; not changed.
-        before: Model that a traced build repeats, whose ends are taken, or None.
-
     Returns:
         A copy; the builder itself where there are neither leaf springs nor warping beams.
 
@@ -171,14 +167,7 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
 def is_clamped(
     builder: Description, end: End, joined: dict[str, list[str]], before: tuple[bool, bool] | None = None
 ) -> Clamped:
-    """Whether an end is kept flat, and whether its warping is restrained.
-
-    Args:
-        builder: Builder of the mechanism.
-        end: The end.
-        joined: Names of the elements at each node.
-        before: What it was in a model that a traced build repeats.
-    """
+    """Whether an end is kept flat, and whether its warping is restrained."""
     rotation = builder.nodes[end.rotation]
     # Three of four Euler parameters that are held hold the fourth.
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
@@ -208,12 +197,7 @@ def is_clamped(
 
 
 def _traced(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> tuple[Any, Any] | None:
-    """Whether an end is flat and restrained by what is traced too, or None where that has no sizes.
-
-    Args:
-        others: What is traced.
-        known: Whether what is not keeps it flat and restrains its warping.
-    """
+    """Whether an end is flat and restrained by what is traced too, or None where that has no sizes."""
     leaf, (flat, restrained) = builder.members[end.leaf], known
     for other in others:
         number = parts_of(other, "rotation").index(end.rotation)
@@ -230,12 +214,7 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
 
 
 def _tell_of_others(was: bool, found: list[Any]) -> None:
-    """Add a code, where codes are collected, if what decides between clamped and not decides otherwise than before.
-
-    Args:
-        was: Whether it was clamped.
-        found: Whether each end clamps it.
-    """
+    """Add a code, where codes are collected, if what decides between clamped and not decides otherwise than before."""
     clamped: Any = functools.reduce(operator.or_, found)
     collect(jnp.where(clamped == was, RESULTS.successful, RESULTS.other_clamps))
 

@@ -394,12 +394,7 @@ class Description:
 
 
 def turn_about(description: Description, rotation: str, axis: int) -> Key:
-    """The angle of a rotation in space about a global axis, by the hinge that turns it, which may not be there yet.
-
-    Args:
-        rotation: Name of the rotation.
-        axis: 0, 1 or 2.
-    """
+    """The angle of a rotation in space about a global axis, by the hinge that turns it, which may not be there yet."""
     usual = description.members.get(turn_of(rotation))
     if usual is not None and usual.roles[1] is Role.DEPENDENT and is_concrete(usual.properties["axis"]):
         along = np.asarray(usual.properties["axis"])

@@ -30,15 +30,6 @@ MOST_TOLD = 100
 def complete(builder: Description, model: Model, dofs: str, release: str) -> Model:
     """Check a model, find degrees of freedom where none are named, release over-constraints on request.
 
-    Args:
-        builder: Builder of the model; not changed.
-        model: Assembled model.
-        dofs: "auto" or "named".
-        release: "auto" or "none".
-
-    Returns:
-        The model, assembled anew where roles have changed.
-
     Raises:
         MechanismError: See Builder.build.
     """
@@ -74,9 +65,6 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
     Args:
         model: Mechanism with its final roles.
         builder: Builder of the model, whose roles are taken where those of the model are traced.
-
-    Returns:
-        The model.
 
     Raises:
         ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation, or moves one that is
@@ -123,10 +111,6 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
 
 def complete_series(builder: Description, model: Model) -> Model:
     """Make degrees of freedom of those coefficients of spectral beams that the named ones leave undetermined.
-
-    Args:
-        builder: Builder of the model; not changed.
-        model: Assembled model, with the clamps of its leaf springs.
 
     Returns:
         The model, assembled anew if there are such coefficients and nothing else is undetermined.

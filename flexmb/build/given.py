@@ -47,12 +47,6 @@ def some_of(what: str, of: Any, given: tuple) -> tuple:
 def number_in_element(name: str, element: Element, count: int, deformation: Any) -> int:
     """Number of a deformation.
 
-    Args:
-        name: Name of the element.
-        element: Its type.
-        count: How many deformations it has.
-        deformation: Number or name, as given.
-
     Raises:
         ModelError: It has no such deformation.
     """
@@ -66,12 +60,6 @@ def number_in_element(name: str, element: Element, count: int, deformation: Any)
 
 def check_closure(name: str, element: Element, number: int, deformation: Any) -> None:
     """Refuse a deformation of the closure that is given by its number, which is another one of other elements.
-
-    Args:
-        name: Name of the element.
-        element: Its type.
-        number: Number of the deformation.
-        deformation: How it was given.
 
     Raises:
         ModelError: It belongs to the closure and is not given by its name.
@@ -88,12 +76,6 @@ def check_closure(name: str, element: Element, number: int, deformation: Any) ->
 def numbers_freed(name: str, element: Element, count: int, deformation: Any) -> tuple[int, ...]:
     """Numbers of the deformations that a number or a name frees: of a strain field's name all of its coefficients.
 
-    Args:
-        name: Name of the element.
-        element: Its type.
-        count: How many deformations it has.
-        deformation: As given.
-
     Raises:
         ModelError: It has no such deformation, or a number is part of its closure.
     """
@@ -106,12 +88,6 @@ def numbers_freed(name: str, element: Element, count: int, deformation: Any) -> 
 
 def released_in(name: str, wanted: Any, element: Element, count: int) -> list[int]:
     """Numbers of the deformations that may change.
-
-    Args:
-        name: Name of the element.
-        wanted: As given: "all", a name, or numbers from 1 and names.
-        element: Its type.
-        count: How many deformations it has.
 
     Raises:
         ModelError: It is none of these, a deformation is unknown, or a number is part of the closure.

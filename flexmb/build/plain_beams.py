@@ -146,11 +146,7 @@ def _left_out(
 
 
 def _is_free(member: Member, field: int) -> bool:
-    """Whether some deformation of a field may change: elongation, twist, bending along z and along y, in the plane two.
-
-    Args:
-        field: Its number, from 0.
-    """
+    """Whether some deformation of a field may change: elongation, twist, bending along z and y; in the plane two."""
     cubic = ((1,), (2,), (3, 4), (5, 6)) if member.element.usual == spatial.beam else ((1,), (2, 3))
     numbers = (member.element.fields or cubic)[field]
     return any(member.roles[number - 1] not in HELD for number in numbers)

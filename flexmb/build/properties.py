@@ -56,9 +56,6 @@ def element_type(given: Any) -> Element:
 def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[Element, dict[str, Any]]:
     """An element type with the options among what a caller gives, and the rest: its properties.
 
-    Args:
-        given: Options and properties; what is given as None counts as not given.
-
     Raises:
         ModelError: An option of the wrong kind, one that cannot be hashed, one that is needed and missing.
     """
@@ -75,12 +72,6 @@ def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[El
 
 def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, Any]:
     """Properties of an element with defaults filled in.
-
-    Args:
-        given: What the caller gives; what is given as None counts as not given.
-
-    Returns:
-        A value for each property; None where a companion is not asked for.
 
     Raises:
         ModelError: An unknown property, one of the wrong kind, one that is needed and missing.
@@ -105,11 +96,7 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
 
 
 def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[str, Any]:
-    """Properties of an element with the damping of its material, where it is elastic and none is given.
-
-    Args:
-        properties: Its properties, complete.
-    """
+    """Properties of an element with the damping of its material, where it is elastic and none is given."""
     section = properties.get("section")
     if not isinstance(section, Section) or properties.get("damping") is not None:
         return properties
@@ -212,10 +199,6 @@ def _shape(hint: Any) -> tuple[int, ...] | None:
 def check_record(of: str, value: Record) -> None:
     """Refuse a section, a damping or a material with wrong entries, before an element has it.
 
-    Args:
-        of: What it is, for the message, such as "section 'leaf'".
-        value: The record.
-
     Raises:
         ModelError: An entry of the wrong kind, no finite number, or one that cannot be.
     """
@@ -281,9 +264,6 @@ def _is_scalar(value: Any) -> bool:
 
 def number_of_deformations(element: Element, name: str, properties: dict[str, Any]) -> int:
     """Length of what a deformation function returns, found without computing it; shapes of companions are checked.
-
-    Args:
-        properties: Its properties, complete.
 
     Raises:
         ModelError: One of the element's functions fails, or returns what it should not.

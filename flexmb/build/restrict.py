@@ -51,11 +51,7 @@ class Restriction(Record):
     tied: tuple[int, ...] = static()
 
     def of(self, model: Model) -> Model:
-        """The restricted model with another's numbers.
-
-        Args:
-            model: Model of the structure that was restricted; its numbers may be traced.
-        """
+        """The restricted model with another's numbers."""
         own = model.parameters
         more = self.topology.n_e - model.topology.n_e
         properties = own.properties
@@ -90,10 +86,6 @@ def _longer_loads(given: Loads | None, more_x: int, more_e: int) -> Loads | None
 
 def with_turn(model: Model, name: str) -> Model:
     """A model with a hinge that measures the rotation of a node in space about a global axis.
-
-    Args:
-        model: Mechanism; its numbers may be traced.
-        name: Such as "top.rx".
 
     Returns:
         The model; itself where it has the hinge, or where the name means no such rotation.
@@ -142,9 +134,6 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         fixed: Deformations to FIX, indices in e.
         tied: Deformations that take part in ties, indices in e.
         weights: Of those in each tie, (ties, tied) [-].
-
-    Returns:
-        Restriction.
     """
     top = model.topology
     n_e, ties = top.n_e, len(weights)
@@ -186,12 +175,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
 
 
 def released(model: Model, indices: list[int]) -> Model:
-    """A model with FIXED deformations released, and degrees of freedom for them.
-
-    Args:
-        model: Mechanism, checked.
-        indices: Deformations to release, indices in e.
-    """
+    """A model with FIXED deformations released, and degrees of freedom for them."""
     top = model.topology
     held = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
     free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
@@ -230,9 +214,5 @@ def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
 
 
 def roles_of(fixed: Any, dependent: Any, dof: Any, prescribed: Any) -> RoleIndices:
-    """Entries of each role, by known indices in lists or arrays; JAX compiles no program for them.
-
-    Returns:
-        Arrays on the device, known numbers also within a trace.
-    """
+    """Entries of each role, by known indices in lists or arrays; JAX compiles no program for them."""
     return RoleIndices(*on_device([np.array(own, int) for own in (fixed, dependent, dof, prescribed)]))

@@ -18,12 +18,7 @@ Check = tuple[Callable[[Any], list[str]], Any, Callable[..., list[str]]]
 
 
 def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
-    """Each check of a model's sections, dampings and elements.
-
-    Args:
-        parameters: Of many designs, stacked along the first axis.
-        topology: What all have in common.
-    """
+    """Each check of a model's sections, dampings and elements."""
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         reference = parameters.reference[:, np.asarray(block.x)]
         for first, last, own in _of_one_kind(properties, len(block.x)):

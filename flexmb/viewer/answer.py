@@ -6,12 +6,5 @@ from .view import view
 
 
 def page(answer: Any) -> bytes:
-    """Modes, path, motion or self-stress of an answer; its equilibrium or mechanism where it has no other.
-
-    Args:
-        answer: Answer of :func:`flexmb.answers.answers.answer`.
-
-    Returns:
-        Content of the file.
-    """
+    """Modes, path, motion or self-stress of an answer; its equilibrium or mechanism where it has no other."""
     return view(answer.shown).html().encode()

@@ -14,11 +14,7 @@ COLOURS = 32
 
 
 def card(found: Result) -> str | None:
-    """Summary of a result as a table beside a picture, as HTML without a script; None where it has neither.
-
-    Args:
-        found: Result of concrete numbers, of one mechanism.
-    """
+    """Summary of a result as a table beside a picture, as HTML without a script; None where it has neither."""
     _, rows, picture, small = found.summary()
     if not rows and picture is None:
         return None

@@ -134,11 +134,7 @@ def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], 
 
 
 def kept_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets points"]:
-    """Colours of the points that are drawn.
-
-    Args:
-        values: As for :func:`lines_at`.
-    """
+    """Colours of the points that are drawn."""
     rows = np.repeat(np.arange(len(found.parts)), [part.count for part in found.parts])
     return values[:, rows, np.rint(found.places * (len(PLACES) - 1)).astype(int)]
 
@@ -158,11 +154,7 @@ def most_states(found: Lines) -> int:
 
 
 def thinned(count: int, most: int) -> np.ndarray:
-    """Which of many states are taken: evenly chosen ones, the first and the last among them.
-
-    Args:
-        most: How many are taken at most.
-    """
+    """Which of many states are taken: evenly chosen ones, the first and the last among them."""
     return np.unique(np.rint(np.linspace(0, count - 1, min(count, most))).astype(int))
 
 

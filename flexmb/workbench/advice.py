@@ -24,25 +24,13 @@ Advice = dict[str, Any]
 
 
 def advice(found: Count, things: Iterable[dict[str, Any]]) -> list[Advice]:
-    """What to do about over- and under-constraints and about what floats.
-
-    Args:
-        found: Count of the drawing.
-        things: The document's, which the edits are about.
-
-    Returns:
-        Text and edits ("ops") of each piece of advice.
-    """
+    """What to do about over- and under-constraints and about what floats."""
     things = list(things)
     return [*_releases(found, things), *_determinations(found, things), *_of_loose(found, things)]
 
 
 def mass_advice(model: Model) -> list[Advice]:
-    """Where to put mass, of a mechanism that moves somewhere without any.
-
-    Args:
-        model: Checked mechanism.
-    """
+    """Where to put mass, of a mechanism that moves somewhere without any."""
     lin = linearize(model, increment=0.0, throw=False)
     mass = np.asarray(lin.matrices.M0)
     if not mass.size or not np.all(np.isfinite(mass)):

@@ -39,11 +39,7 @@ def analyses() -> dict[str, Analysis]:
 
 
 def offered(document: Document) -> dict[str, dict[str, Any]]:
-    """What a page offers: of each analysis its title, doc, fields, and what is missing in the document, in words.
-
-    Args:
-        document: The document.
-    """
+    """What a page offers: of each analysis its title, doc, fields, and what is missing in the document, in words."""
     found = {}
     for name, own in analyses().items():
         fields = [field for need in own.needs for field in FIELDS.get(need, lambda _: [])(document)]

@@ -55,12 +55,7 @@ class Request:
         return clean(self.document.data["title"]) or "mechanism"
 
     def watch(self, what: str, total: float | None = None) -> Callable[..., None]:
-        """A function to be called with the number of things done, which stops where the job does.
-
-        Args:
-            what: Words for them.
-            total: How many there are; the second number given says so unless it is known.
-        """
+        """A function to be called with the number of things done, which stops where the job does."""
 
         def report(done: float, *more: Any) -> None:
             if self.job.stopped:

@@ -31,9 +31,6 @@ class TakenError(OSError):
 def session_of_file(path: Path) -> Session:
     """A session on a file, with the edits that a killed process did not save.
 
-    Args:
-        path: Ends in .dat or .json.
-
     Raises:
         OSError: It cannot be read, or another workbench has it (TakenError).
         ValueError: It holds no mechanism.
@@ -56,12 +53,7 @@ def session_of_file(path: Path) -> Session:
 
 
 def session_of_new(document: Document | None = None, notes: list[str] | None = None) -> Session:
-    """A session on a new mechanism; without a document on the one that a killed process left last, if it left one.
-
-    Args:
-        document: To begin with.
-        notes: What is to be said about it.
-    """
+    """A session on a new mechanism; without a document on the one that a killed process left last, if it left one."""
     notes = list(notes or ())
     while document is None and (place := left_place()) is not None:
         history, damage = _recovered(place)

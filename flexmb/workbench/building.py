@@ -104,12 +104,7 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
 
 
 def positions(document: Document, built: Built | None = None) -> dict[str, list[float]]:
-    """Where nodes are, [x, y] or [x, y, z] each, by name, also of what cannot be built; those of blocks if it is.
-
-    Args:
-        document: The document.
-        built: What has become of it, where that is known.
-    """
+    """Where nodes are, [x, y] or [x, y, z] each, by name, also of what cannot be built; those of blocks if it is."""
     found, _ = evaluated(document)
     places: dict[str, list[float]] = {}
     for thing in document.things:
@@ -138,14 +133,7 @@ class Arguments:
         faults: Mapping[str, str],
         element: Callable[[str], Any] = lambda name: getattr(ROOMS[name.partition(".")[0]], name.partition(".")[2]),
     ):
-        """Begin without records.
-
-        Args:
-            document: The document.
-            values: What stands for each number, by address.
-            faults: What is wrong with numbers, by address.
-            element: See the attribute.
-        """
+        """Begin without records."""
         self.document, self.values, self.faults, self.element = document, values, faults, element
         self.concrete = evaluated(document)[0]
         self.records: dict[str, Any] = {}
@@ -260,13 +248,7 @@ class Arguments:
 
 
 def arranged(call: Call, name: str | None, args: Mapping[str, Any]) -> tuple[list[Any], dict[str, Any]]:
-    """Arguments of a call by place and by name.
-
-    Args:
-        call: The call.
-        name: Of the thing, where it bears one.
-        args: Values of its fields.
-    """
+    """Arguments of a call by place and by name."""
     rest = dict(args)
     named = {"name": name} if call.makes and name else {}
     if call.kind in ("element", "block"):

@@ -80,9 +80,6 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
         x: Nodal coordinates of the state that is drawn, (n_x,) [m, rad, -]; the undeformed one unless given.
         title: Name of the assembly.
 
-    Returns:
-        Content of the file, in millimetres, and what is to be said about it.
-
     Raises:
         ImportError: build123d is not installed.
         ModelError: Nothing of it is a solid.
@@ -120,13 +117,6 @@ def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
 
     In the plane outlines of the sections, in space the two edges of each; centrelines, rigid elements, and nodes as
     points with their names.
-
-    Args:
-        model: Mechanism, with concrete numbers.
-        x: As for :func:`step`.
-
-    Returns:
-        Content of the file, in millimetres, and what is to be said about it.
 
     Raises:
         ImportError: ezdxf is not installed.

@@ -182,12 +182,7 @@ class Calls:
 
 
 def shortest(element: Element, nodes: list[str]) -> list[str]:
-    """One name for each end of an element, where the rotations and warpings that it joins follow from it; else all.
-
-    Args:
-        element: Its type.
-        nodes: Names for all positional parameters, or for all but warpings.
-    """
+    """One name for each end of an element, where the rotations and warpings that it joins follow from it; else all."""
     kinds = [kind.part for kind in element.nodes.values() if kind.part != "internal"]
     ends: list[tuple[str, set[str]]] = []
     for node, part in zip(nodes, kinds, strict=len(nodes) == len(kinds)):

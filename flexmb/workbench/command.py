@@ -28,15 +28,7 @@ class _EndedError(Exception):
 def serve(
     path: Path | None, port: int, browser: bool, *, tell: Callable[[str], None], refuse: Callable[[str], NoReturn]
 ) -> None:
-    """Serve a file, or a new mechanism, until Ctrl-C or the end of the process is asked for.
-
-    Args:
-        path: The file; None for a new mechanism.
-        port: Where to listen; 0 for any port that is free.
-        browser: Whether to open the page.
-        tell: Prints a line on standard output.
-        refuse: Ends with a line on standard error.
-    """
+    """Serve a file, or a new mechanism, until Ctrl-C or the end of the process is asked for."""
 
     def end(*_: object) -> None:
         # Once is enough: what ends takes its time.

@@ -29,11 +29,6 @@ class Pinned(NamedTuple):
 def differences(pinned: Pinned, document: Document, answers: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """What differs between a pinned design and the present one.
 
-    Args:
-        pinned: The one.
-        document: The other.
-        answers: That belong to it.
-
     Returns:
         "names" and "fields" that differ, each with label, before and now (texts, None where there is none) and
         percent; "added" and "removed" things; "answers", all of both, each with key, label, unit, before and now

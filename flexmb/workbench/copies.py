@@ -80,14 +80,7 @@ def cloned(
     changed: Callable[[dict[str, Any]], dict[str, Any]],
     shared: dict[str, str] | None = None,
 ) -> tuple[Document, list[str]]:
-    """A document with copies of things at its end, which refer to each other as their originals do.
-
-    Args:
-        document: Not changed.
-        chosen: What is copied.
-        changed: ``f(thing) -> thing``: an original as its copy shall be.
-        shared: Ids of originals that have no copy, and ids of what stands for it.
-    """
+    """A document with copies of things at its end, which refer to each other as their originals do."""
     known, shared = document.known, shared or {}
     taken = {space: set(names) for space, names in known.by_space.items()}
     taken["node"] = taken.get("node", set()) | set(known.made)

@@ -78,11 +78,7 @@ class Count:
 
 
 def quick_numbers(builder: Builder) -> dict[str, int]:
-    """The numbers of NDOF = NX - NXO - NEO, from the roles alone: nothing is compiled.
-
-    Args:
-        builder: Builder, of whatever is drawn so far.
-    """
+    """The numbers of NDOF = NX - NXO - NEO, from the roles alone: nothing is compiled."""
     if builder.members:
         try:
             return builder.build(check=False).counts()
@@ -100,11 +96,7 @@ def quick_numbers(builder: Builder) -> dict[str, int]:
 
 
 def count(builder: Builder) -> Count:
-    """Count the degrees of freedom of a drawing, and find what is over- and under-constrained.
-
-    Args:
-        builder: Builder, of whatever is drawn so far; it is not changed.
-    """
+    """Count the degrees of freedom of a drawing, and find what is over- and under-constrained."""
     parts = tuple(_parts(builder))
     if not builder.nodes:
         return Count("empty", "Nothing is drawn yet. Add a node.", quick_numbers(builder))

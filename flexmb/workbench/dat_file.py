@@ -108,29 +108,17 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
 
 
 def cannot_hold(document: Document) -> list[str]:
-    """What a SPACAR input file cannot hold of a document: what it refuses, and what it has in another form.
-
-    Args:
-        document: The document.
-    """
+    """What a SPACAR input file cannot hold of a document: what it refuses, and what it has in another form."""
     return [*incomplete(document), *refused(document), *changed(document)]
 
 
 def incomplete(document: Document) -> list[str]:
-    """What is not in the mechanism yet, since something is wrong with it: neither answers nor files know of it.
-
-    Args:
-        document: The document.
-    """
+    """What is not in the mechanism yet, since something is wrong with it: neither answers nor files know of it."""
     return [f"{_called(document, one['address'])}: {one['message']}" for one in build(document).problems]
 
 
 def refused(document: Document) -> list[str]:
-    """What a SPACAR input file has no words for, so that without it there would be another mechanism.
-
-    Args:
-        document: The document.
-    """
+    """What a SPACAR input file has no words for, so that without it there would be another mechanism."""
     found: list[str] = []
     # Nodes that were joined before anything was taken away.
     joined: set[str] = set()
@@ -192,11 +180,7 @@ def _is_on(thing: dict[str, Any], node: str) -> bool:
 
 
 def changed(document: Document) -> list[str]:
-    """What a SPACAR input file has in another form, so that what is opened again builds the same but looks otherwise.
-
-    Args:
-        document: The document.
-    """
+    """What a SPACAR input file has in another form: opened again, it builds the same and looks otherwise."""
     found, free = [], set(free_names(document))
     if derived := [name for name in document.names if name not in free]:
         found.append(
@@ -239,13 +223,6 @@ def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
     """Save a document as a SPACAR input file, names in braces, and their values and bounds as the study beside it.
 
     Of a file that is there already, lines of an analysis such as TIMESTEP stay, and of a study all but [parameters].
-
-    Args:
-        document: The document.
-        path: Of the file; the study has the same name with .toml.
-
-    Returns:
-        What became of names, and of lines that were there.
 
     Raises:
         ModelError: What the format has no words for; all of it, in one message.

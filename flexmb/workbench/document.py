@@ -22,9 +22,6 @@ def apply(document: Document, ops: Any) -> tuple[Document, Report]:
         ops: Operations, one after the other, each a dictionary with "op" and what that takes, see :mod:`.edits`,
             :mod:`.copies`, :mod:`.mirror` and :mod:`.explode`.
 
-    Returns:
-        The document after them, and what they did.
-
     Raises:
         EditError: An operation that there is not, or that cannot be done.
     """

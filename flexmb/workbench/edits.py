@@ -74,13 +74,6 @@ def new_name(document: Document, call: Call) -> str:
 def free_name(document: Document, call: Call, address: str, name: Any, but: str | None = None) -> str:
     """A name that a thing may bear.
 
-    Args:
-        document: In which it shall be.
-        call: Of the thing.
-        address: Where it stands, for messages.
-        name: As it is given.
-        but: Id of the thing itself.
-
     Raises:
         EditError: It is no name, or another thing has it.
     """

@@ -43,9 +43,6 @@ def files_of(path: Path | None) -> list[Path]:
 def opened(path: Path) -> Opened:
     """The document of a file; nothing that stands in it is run.
 
-    Args:
-        path: Ends in .dat or .json.
-
     Raises:
         OSError: It cannot be read.
         ValueError: It holds no such thing, or ends otherwise.
@@ -62,10 +59,6 @@ def opened(path: Path) -> Opened:
 
 def received(name: str, text: str) -> Opened:
     """The document of a text that a page sent.
-
-    Args:
-        name: Of the file that it was; its ending says what it is.
-        text: Its content.
 
     Raises:
         ValueError: As of :func:`opened`.
@@ -88,10 +81,6 @@ def lost_in(document: Document, path: Path) -> list[str]:
 
 def write(document: Document, path: Path) -> list[str]:
     """Write a document; what is to be said about it.
-
-    Args:
-        document: What.
-        path: Ends in .dat, .py or .json.
 
     Raises:
         ModelError: An input file has no words for it.
@@ -118,12 +107,6 @@ def write(document: Document, path: Path) -> list[str]:
 
 def exported(document: Document, kind: str, name: str, deformed: bool = False) -> dict[str, Any]:
     """Content of a file for a page to hand to its user.
-
-    Args:
-        document: What.
-        kind: "py", "dat", "json", "html", "step" or "dxf".
-        name: Of the file, without its ending.
-        deformed: Whether solids and drawings have the shape under the loads.
 
     Returns:
         "name", with "text" or "base64", "notes", and under "left_out" what the format cannot hold.
@@ -186,12 +169,7 @@ def _of_json(content: bytes, name: str) -> Document:
 
 
 def difference(own: Document, other: Document) -> str:
-    """In what a document differs from another, in a few words; "" where it builds the same.
-
-    Args:
-        own: The document here.
-        other: The other.
-    """
+    """In what a document differs from another, in a few words; "" where it builds the same."""
     names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
 
     def plain(document: Document) -> list[str]:

@@ -38,11 +38,7 @@ LOST = Formula(None)
 
 
 def text_of(value: float) -> str:
-    """A short text that reads back to the same number, with an exponent of thousands where that is shorter.
-
-    Args:
-        value: Finite, () real.
-    """
+    """A short text that reads back to the same number, with an exponent of thousands where that is shorter."""
     value = float(value)
     if value == math.pi:
         return "pi"
@@ -64,10 +60,6 @@ def formulas(
     function: Callable[[dict[str, Any]], list[Any]], names: Mapping[str, float]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """How what a function returns follows from its arguments: arithmetic that repeats it, operation by operation.
-
-    Args:
-        function: Takes numbers by name, traced, and returns numbers and arrays.
-        names: Names and their values.
 
     Returns:
         For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.

@@ -39,9 +39,6 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
             many there are of something, is handed over as it is and is no name.
         title: Of the document.
 
-    Returns:
-        The document, and what it cannot hold, a text each.
-
     Raises:
         TypeError: It is none of these.
         ModelError: The Builder is empty.

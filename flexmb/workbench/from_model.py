@@ -34,9 +34,6 @@ USUAL = {"input": ("force", "moment", "stress"), "output": ("position", "deforma
 def builder_of(model: Model) -> Builder:
     """A Builder whose calls build a model, with its numbers as they are.
 
-    Args:
-        model: Concrete.
-
     Raises:
         ModelError: It is traced, or batched.
     """

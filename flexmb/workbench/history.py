@@ -144,11 +144,7 @@ class History:
             self._back[-1] = self._back[-1]._replace(merge=None)
 
     def close(self, *, keep: bool = False) -> None:
-        """End the journal.
-
-        Args:
-            keep: Whether its file stays, to be recovered.
-        """
+        """End the journal."""
         if self._file is not None:
             self._file.close()
             if not keep:
@@ -237,9 +233,6 @@ def recover(path: str | os.PathLike) -> History:
     A line that was not finished when the process was killed is left out: its edit was never answered. Of a journal that
     is damaged before its last line the part before that is recovered, and a copy of all of it stays beside it.
 
-    Args:
-        path: The journal.
-
     Raises:
         EditError: It is no journal.
         OSError: It cannot be read, or a damaged one cannot be copied.
@@ -283,22 +276,14 @@ def unreadable(path: Path) -> Path:
 
 
 def journals(folder: str | os.PathLike | None = None) -> list[Path]:
-    """Journals that processes left behind which are no more, the newest first.
-
-    Args:
-        folder: Where they are; that of the user unless given.
-    """
+    """Journals that processes left behind which are no more, the newest first."""
     folder = journal_folder() if folder is None else Path(folder)
     found = sorted(folder.glob("*.jsonl"), key=lambda path: path.stat().st_mtime, reverse=True)
     return [path for path in found if not is_locked(path)]
 
 
 def new_journal(folder: str | os.PathLike | None = None) -> Path:
-    """A file for a new journal.
-
-    Args:
-        folder: Where it shall be; that of the user unless given.
-    """
+    """A file for a new journal."""
     folder = journal_folder() if folder is None else Path(folder)
     stamp = time.strftime("%Y%m%d-%H%M%S")
     names = (f"{stamp}-{os.getpid()}{f'-{k}' if k else ''}.jsonl" for k in itertools.count())

@@ -55,11 +55,7 @@ class Job:
                 self._say(changes)
 
     def end(self, **changes: Any) -> None:
-        """Tell pages how it ended, and of a job that was stopped what it had found by then.
-
-        Args:
-            changes: As for :meth:`tell`, with the status.
-        """
+        """Tell pages how it ended, and of a job that was stopped what it had found by then."""
         with self._lock:
             self._say({**changes, "status": "stopped"} if self.stopped else changes)
 
@@ -92,9 +88,6 @@ class Jobs:
         Args:
             kind: What it does.
             work: Gets the job; returns what is told at its end, as :meth:`Job.tell` takes it, or raises.
-
-        Returns:
-            Its name.
 
         Raises:
             ValueError: So many run already.

@@ -53,13 +53,7 @@ class Live:
         self._thread.start()
 
     def show(self, revision: int, document: Any, wants: Wants | None = None) -> None:
-        """Compute this next, in place of what waits.
-
-        Args:
-            revision: Of the document.
-            document: What ``build`` takes.
-            wants: What is to be shown.
-        """
+        """Compute this next, in place of what waits."""
         with self._changed:
             self._next = revision, document, wants or Wants()
             self._changed.notify_all()
@@ -69,9 +63,6 @@ class Live:
 
         Args:
             timeout: How long at most [s].
-
-        Returns:
-            Whether that is so.
         """
         end = time.monotonic() + timeout
         with self._changed:

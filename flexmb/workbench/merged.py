@@ -21,10 +21,6 @@ def merged(document: Document, text: str) -> Document:
 
     A file numbers positions and rotations by themselves. A rotation beside one position alone becomes that of the
     position, as "1.rotation", and so does a warping. A second rotation at a position, as behind a hinge, stays.
-
-    Args:
-        document: Of the file, with its numbers as names.
-        text: The file, whose comments tell names.
     """
     things = _called(document.things, text)
     new = _parts_of_positions(things)

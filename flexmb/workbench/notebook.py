@@ -29,12 +29,7 @@ def remote() -> str | None:
 
 
 def frame(address: str, port: int) -> str:
-    """The page in a frame, with what to do where the browser does not reach it.
-
-    Args:
-        address: Of the page.
-        port: Where the server listens.
-    """
+    """The page in a frame, with what to do where the browser does not reach it."""
     where = remote()
     beyond = (
         f"This kernel runs on {where}, and the page answers to its own machine alone: with"

@@ -31,14 +31,7 @@ class OpenFile:
     """
 
     def __init__(self, history: History, place: Storage | None, tell: Tell, lock: threading.RLock):
-        """Watch nothing yet: see :meth:`know`.
-
-        Args:
-            history: What is worked on.
-            place: Of its journal.
-            tell: Tells pages.
-            lock: Held while the history is changed.
-        """
+        """Watch nothing yet: see :meth:`know`."""
         self.history = history
         self.place = place
         self.recovered = False
@@ -111,12 +104,6 @@ class OpenFile:
     def save(self, path: Path) -> list[str]:
         """Write the document; the file is its own from then on, unless that cannot be opened again.
 
-        Args:
-            path: Ends in .dat, .json or .py.
-
-        Returns:
-            What is to be said about it.
-
         Raises:
             ChangedError: Another program has changed it since it was read.
             OSError: It cannot be written.
@@ -136,11 +123,7 @@ class OpenFile:
         return notes
 
     def close(self, keep: bool | None) -> None:
-        """End watching and journal.
-
-        Args:
-            keep: Whether the journal stays; None where something was not saved.
-        """
+        """End watching and journal."""
         self._watch.close()
         with self._lock:
             keep = not self.history.is_saved if keep is None else keep

@@ -25,9 +25,6 @@ def python_of(document: Document) -> str:
     """A script whose function returns the model of a document; run by itself it prints the natural frequencies.
 
     What cannot be built is left out, and stands in a comment with its reason.
-
-    Args:
-        document: The document.
     """
     return _Script(document).text()
 

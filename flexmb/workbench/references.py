@@ -95,12 +95,7 @@ class Names:
         return next((id for block, id in self._blocks if name.startswith(f"{block} ")), None)
 
     def first(self, spaces: tuple[str, ...], name: str) -> str | None:
-        """The same where the first namespace counts in which there is such a name: parts of sensors are nodes first.
-
-        Args:
-            spaces: Namespaces in order.
-            name: As it is written.
-        """
+        """The same where the first namespace counts in which there is such a name: parts of sensors are nodes first."""
         return next((found for space in spaces if (found := self.thing((space,), name))), None)
 
     def exactly(self, spaces: tuple[str, ...], name: str) -> str | None:
@@ -120,12 +115,7 @@ def _without_part(name: str) -> str:
 
 
 def part_of(names: Names, said: str) -> tuple[str, str, str]:
-    """A part of a sensor, such as "velocity A.x", taken apart: what stands before the name, the name, what follows.
-
-    Args:
-        names: Of the document.
-        said: The part.
-    """
+    """A part of a sensor, such as "velocity A.x", taken apart: what stands before the name, the name, what follows."""
     of, point, component = said.rpartition(".")
     if not point:
         return "", said, ""
@@ -194,13 +184,7 @@ def replaced(tree: Any, path: list[str], value: Any) -> Any:
 
 
 def renamed_part(name: str, old: str, new: str) -> str:
-    """A reference by the name of a thing, or of a part of it, after that has another name.
-
-    Args:
-        name: The reference: "A", "A.rotation", "pivot leaf 1", "turn of A".
-        old: Name that the thing had.
-        new: Name that it has.
-    """
+    """A reference by the name of a thing, or of a part of it, after that has another name."""
     for start in (TURN_OF, FRAME_OF):
         if name.startswith(start) and _without_part(name.removeprefix(start)) == old:
             return start + new + name.removeprefix(start + old)

@@ -29,9 +29,6 @@ class Scenes:
             found: Answers, and what is wanted.
             slopes: Where sensitivity colours the elements: that of each element, by its name.
             label: What the slopes are.
-
-        Returns:
-            Kind, number of the mode, how many there are, and data of the page.
         """
         wants, model = found.wants, found.model
         colouring = found.stress if wants.colour == "stress" else None
@@ -49,11 +46,7 @@ class Scenes:
         return {**found_scene, "view": page_data(shown)}
 
     def of_count(self, count: Count) -> dict[str, Any] | None:
-        """Scene of a mechanism that cannot be analysed: its self-stress, or where it is drawn; None without elements.
-
-        Args:
-            count: Count of the drawing.
-        """
+        """Scene of a mechanism that cannot be analysed: its self-stress, or its shape; None without elements."""
         if count.drawn is None:
             return None
         over = count.mobility is not None and count.mobility.overconstraints

@@ -63,12 +63,6 @@ class Server:
     def __init__(self, session: Session, *, port: int = 0, token: str | None = None, framed: bool = False):
         """Take the port; :meth:`start` begins to answer.
 
-        Args:
-            session: What is served.
-            port: Where to listen; 0 for any that is free.
-            token: Of an earlier server that this one goes on for; a new one where None.
-            framed: Whether pages of others may show this one in a frame, as notebooks do.
-
         Raises:
             ModuleNotFoundError: websockets is not installed.
             OSError: The port is taken.
@@ -112,11 +106,7 @@ class Server:
         self._beside.shutdown(wait=False, cancel_futures=True)
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Push a message to all pages; from any thread.
-
-        Args:
-            message: What, under "tell", and its content.
-        """
+        """Push a message to all pages; from any thread."""
         key = (message["tell"], message.get("job"))
         text = written(message)
         if self._loop is not None:

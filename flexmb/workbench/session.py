@@ -61,13 +61,7 @@ class Session:
     """
 
     def __init__(self, history: History | None = None, *, place: Storage | None = None, notes: list[str] | None = None):
-        """Begin; what is computed is told from the first :meth:`listen` on.
-
-        Args:
-            history: What is worked on; an empty document unless given.
-            place: Where its journal stands.
-            notes: What is to be said about how it began.
-        """
+        """Begin; what is computed is told from the first :meth:`listen` on."""
         self.run = secrets.token_hex(8)
         self.history = history or History()
         self.notes = notes or []
@@ -102,14 +96,6 @@ class Session:
     def ask(self, verb: str, arguments: dict[str, Any], key: str | None = None) -> Any:
         """Do what a page asks for.
 
-        Args:
-            verb: What.
-            arguments: By name.
-            key: Of the request, the same where it is sent again.
-
-        Returns:
-            Content of the reply, or a function that makes it.
-
         Raises:
             Refused: There is no such verb, or it takes other arguments.
             Exception: Whatever was wrong with what was asked.
@@ -129,11 +115,7 @@ class Session:
             return method(*given.args, **given.kwargs) or {}
 
     def built(self, document: Document | None = None) -> Built:
-        """What has become of a document, which is built once.
-
-        Args:
-            document: The one of now unless given.
-        """
+        """What has become of a document, which is built once."""
         document = document or self.history.document
         known = self._built
         if known is None or known[0] is not document:
@@ -152,11 +134,7 @@ class Session:
         return built.builder
 
     def close(self, *, keep: bool | None = None) -> None:
-        """End what is running; a second call does nothing.
-
-        Args:
-            keep: Whether the journal stays; by default where something was not saved.
-        """
+        """End what is running; a second call does nothing."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -262,13 +240,7 @@ class Session:
         return self._changed(None, notes=notes)
 
     def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
-        """Write the file; what would be lost or written over is said first, and nothing is written then.
-
-        Args:
-            path: Where; that of the document's file unless given.
-            anyway: Whether what the file cannot hold may be left out; it is asked for once.
-            over: Whether another file may be written over.
-        """
+        """Write the file; what would be lost or written over is said first, and nothing is written then."""
         own = self.file.path
         file = Path(path).expanduser().absolute() if path else own
         if file is None:
@@ -300,11 +272,7 @@ class Session:
     # What they share.
 
     def save(self, file: Path) -> list[str]:
-        """Write the document to a file, see :meth:`.open_file.OpenFile.save`.
-
-        Args:
-            file: Ends in .dat, .json or .py.
-        """
+        """Write the document to a file, see :meth:`.open_file.OpenFile.save`."""
         with self._lock:
             notes = self.file.save(file)
             self._tell_changes()

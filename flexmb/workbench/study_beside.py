@@ -24,9 +24,6 @@ def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
     The study has the name of the file with .toml, or else it is another one in the folder that names the file as its
     model.
 
-    Args:
-        path: Of the SPACAR input file.
-
     Raises:
         StudyError: The study of that name is wrong.
     """
@@ -48,13 +45,6 @@ def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
 
 def write_beside(document: Document, path: Path) -> str | None:
     """Text of the study of a file: names with their values and bounds. All else in a study that is there stays.
-
-    Args:
-        document: The document.
-        path: Of the SPACAR input file.
-
-    Returns:
-        The text; None where there are no names and there is no study.
 
     Raises:
         ModelError: The study there is of another model, or cannot be changed.

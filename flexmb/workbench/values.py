@@ -40,12 +40,7 @@ def value_in(document: Document, text: str) -> Any:
 
 
 def evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, str]]:
-    """Values by address, and what is wrong by address.
-
-    Args:
-        document: The document.
-        given: Values of free names in place of those in the document.
-    """
+    """Values by address, and what is wrong by address."""
     if not given:
         if "evaluated" not in document.kept:
             document.kept["evaluated"] = _evaluated(document, {})
