@@ -56,6 +56,8 @@ COUNTS = {
     "change": (None, None),
     "values": (None, None),
     "breaks": (None, None),
+    "center": (2, 3),
+    "at": (2, 3),
     "axis": (0, 3),
     "y": (0, 3),
 }
@@ -201,25 +203,18 @@ def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[di
 
 def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     more: dict[str, Any] = {"dimension": 3 if name in SPATIAL else None}
-    alternatives = alternatives_of(hint)
     choices = CHOICES.get((call, name)) or CHOICES.get(name)
     if name == "element" and default is None:
-        return _field(name, "choice", default, doc, choices=_flexible())
+        choices = _flexible()
     if choices:
         return _field(name, "choice", None if default == "" else default, doc, choices=list(choices), **more)
-    if bool in alternatives:
-        return _field(name, "flag", default, doc, **more)
     if name in KINDS:
         more |= {"count": 1} if name == "component" else {}
         return _field(name, KINDS[name], default, doc, new=name == "stage", **more)
-    if made := _record_in(alternatives):
-        return _field(name, made, default, doc)
-    counts = COUNTS.get(name, (2, 3))
-    sequence = any(typing.get_origin(one) is collections.abc.Sequence for one in alternatives)
-    shapes = re.findall(r"\(([d\d]?),?\)", doc)
-    if name in COUNTS or sequence or (shapes and shapes[0]):
-        return _field(name, "vector", default, doc, count=_count(counts), **more)
-    return _field(name, "number", default, doc, **more)
+    own = _of_hint(name, hint, default, doc)
+    if name in COUNTS or own["kind"] == "vector":
+        own |= {"kind": "vector", "count": _count(COUNTS.get(name, (2, 3)))}
+    return own | more
 
 
 def _flexible() -> list[str]:
@@ -256,9 +251,9 @@ def _of_element(room: Any, name: str) -> Call:
     fields = []
     for key, parameter in element.properties.items():
         default = None if parameter.default is EMPTY and key not in needed else parameter.default
-        fields.append(_of_hint(key, element.hint(key), default, _mentioned(said, key), dimension))
+        fields.append(_of_hint(key, element.hint(key), default, _mentioned(said, key)))
     for key, (kind, default) in _options(element).items():
-        fields.append(_of_hint(key, kind, default, _mentioned(said, key), dimension))
+        fields.append(_of_hint(key, kind, default, _mentioned(said, key)))
     # What most are after comes first: the section, then what must be given.
     fields.sort(key=lambda field: (field["name"] != "section", field["optional"]))
     hint = typing.get_type_hints(element.deformation).get("return")
@@ -318,7 +313,7 @@ def _of_record(name: str) -> Call:
         given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _entries(function)}
     else:
         given = {key: p.default for key, p in inspect.signature(function).parameters.items()}
-    fields = [_of_hint(key, hints.get(key), default, docs.get(key, ""), None) for key, default in given.items()]
+    fields = [_of_hint(key, hints.get(key), default, docs.get(key, "")) for key, default in given.items()]
     group = "material" if makes == "damping" else makes
     return _call(name, "record", function, str(group), makes, fields, name=str(makes))
 
@@ -333,7 +328,7 @@ def _of_constant(name: str) -> Call:
     return _call(f"materials.{name}", "constant", made, "material", "material", [], name=name, doc=told)
 
 
-def _of_hint(name: str, hint: Any, default: Any, doc: str, dimension: int | None) -> dict[str, Any]:
+def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     """A field by the annotation of a property, an option or an entry of a record."""
     alternatives = alternatives_of(hint)
     if made := _record_in(alternatives):

@@ -9,7 +9,7 @@ from ..errors import clean
 from ..spacar.arithmetic import is_number, names_in, value_of
 from .content import Document
 from .edits import numbers
-from .references import call_of
+from .references import call_of, replaced
 
 
 def free_names(document: Document) -> list[str]:
@@ -143,22 +143,12 @@ def structure(document: Document, *, arithmetic: bool = True) -> str:
     if arithmetic:
         parts.append([(name, shown(f"names/{name}/value", own["value"])) for name, own in document.names.items()])
     for thing in document.things:
-        call, id = call_of(thing), thing["id"]
-        own = dict(numbers(thing))
-        whole = {key for key, field in call.fields.items() if field["whole"]} if call else set()
-        entries = []
-        for key, value in sorted(thing["args"].items()):
-            if key in whole:
-                value = found.get(f"{id}/{key}", value)
-            elif isinstance(value, str):
-                value = shown(f"{id}/{key}", value) if key in own else value
-            else:
-                value = [
-                    (one[0], shown(f"{id}/{key}/{k}/1", one[1]))
-                    if f"{key}/{k}/1" in own
-                    else (shown(f"{id}/{key}/{k}", one) if f"{key}/{k}" in own else one)
-                    for k, one in enumerate(value)
-                ]
-            entries.append((key, value))
-        parts.append((id, thing["call"], thing.get("name"), entries))
+        call, args = call_of(thing), thing["args"]
+        for path, text in numbers(thing):
+            # A whole number chooses code.
+            whole = call is not None and call.fields[path.partition("/")[0]]["whole"]
+            address = f"{thing['id']}/{path}"
+            value = found.get(address, text) if whole else shown(address, text)
+            args = replaced(args, path.split("/"), value)
+        parts.append((thing["id"], thing["call"], thing.get("name"), sorted(args.items())))
     return repr(parts)
