@@ -1,13 +1,18 @@
 """What numbers given to public functions must be: a fault names the argument and says what is right."""
 
 import contextlib
+import functools
+import inspect
 import operator
 import reprlib
+import types
+import typing
 from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from functools import partial
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast
 
 import jax
 import jax.core
@@ -18,6 +23,7 @@ from .errors import ModelError
 
 # Kinds of real numbers that NumPy has no type for.
 EXACT = (Fraction, Decimal)
+Function = TypeVar("Function", bound=Callable[..., Any])
 # Squares and cubes of what is larger are no finite numbers any more.
 LARGEST = 1e100
 
@@ -326,6 +332,36 @@ def checked_times(times: Any) -> Any:
     return found
 
 
+class Range(NamedTuple):
+    """Bounds of a number; None where there is none.
+
+    Attributes:
+        above: The number must be greater.
+        least: Smallest number.
+        most: Largest number.
+    """
+
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+
+    def words(self) -> str:
+        """What the number must be, such as "positive" or "at least 1 and at most 9"."""
+        parts = [
+            "" if self.above is None else "positive" if self.above == 0 else f"greater than {self.above:g}",
+            "" if self.least is None else f"at least {self.least:g}",
+            "" if self.most is None else f"at most {self.most:g}",
+        ]
+        return " and ".join(part for part in parts if part) or "finite"
+
+    def holds(self, number: Any) -> Any:
+        """Whether a number is finite and within the bounds, () of bool; traced for a traced number."""
+        within = (np if is_concrete(number) else jax.numpy).isfinite(number)
+        within = within if self.above is None else within & (number > self.above)
+        within = within if self.least is None else within & (number >= self.least)
+        return within if self.most is None else within & (number <= self.most)
+
+
 def check_number(
     name: str,
     value: Any,
@@ -334,75 +370,53 @@ def check_number(
     least: float | None = None,
     most: float | None = None,
     fault: type[ValueError] = ValueError,
-) -> None:
-    """Refuse an argument that is no finite number within its range; a traced one passes, and that is noted.
+) -> Any:
+    """Return an argument that is a finite number within its range; the condition of a traced one is noted.
 
     Args:
         name: Name of the argument.
-        value: What is given.
-        above: It must be greater than this.
-        least: It must be this at least.
-        most: It must be this at most.
-        fault: Error where it is beyond its range.
+        value: The argument.
+        above: See :class:`Range`.
+        least: See :class:`Range`.
+        most: See :class:`Range`.
+        fault: Error where the number is out of range.
 
     Raises:
-        TypeError: It is no number.
-        ValueError: It is not finite, or beyond its range.
+        TypeError: The value is no number.
+        ValueError: The number is not finite, or out of range.
     """
-
-    def is_within(number: Any) -> Any:
-        library = np if is_concrete(number) else jax.numpy
-        within = library.isfinite(number)
-        within = within if above is None else within & (number > above)
-        within = within if least is None else within & (number >= least)
-        return within if most is None else within & (number <= most)
-
+    bounds = Range(above, least, most)
     check_real(f"Argument `{name}`", value, fault)
     if not is_concrete(value):
         if np.shape(value) == ():
-            note(is_within(value))
-        return
+            note(bounds.holds(value))
+        return value
     array = numbers(value)
     if array is None or array.shape != ():
         raise TypeError(f"Argument `{name}` must be one number, not {shown(value)}.")
-    parts = [
-        "" if above is None else "positive" if above == 0 else f"greater than {above:g}",
-        "" if least is None else f"at least {least:g}",
-        "" if most is None else f"at most {most:g}",
-    ]
-    wanted = " and ".join(part for part in parts if part) or "finite"
-    if not is_within(array):
-        raise fault(f"Argument `{name}` must be {wanted}, but is {shown(value)}.")
+    if not bounds.holds(array):
+        raise fault(f"Argument `{name}` must be {bounds.words()}, but is {shown(value)}.")
+    return value
 
 
 def check_whole(name: str, value: Any, least: int | None = None, most: int | None = None) -> int:
-    """Refuse an argument that is no whole number, or one beyond its range.
-
-    Args:
-        name: Name of the argument.
-        value: What is given.
-        least: It must be this at least.
-        most: It must be this at most.
-
-    Returns:
-        The number.
+    """Return an argument that is a whole number within its range, as an int.
 
     Raises:
-        TypeError: It is no whole number.
-        ValueError: It is beyond its range.
+        TypeError: The value is no whole number.
+        ValueError: The number is out of range.
     """
-    found = as_whole(value)
-    if found is None:
+    number = as_whole(value)
+    if number is None:
         raise TypeError(f"Argument `{name}` must be a whole number, not {shown(value)}.")
-    if least is not None and found < least:
-        raise ValueError(f"Argument `{name}` must be at least {least}, but is {found}.")
-    if most is not None and found > most:
-        raise ValueError(f"Argument `{name}` must be at most {most:g}, but is {shown(found)}.")
-    return found
+    if (least is not None and number < least) or (most is not None and number > most):
+        bounds = Range(least=least, most=most)
+        raise ValueError(f"Argument `{name}` must be {bounds.words()}, but is {shown(number)}.")
+    return number
 
 
 def as_whole(value: Any) -> int | None:
-    """A whole number as an int; None where a value is something else, truth values among them."""
+    """Return a whole number as an int; None for anything else, such as a truth value."""
     if isinstance(value, bool | np.bool_):
         return None
     try:
@@ -411,34 +425,69 @@ def as_whole(value: Any) -> int | None:
         return None
 
 
-def check_flag(name: str, value: Any, fault: type = TypeError) -> None:
-    """Refuse an argument that is neither True nor False.
-
-    Raises:
-        TypeError: Or what is given as ``fault``.
-    """
+def check_flag(name: str, value: Any, fault: type = TypeError) -> Any:
+    """Return an argument that is True or False; raise ``fault`` for another."""
     if not isinstance(value, bool | np.bool_):
         raise fault(f"Argument `{name}` must be True or False, not {shown(value)}.")
+    return value
 
 
-def check_by_name(name: str, value: Any) -> None:
-    """Refuse an argument that is no dictionary.
-
-    Raises:
-        TypeError: It is none.
-    """
+def check_by_name(name: str, value: Any) -> Any:
+    """Return an argument that is a dictionary; raise TypeError for another."""
     if not isinstance(value, Mapping):
         raise TypeError(
             f"Argument `{name}` must be a dictionary by name, such as {{'thickness': ..}}, not {shown(value)}."
         )
+    return value
 
 
-def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> None:
-    """Refuse an argument that is none of a few values.
-
-    Raises:
-        ValueError: Or what is given as ``fault``.
-    """
+def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> Any:
+    """Return an argument that is one of a few values; raise ``fault`` for another."""
     if not any(value is one or (type(value) is type(one) and value == one) for one in allowed):
         listed = " or ".join(repr(one) for one in allowed)
         raise fault(f"Argument `{name}` must be {listed}, but is {shown(value)}.")
+    return value
+
+
+# What an argument must be, as its annotation declares it for :func:`checked`. A choice is a ``Literal``.
+Finite = Annotated[float, check_number]
+Positive = Annotated[float, partial(check_number, above=0)]
+NotNegative = Annotated[float, partial(check_number, least=0)]
+Whole = Annotated[int, check_whole]
+Count = Annotated[int, partial(check_whole, least=1)]
+Flag = Annotated[bool, check_flag]
+ByName = Annotated[Mapping, check_by_name]
+
+
+def checked(function: Function) -> Function:
+    """Check arguments by their annotations before each call of a function.
+
+    An annotation is one of the above, a ``Literal``, or ``Annotated`` with a function of name and value that returns
+    the value to use. None passes where the annotation allows it.
+    """
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def call(*values: Any, **named: Any) -> Any:
+        given = signature.bind(*values, **named)
+        for name, (check, optional) in _checks_of(function).items():
+            if name in given.arguments and not (optional and given.arguments[name] is None):
+                given.arguments[name] = check(name, given.arguments[name])
+        return function(*given.args, **given.kwargs)
+
+    return cast(Function, call)
+
+
+@functools.cache
+def _checks_of(function: Callable[..., Any]) -> dict[str, tuple[Callable[[str, Any], Any], bool]]:
+    """Check of each argument that has one, and whether the argument may be None."""
+    checks = {}
+    for name, hint in typing.get_type_hints(function, include_extras=True).items():
+        united = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
+        hints = typing.get_args(hint) if united else (hint,)
+        for one in hints:
+            if typing.get_origin(one) is Literal:
+                checks[name] = partial(check_choice, allowed=typing.get_args(one)), type(None) in hints
+            for check in getattr(one, "__metadata__", ()):
+                checks[name] = check, type(None) in hints
+    return {name: check for name, check in checks.items() if name != "return"}

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Literal
 
 import control
 import jax
@@ -12,6 +13,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.arguments import Count, Flag, Positive, checked
 from flexmb.control.frequency_response import places_of
 from flexmb.control.truncation import numbered
 
@@ -615,3 +617,34 @@ def _weighed(mass):
 def test_what_is_neither_a_dictionary_nor_a_list_is_named(ask, words):
     with pytest.raises((TypeError, fm.ModelError), match=words):
         ask(lambda t: None, {"mass": fm.mass})
+
+
+# -- kinds and bounds that annotations declare --------------------------------------------------------------------
+
+
+@checked
+def declared(step: Positive, count: Count = 3, form: Literal["dense", "sparse"] | None = None, sparse: Flag = False):
+    return step, count, form, sparse
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "fault", "message"),
+    [
+        ((0.0,), {}, ValueError, "`step` must be positive, but is 0.0"),
+        (("a",), {}, TypeError, "`step` must be one number, not 'a'"),
+        ((None,), {}, TypeError, "`step` must be one number, not None"),
+        ((1.0, 0), {}, ValueError, "`count` must be at least 1, but is 0"),
+        ((1.0,), {"count": 2.5}, TypeError, "`count` must be a whole number, not 2.5"),
+        ((1.0,), {"form": "full"}, ValueError, "`form` must be 'dense' or 'sparse', but is 'full'"),
+        ((1.0,), {"sparse": 1}, TypeError, "`sparse` must be True or False, not 1"),
+    ],
+)
+def test_an_annotation_says_what_an_argument_must_be(arguments, options, fault, message):
+    with pytest.raises(fault, match=message):
+        declared(*arguments, **options)
+
+
+def test_declared_arguments_that_are_right():
+    assert declared(1.0) == (1.0, 3, None, False)
+    assert declared(step=0.5, count=np.int64(2), form="dense", sparse=True) == (0.5, 2, "dense", True)
+    assert jax.jit(lambda step: declared(step)[0])(2.0) == 2.0

@@ -1,39 +1,15 @@
 /* The functions of FMI 2.0, co-simulation and model exchange. What is computed stands in core.c. */
-#include "core.c"
-
 #if defined(FMI2_FUNCTION_PREFIX) && !defined(FMI2_OVERRIDE_FUNCTION_PREFIX)
-#define FMI2_ACTUAL_FUNCTION_PREFIX FMI2_FUNCTION_PREFIX
+#define PREFIX FMI2_FUNCTION_PREFIX
 #endif
-#define JOINED(a, b) a##b
-#define JOIN(a, b) JOINED(a, b)
-#if defined(FMI2_ACTUAL_FUNCTION_PREFIX)
-#define NAME(name) JOIN(FMI2_ACTUAL_FUNCTION_PREFIX, name)
-#else
-#define NAME(name) name
-#endif
-#if defined(_WIN32)
-#define FMI __declspec(dllexport)
-#elif defined(__GNUC__)
-#define FMI __attribute__((visibility("default")))
-#else
-#define FMI
-#endif
-#define UNUSED(x) (void)(x)
-
-typedef const unsigned int References[];
+#define VERSIONED(name) NAME(fmi2##name)
+#define STATE(verb) NAME(fmi2##verb##FMUstate)
+#define STATE_SIZE NAME(fmi2SerializedFMUstateSize)
+#define STATE_OF_BYTES NAME(fmi2DeSerializeFMUstate)
+#define LOG(unit, message) ((Logger)(unit)->logger)((unit)->environment, (unit)->name, ERROR, "logStatusError", message)
+typedef char Byte;
 typedef void (*Logger)(void *environment, const char *name, int status, const char *category, const char *message, ...);
-typedef enum { OK = 0, ERROR = 3 } Status;
-
-static void complain(const Unit *unit, const char *message) {
-    if (unit->logger != NULL) ((Logger)unit->logger)(unit->environment, unit->name, ERROR, "logStatusError", message);
-}
-
-static Status done(int failed) { return failed ? ERROR : OK; }
-
-static Status unsupported(void *unit, const char *what) {
-    complain(unit, what);
-    return ERROR;
-}
+#include "fmi.c"
 
 typedef struct {
     Logger logger;
@@ -97,8 +73,6 @@ FMI void *NAME(fmi2Instantiate)(const char *name, int kind, const char *token, c
     return unit;
 }
 
-FMI void NAME(fmi2FreeInstance)(void *unit) { release(unit); }
-
 FMI Status NAME(fmi2SetupExperiment)(void *unit, int has_tolerance, double tolerance, double begins, int has_stop,
                                      double stop) {
     UNUSED(has_stop), UNUSED(stop);
@@ -118,11 +92,6 @@ A_MODE(fmi2ExitInitializationMode)
 A_MODE(fmi2EnterEventMode)
 A_MODE(fmi2EnterContinuousTimeMode)
 A_MODE(fmi2Terminate)
-
-FMI Status NAME(fmi2Reset)(void *unit) {
-    start(unit);
-    return OK;
-}
 
 FMI Status NAME(fmi2GetReal)(void *unit, References references, size_t n, double values[]) {
     return done(get_values(unit, references, n, values, n));
@@ -147,42 +116,6 @@ NO_VALUES(Integer, int)
 NO_VALUES(Boolean, int)
 NO_VALUES(String, Text)
 
-FMI Status NAME(fmi2GetFMUstate)(void *unit, void **state) {
-    *state = copied(((Unit *)unit)->kept, *state);
-    return done(*state == NULL);
-}
-
-FMI Status NAME(fmi2SetFMUstate)(void *unit, void *state) {
-    set_state(unit, state);
-    return OK;
-}
-
-FMI Status NAME(fmi2FreeFMUstate)(void *unit, void **state) {
-    UNUSED(unit);
-    if (state != NULL) free(*state), *state = NULL;
-    return OK;
-}
-
-FMI Status NAME(fmi2SerializedFMUstateSize)(void *unit, void *state, size_t *size) {
-    UNUSED(unit), UNUSED(state);
-    *size = N_KEPT * sizeof(double);
-    return OK;
-}
-
-FMI Status NAME(fmi2SerializeFMUstate)(void *unit, void *state, char bytes[], size_t size) {
-    if (size < N_KEPT * sizeof(double)) return unsupported(unit, "There is no room for the unit's state.");
-    memcpy(bytes, state, N_KEPT * sizeof(double));
-    return OK;
-}
-
-FMI Status NAME(fmi2DeSerializeFMUstate)(void *unit, const char bytes[], size_t size, void **state) {
-    if (size < N_KEPT * sizeof(double)) return unsupported(unit, "These bytes are not this unit's state.");
-    if (*state == NULL) *state = malloc(N_KEPT * sizeof(double));
-    if (*state == NULL) return ERROR;
-    memcpy(*state, bytes, N_KEPT * sizeof(double));
-    return OK;
-}
-
 FMI Status NAME(fmi2GetDirectionalDerivative)(void *unit, References unknowns, size_t n_unknowns, References knowns,
                                               size_t n_knowns, const double seed[], double change[]) {
     return done(directional(unit, unknowns, n_unknowns, knowns, n_knowns, seed, n_knowns, change, n_unknowns));
@@ -203,27 +136,7 @@ FMI Status NAME(fmi2CompletedIntegratorStep)(void *unit, int final, int *event, 
     return OK;
 }
 
-FMI Status NAME(fmi2SetTime)(void *unit, double t) {
-    set_time(unit, t);
-    return OK;
-}
-
-FMI Status NAME(fmi2SetContinuousStates)(void *unit, const double x[], size_t n) {
-    return done(set_states(unit, x, n));
-}
-
-FMI Status NAME(fmi2GetContinuousStates)(void *unit, double x[], size_t n) { return done(get_states(unit, x, n)); }
-
 FMI Status NAME(fmi2GetDerivatives)(void *unit, double rates[], size_t n) { return done(get_rates(unit, rates, n)); }
-
-FMI Status NAME(fmi2GetNominalsOfContinuousStates)(void *unit, double nominals[], size_t n) {
-    return done(get_nominals(unit, nominals, n));
-}
-
-FMI Status NAME(fmi2GetEventIndicators)(void *unit, double indicators[], size_t n) {
-    UNUSED(indicators);
-    return n ? unsupported(unit, "This unit has no events.") : OK;
-}
 
 /* ---- Co-simulation --------------------------------------------------------------------------------------------- */
 

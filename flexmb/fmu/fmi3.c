@@ -2,41 +2,17 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core.c"
-
 #if defined(FMI3_FUNCTION_PREFIX) && !defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
-#define FMI3_ACTUAL_FUNCTION_PREFIX FMI3_FUNCTION_PREFIX
+#define PREFIX FMI3_FUNCTION_PREFIX
 #endif
-#define JOINED(a, b) a##b
-#define JOIN(a, b) JOINED(a, b)
-#if defined(FMI3_ACTUAL_FUNCTION_PREFIX)
-#define NAME(name) JOIN(FMI3_ACTUAL_FUNCTION_PREFIX, name)
-#else
-#define NAME(name) name
-#endif
-#if defined(_WIN32)
-#define FMI __declspec(dllexport)
-#elif defined(__GNUC__)
-#define FMI __attribute__((visibility("default")))
-#else
-#define FMI
-#endif
-#define UNUSED(x) (void)(x)
-
-typedef const unsigned int References[];
+#define VERSIONED(name) NAME(fmi3##name)
+#define STATE(verb) NAME(fmi3##verb##FMUState)
+#define STATE_SIZE NAME(fmi3SerializedFMUStateSize)
+#define STATE_OF_BYTES NAME(fmi3DeserializeFMUState)
+#define LOG(unit, message) ((Logger)(unit)->logger)((unit)->environment, ERROR, "logStatusError", message)
+typedef uint8_t Byte;
 typedef void (*Logger)(void *environment, int status, const char *category, const char *message);
-typedef enum { OK = 0, ERROR = 3 } Status;
-
-static void complain(const Unit *unit, const char *message) {
-    if (unit->logger != NULL) ((Logger)unit->logger)(unit->environment, ERROR, "logStatusError", message);
-}
-
-static Status done(int failed) { return failed ? ERROR : OK; }
-
-static Status unsupported(void *unit, const char *what) {
-    complain(unit, what);
-    return ERROR;
-}
+#include "fmi.c"
 
 FMI const char *NAME(fmi3GetVersion)(void) { return "3.0"; }
 
@@ -68,8 +44,6 @@ FMI void *NAME(fmi3InstantiateScheduledExecution)(const char *name, const char *
     return NULL;
 }
 
-FMI void NAME(fmi3FreeInstance)(void *unit) { release(unit); }
-
 FMI Status NAME(fmi3EnterInitializationMode)(void *unit, bool has_tolerance, double tolerance, double begins,
                                              bool has_stop, double stop) {
     UNUSED(has_stop), UNUSED(stop);
@@ -92,11 +66,6 @@ A_MODE(fmi3EnterConfigurationMode)
 A_MODE(fmi3ExitConfigurationMode)
 A_MODE(fmi3EvaluateDiscreteStates)
 A_MODE(fmi3Terminate)
-
-FMI Status NAME(fmi3Reset)(void *unit) {
-    start(unit);
-    return OK;
-}
 
 FMI Status NAME(fmi3GetFloat64)(void *unit, References references, size_t n, double values[], size_t n_values) {
     return done(get_values(unit, references, n, values, n_values));
@@ -186,42 +155,6 @@ FMI Status NAME(fmi3GetVariableDependencies)(void *unit, unsigned int dependent,
     return unsupported(unit, "Dependencies stand in modelDescription.xml.");
 }
 
-FMI Status NAME(fmi3GetFMUState)(void *unit, void **state) {
-    *state = copied(((Unit *)unit)->kept, *state);
-    return done(*state == NULL);
-}
-
-FMI Status NAME(fmi3SetFMUState)(void *unit, void *state) {
-    set_state(unit, state);
-    return OK;
-}
-
-FMI Status NAME(fmi3FreeFMUState)(void *unit, void **state) {
-    UNUSED(unit);
-    if (state != NULL) free(*state), *state = NULL;
-    return OK;
-}
-
-FMI Status NAME(fmi3SerializedFMUStateSize)(void *unit, void *state, size_t *size) {
-    UNUSED(unit), UNUSED(state);
-    *size = N_KEPT * sizeof(double);
-    return OK;
-}
-
-FMI Status NAME(fmi3SerializeFMUState)(void *unit, void *state, uint8_t bytes[], size_t size) {
-    if (size < N_KEPT * sizeof(double)) return unsupported(unit, "There is no room for the unit's state.");
-    memcpy(bytes, state, N_KEPT * sizeof(double));
-    return OK;
-}
-
-FMI Status NAME(fmi3DeserializeFMUState)(void *unit, const uint8_t bytes[], size_t size, void **state) {
-    if (size < N_KEPT * sizeof(double)) return unsupported(unit, "These bytes are not this unit's state.");
-    if (*state == NULL) *state = malloc(N_KEPT * sizeof(double));
-    if (*state == NULL) return ERROR;
-    memcpy(*state, bytes, N_KEPT * sizeof(double));
-    return OK;
-}
-
 FMI Status NAME(fmi3GetDirectionalDerivative)(void *unit, References unknowns, size_t n_unknowns, References knowns,
                                               size_t n_knowns, const double seed[], size_t n_seed, double change[],
                                               size_t n_change) {
@@ -251,28 +184,8 @@ FMI Status NAME(fmi3CompletedIntegratorStep)(void *unit, bool final, bool *event
     return OK;
 }
 
-FMI Status NAME(fmi3SetTime)(void *unit, double t) {
-    set_time(unit, t);
-    return OK;
-}
-
-FMI Status NAME(fmi3SetContinuousStates)(void *unit, const double x[], size_t n) {
-    return done(set_states(unit, x, n));
-}
-
-FMI Status NAME(fmi3GetContinuousStates)(void *unit, double x[], size_t n) { return done(get_states(unit, x, n)); }
-
 FMI Status NAME(fmi3GetContinuousStateDerivatives)(void *unit, double rates[], size_t n) {
     return done(get_rates(unit, rates, n));
-}
-
-FMI Status NAME(fmi3GetNominalsOfContinuousStates)(void *unit, double nominals[], size_t n) {
-    return done(get_nominals(unit, nominals, n));
-}
-
-FMI Status NAME(fmi3GetEventIndicators)(void *unit, double indicators[], size_t n) {
-    UNUSED(indicators);
-    return n ? unsupported(unit, "This unit has no events.") : OK;
 }
 
 FMI Status NAME(fmi3GetNumberOfEventIndicators)(void *unit, size_t *n) {

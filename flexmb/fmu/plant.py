@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_number, numbers, shown
+from ..arguments import numbers, shown
 from ..control.state_space import state_matrices
 from ..display import unit_of, unit_of_force
 from ..errors import ModelError, clean
@@ -236,15 +236,12 @@ def time_varying(system: TimeVarying, substep: float | None) -> Plant:
         substep: Longest step of the integration [s]; a quarter of the shortest time between two knots unless given.
 
     Raises:
-        ValueError: Times do not ascend, or the substep is not above zero.
+        ValueError: Times do not ascend.
     """
     t = np.asarray(system.t, float)
     if len(t) < 2 or not np.all(np.diff(t) > 0):
         raise ValueError("A time-varying system needs two times at least, ascending.")
-    if substep is None:
-        substep = float(np.min(np.diff(t))) / 4
-    else:
-        check_number("substep", substep, above=0)
+    substep = float(np.min(np.diff(t))) / 4 if substep is None else substep
     matrices = {name: np.asarray(getattr(system, name), float) for name in ("A", "B", "C", "D", "u0", "y0")}
     starts = np.asarray(matrices["u0"])[0]
     inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.input_labels, starts, strict=True))

@@ -8,8 +8,9 @@ import uuid
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
+from ..arguments import Flag, Positive, checked
 from ..errors import warn
 from ..files import check_writable, write_whole
 from ..linear.linearize import Linearization
@@ -24,7 +25,6 @@ from .sources import TABLE_FILE, sources, table
 
 # Numbers in matrices up to which they are parameters: FMI 2.0 lists each on its own.
 MOST_SETTABLE = {2: 5_000, 3: 50_000}
-VERSIONS = (2, 3)
 TIME_OF_FILES = (1980, 1, 1, 0, 0, 0)
 
 
@@ -60,17 +60,18 @@ class Fmu(NamedTuple):
         )
 
 
+@checked
 def save_fmu(
     system: Any,
     path: str | os.PathLike,
     *,
-    fmi: int = 3,
+    fmi: Literal[3, 2] = 3,
     start: Mapping[str, float] | Sequence[float] | None = None,
     units: Mapping[str, str] | None = None,
     modes: int | Sequence[int] | None = None,
     bandwidth: float | None = None,
-    substep: float | None = None,
-    nonlinear: bool = False,
+    substep: Positive | None = None,
+    nonlinear: Flag = False,
     loads: Mapping[str, Callable] | None = None,
     motion: Mapping[str, Callable] | None = None,
 ) -> Fmu:
@@ -133,8 +134,6 @@ def save_fmu(
     path = Path(path)
     if path.suffix != ".fmu" or not path.stem:
         raise ValueError(f"A functional mock-up unit is a file whose name ends in .fmu, not '{path}'.")
-    if fmi not in VERSIONS or isinstance(fmi, bool):
-        raise ValueError(f"Argument `fmi` must be 3 or 2, for FMI 3.0 or 2.0, but is {fmi!r}.")
     if nonlinear:
         if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
             raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")

@@ -24,7 +24,7 @@ def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: b
         settable: Whether the matrices are parameters; otherwise they are read from a file.
     """
     kernel = ["nonlinear.c"] if plant.source else ["linear.c"]
-    files = {name: (FOLDER / name).read_bytes() for name in ("core.c", "algebra.c", *kernel, f"fmi{fmi}.c")}
+    files = {name: (FOLDER / name).read_bytes() for name in ("core.c", "algebra.c", "fmi.c", *kernel, f"fmi{fmi}.c")}
     if plant.source:
         files["plant.c"] = plant.source.encode()
     files["data.h"] = _data(plant, found, token, fmi, settable).encode()

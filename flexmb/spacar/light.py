@@ -11,13 +11,13 @@ from ..linear.damping import damped
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
 from .light_checks import check
+from .light_fields import Struct as Struct
+from .light_fields import StructArray as StructArray
+from .light_fields import value_of
 from .light_input import Script, read
-from .light_input import Struct as Struct
-from .light_input import StructArray as StructArray
 from .light_model import build
 from .light_results import LightResults as LightResults
 
-LOAD_STEPS = 10
 # Diagonals of stiffness and mass below these many units of round-off are a sign of wrong units.
 TINY_STIFFNESS, TINY_MASS = 15, 150
 
@@ -116,7 +116,7 @@ def load_steps(script: Script) -> list[tuple[float, float]]:
         name for own in script.nprops.values() for name in own if name.startswith(("force", "moment", "displ", "rot"))
     ]
     initial, increment = (any(("_initial" in name) is wanted for name in moving) for wanted in (True, False))
-    steps = script.opt.get("loadsteps", LOAD_STEPS)
+    steps = value_of(script.opt, "opt", "loadsteps")
     rising = np.linspace(0.0, 1.0, steps).tolist() if steps > 1 else [1.0]
     found = [(s, 0.0) for s in rising] if initial else []
     if increment:

@@ -15,7 +15,8 @@ from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
 from ..errors import MechanismError, ModelError
 from ..model.model import Model
 from .light_checks import acts, rotations
-from .light_input import AXES, INPUTS, OUTPUTS, Script
+from .light_fields import AXES, INPUTS, OUTPUTS, value_of
+from .light_input import Script
 
 Releases = Mapping[int, tuple[int, ...]]
 
@@ -28,7 +29,7 @@ def node_name(node: int) -> str:
 def beam_names(script: Script, element: int) -> list[str]:
     """Names in the Builder of the beams, or of the hinge, that an element of the script becomes."""
     own = script.properties(element)
-    return [f"e{element}.{i + 1}" for i in range(own.get("nbeams", 1) if script.flexible(element) else 1)]
+    return [f"e{element}.{i + 1}" for i in range(value_of(own, "eprops", "nbeams") if script.flexible(element) else 1)]
 
 
 def build(script: Script) -> tuple[Builder, Model, Releases]:
@@ -166,7 +167,7 @@ def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
     own, beams = script.properties(k), beam_names(script, k)
     p, q = script.ends(k)
     start, end = script.nodes[p - 1], script.nodes[q - 1]
-    y = own.get("orien", np.array([0.0, 1.0, 0.0])) if "flex" in own or "dens" in own else None
+    y = value_of(own, "eprops", "orien") if "flex" in own or "dens" in own else None
     section = None if bare else section_of(script, k)
     ends = [node_name(p)]
     for i in range(1, len(beams)):

@@ -17,6 +17,7 @@ from ..linear.spectrum import general_spectrum, to_frequency
 from ..linear.stress import Stress, has_stress, stress
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
+from .light_fields import value_of
 from .light_input import Script
 from .light_model import Releases, beam_names, node_name
 
@@ -241,7 +242,7 @@ class LightNode(_Numbered):
         return self._compliance(True)
 
     def _compliance(self, local: bool) -> np.ndarray | None:
-        if not self._light.script.opt.get("calccompl", True):
+        if not value_of(self._light.script.opt, "opt", "calccompl"):
             return None
         lins = self._light.linearizations if self._step is None else [self._light.linearizations[self._step]]
         found = [np.asarray(compliance(lin, self.name, local=local)) for lin in lins]

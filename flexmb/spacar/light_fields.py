@@ -1,0 +1,287 @@
+"""The fields of SPACAR Light: one table states form, bounds, choices and default of each."""
+
+import difflib
+import types
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import Range, is_concrete
+from ..build.assemble import stack
+from ..errors import clean
+from .lines import LARGEST, MOST, SMALLEST, within
+
+AXES = ("x", "y", "z")
+INPUTS = tuple(f"force_{axis}" for axis in AXES)
+OUTPUTS = tuple(f"{quantity}_{axis}" for quantity in ("displ", "veloc") for axis in AXES)
+# Each beam costs a share of the square of their number; each step keeps its matrices.
+MOST_BEAMS, MOST_STEPS = 1000, 10_000
+
+
+class Struct(types.SimpleNamespace):
+    """Named fields, set and read as attributes: ``opt = Struct(); opt.gravity = [0, 0, -9.81]``."""
+
+
+class StructArray:
+    """Structures by number from 1, each made when it is first asked for.
+
+    A script in MATLAB carries over by its lines: ``nprops(3).force = [0, 1, 0]`` or ``nprops[3].force = [0, 1, 0]``.
+    A field whose name is a word of Python takes an underscore: ``rls(1).def_ = [1, 2]``.
+    """
+
+    def __init__(self):
+        self._structs: dict[int, Struct] = {}
+
+    def __getitem__(self, number: int) -> Struct:
+        if int(number) != number or number < 1:
+            raise IndexError(f"Structures are numbered from 1, so that there is no number {number}.")
+        return self._structs.setdefault(int(number), Struct())
+
+    def __call__(self, number: int) -> Struct:
+        """The structure with a number, as MATLAB writes it.
+
+        Args:
+            number: From 1.
+        """
+        return self[number]
+
+    def __len__(self) -> int:
+        return max(self._structs, default=0)
+
+    def items(self) -> Iterator[tuple[int, Struct]]:
+        """Numbers and structures, ascending."""
+        return iter(sorted(self._structs.items()))
+
+
+# -- forms --------------------------------------------------------------------------------------------------------
+
+
+class OutOfRange(ValueError):
+    """A number is beyond what mechanics in double precision survives."""
+
+
+class Form(NamedTuple):
+    """What the value of a field is.
+
+    Attributes:
+        wanted: In words.
+        read: Return the value as it is used; raises ValueError or TypeError for another.
+    """
+
+    wanted: str
+    read: Callable[[Any], Any]
+
+
+def _flag(value: Any) -> bool:
+    if np.size(value) != 1 or np.ravel(value)[0] not in (0, 1):
+        raise ValueError
+    return bool(np.ravel(value)[0])
+
+
+def _words(value: Any) -> tuple[str, ...]:
+    words = (value,) if isinstance(value, str) else tuple(value)
+    if not all(isinstance(word, str) for word in words):
+        raise TypeError
+    return words
+
+
+def _real(value: Any) -> np.ndarray:
+    """Numbers, of which a text is none though NumPy would read it."""
+    if np.asarray(value).dtype.kind in "US":
+        raise TypeError
+    return np.ravel(np.asarray(value, float))
+
+
+def are_counts(numbers: np.ndarray) -> bool:
+    """Whether all are whole numbers that something can have, of either sign."""
+    return bool(np.all(np.abs(numbers) <= MOST) and np.all(numbers == np.round(numbers)))
+
+
+def _counts(value: Any) -> tuple[int, ...]:
+    numbers = _real(value)
+    if not are_counts(numbers) or np.any(numbers < 1):
+        raise ValueError
+    return tuple(int(n) for n in numbers)
+
+
+def _only(values: Any) -> Any:
+    if len(values) != 1:
+        raise ValueError
+    return values[0]
+
+
+def _numbers(*lengths: int) -> Form:
+    def read(value: Any) -> Any:
+        if is_concrete(value):
+            array = _real(value)
+        else:
+            array = jnp.ravel(stack(value) if isinstance(value, list | tuple) else jnp.asarray(value, float))
+        if array.shape[0] not in lengths or (is_concrete(array) and not np.all(np.isfinite(array))):
+            raise ValueError
+        if is_concrete(array) and not np.all(within(array)):
+            raise OutOfRange
+        return array
+
+    return Form(f"{' or '.join(map(str, lengths))} finite numbers", read)
+
+
+FLAG = Form("true or false", _flag)
+COUNT = Form(f"a whole number from 1 to {MOST}", lambda value: _only(_counts(value)))
+COUNTS = Form(f"whole numbers from 1 to {MOST}", _counts)
+NUMBER = Form("a finite number", lambda value: _numbers(1).read(value)[0])
+WORD = Form("a word", lambda value: _only(_words(value)))
+WORDS = Form("a word or a list of words", _words)
+ANYTHING = Form("", lambda value: value)
+
+
+# -- fields -------------------------------------------------------------------------------------------------------
+
+
+class Field(NamedTuple):
+    """One field of a structure.
+
+    Attributes:
+        form: What its value is.
+        default: What holds where it is not given.
+        bounds: Of its numbers, where they are known.
+        choices: Values, or entries of lists, that it may have, each once; any unless given.
+        wanted: What the choices are, in words.
+        idle: Whether it is for pictures and stresses of the predecessor, and has no effect.
+    """
+
+    form: Form
+    default: Any = None
+    bounds: Range | None = None
+    choices: Sequence[Any] = ()
+    wanted: str = ""
+    idle: bool = False
+
+    def fault(self, value: Any) -> str:
+        """What a value of the right form must be besides; empty where it is."""
+        own = value if isinstance(value, tuple) else (value,)
+        if self.choices and (not set(own) <= set(self.choices) or len(set(own)) < len(own)):
+            return self.wanted or " or ".join(map(repr, self.choices))
+        if self.bounds is not None and is_concrete(value) and not np.all(self.bounds.holds(value)):
+            return self.bounds.words()
+        return ""
+
+
+_HELD, _VECTOR, _IDLE, _POSITIVE = Field(FLAG), Field(_numbers(3)), Field(ANYTHING, idle=True), Range(above=0)
+_NOT_NEGATIVE = Range(least=0)
+_TURN = Field(_numbers(4))
+
+FIELDS: dict[str, dict[str, Field]] = {
+    "nprops": {
+        **dict.fromkeys(("fix", "fix_pos", "fix_orien", "fix_x", "fix_y", "fix_z", "fix_warp"), _HELD),
+        "mass": Field(NUMBER, bounds=_NOT_NEGATIVE),
+        "mominertia": Field(_numbers(6)),
+        **dict.fromkeys(("force", "force_initial", "moment", "moment_initial"), _VECTOR),
+        **{f"{load}{when}_{axis}": Field(NUMBER)
+           for load in ("displ", "rot") for when in ("", "_initial") for axis in AXES},
+        **dict.fromkeys(("rot", "rot_initial"), _TURN),
+        "transfer_in": Field(WORDS, (), choices=INPUTS, wanted=f"some of {', '.join(INPUTS)}"),
+        "transfer_out": Field(WORDS, (), choices=OUTPUTS, wanted=f"some of {', '.join(OUTPUTS)}"),
+    },
+    "eprops": {
+        "elems": Field(COUNTS, ()),
+        "emod": Field(NUMBER, bounds=_POSITIVE),
+        "smod": Field(NUMBER, bounds=_POSITIVE),
+        "dens": Field(NUMBER, bounds=_NOT_NEGATIVE),
+        "cshape": Field(WORD, choices=("rect", "circ")),
+        "type": Field(WORD, "beam", choices=("hinge", "beam"), wanted="'hinge' or left out"),
+        "dim": Field(_numbers(1, 2), bounds=_POSITIVE),
+        "orien": Field(_numbers(3), np.array([0.0, 1.0, 0.0])),
+        "nbeams": Field(COUNT, 1, Range(most=MOST_BEAMS)),
+        "flex": Field(COUNTS, (), choices=range(1, 7), wanted="some of 1 to 6, each once"),
+        **dict.fromkeys(("warping", "cw"), _HELD),
+        **dict.fromkeys(("color", "opacity", "hide"), _IDLE),
+    },
+    "opt": {
+        "gravity": _VECTOR,
+        **dict.fromkeys(("silent", "calcbuck", "showinputonly"), Field(FLAG, False)),
+        "calccompl": Field(FLAG, True),
+        "loadsteps": Field(COUNT, 10, Range(most=MOST_STEPS)),
+        "mode": Field(COUNT, 10, choices=(10,), wanted="10 (equilibrium at load steps) or left out"),
+        **dict.fromkeys(("rls", "transfer", "filename", "customdyn", "customkin"), Field(ANYTHING)),
+        **dict.fromkeys(("customvis", "spavisual", "rigidstress", "stressperelement"), _IDLE),
+    },
+}  # fmt: skip
+
+
+def value_of(given: Mapping[str, Any], part: str, name: str) -> Any:
+    """Value of a field, or its default."""
+    return given.get(name, FIELDS[part][name].default)
+
+
+def faults_of(given: Mapping[str, Any], part: str, label: str) -> Iterator[str]:
+    """Fields out of their bounds or none of their choices; ``label`` has "{}" for their names."""
+    for name, value in given.items():
+        if wanted := FIELDS[part][name].fault(value):
+            shown = np.asarray(value).tolist() if isinstance(value, tuple | np.ndarray) else clean(repr(value))
+            yield f"{label.format(name)} must be {wanted}, but is {shown}."
+
+
+# -- reading ------------------------------------------------------------------------------------------------------
+
+
+def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
+    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1.
+
+    Args:
+        what: Name of them all, for the faults.
+        faults: What is wrong is added here.
+    """
+    if isinstance(given, StructArray | Mapping):
+        pairs = list(given.items())
+    elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
+        pairs = list(enumerate(given or (), 1))
+    else:
+        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {clean(repr(given))}.")
+        return []
+    for number, _ in pairs:
+        if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= MOST:
+            faults.append(f"{what}: structures are numbered from 1, but one is {clean(repr(number))}.")
+            return []
+    return [(int(number), struct) for number, struct in pairs]
+
+
+def read_fields(struct: Any, part: str, where: str, faults: list[str], idle: list[str]) -> dict[str, Any]:
+    """Fields that are given, in their forms.
+
+    Args:
+        part: "nprops", "eprops" or "opt".
+        where: Name of the structure, for the faults.
+        faults: What is wrong is added here.
+        idle: Names of fields without effect are added here.
+    """
+    known, fields = FIELDS[part], {}
+    if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
+        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {clean(repr(struct))}.")
+        return {}
+    for key, value in (struct if isinstance(struct, Mapping) else vars(struct)).items():
+        name = str(key).rstrip("_")
+        field = known.get(name)
+        if field is None:
+            near = difflib.get_close_matches(name[:40], known, 1)
+            hint = f" Did you mean {near[0]}?" if near else f" It takes: {', '.join(known)}."
+            faults.append(f"{where}.{clean(name)}: there is no such field.{hint}")
+        elif value is None or (field.form is not ANYTHING and _is_empty(value)):
+            continue
+        elif field.idle:
+            idle.append(f"{where}.{name}")
+        else:
+            try:
+                fields[name] = field.form.read(value)
+            except (ValueError, TypeError, OverflowError) as fault:
+                size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
+                wanted = size if isinstance(fault, OutOfRange) else field.form.wanted
+                faults.append(f"{where}.{name}: must be {wanted}, but is {clean(repr(value))}.")
+    # "fix = false" says nothing.
+    return {name: value for name, value in fields.items() if value is not False or part == "opt"}
+
+
+def _is_empty(value: Any) -> bool:
+    """Whether a value is MATLAB's ``[]``, which says nothing."""
+    return 0 in value.shape if hasattr(value, "shape") else isinstance(value, Sequence) and len(value) == 0
