@@ -1,6 +1,8 @@
 """The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
 
 import contextlib
+import functools
+import inspect
 import io
 import os
 import re
@@ -87,6 +89,8 @@ Plot = Annotated[
     Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to turn and play.")
 ]
 PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png, .svg or .pdf.")]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
+StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf.")]
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
 ]
@@ -183,37 +187,68 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
 
 
-def _check_call(
-    release: str,
-    json_path: str | None,
-    save: Path | None,
-    log: Path | None,
-    plot: Path | None,
-    source: Path | None = None,
+def _check_files(
+    source: Path | None = None, about: str = "flexmb", plots: Iterable[str] = PICTURES, **files: Any
 ) -> None:
-    """Refuse wrong options, and files that cannot be written, before anything is computed."""
+    """Refuse wrong endings, and files that cannot be written, before anything is computed.
+
+    Args:
+        source: The input file, which nothing may write over.
+        about: What stands before a wrong ending.
+        plots: Endings of pictures.
+        files: Paths by the options that give them.
+    """
     from .files import check_writable
 
-    if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
-    if save is not None and save.suffix not in (".npz", ".mat"):
-        _refuse(f"flexmb: --save writes .npz or .mat, not '{clean(save)}'.")
-    if plot is not None and plot.suffix not in (*PICTURES, ".html"):
-        _refuse(f"flexmb: --plot writes .png, .svg, .pdf or .html, not '{clean(plot)}'.")
-    if log is not None and str(log) == "-":
+    endings = {"save": (".npz", ".mat"), "plot": (*plots,), "to": (".fmu",)}
+    for name, path in files.items():
+        *most, last = endings.get(name, ("",))
+        if path is not None and name in endings and path.suffix not in (*most, last):
+            wanted = f"{', '.join(most)} or {last}" if most else last
+            _refuse(f"{about}: --{name} writes {wanted}, not '{clean(path)}'.")
+    if (log := files.get("log")) is not None and str(log) == "-":
         _refuse("flexmb: --log writes a file, not '-': of the answers --json - alone goes to standard output.")
-    given = {"--json": json_path if json_path != "-" else None, "--save": save, "--log": log, "--plot": plot}
     taken = {} if source is None else {os.path.realpath(source): "the input file"}
-    for option, path in given.items():
-        if path is None:
+    for name, path in files.items():
+        if path is None or (name == "json" and path == "-"):
             continue
         if not Path(path).absolute().parent.is_dir():
             _refuse(f"flexmb: the folder of '{clean(path)}' does not exist.")
-        first = taken.setdefault(os.path.realpath(path), option)
-        if first is not option and (Path(path).is_file() or not Path(path).exists()):
-            _refuse(f"flexmb: {option} would write over {first}: '{clean(path)}'.")
+        first = taken.setdefault(os.path.realpath(path), f"--{name}")
+        if first != f"--{name}" and (Path(path).is_file() or not Path(path).exists()):
+            _refuse(f"flexmb: --{name} would write over {first}: '{clean(path)}'.")
         with _writing(path):
             check_writable(path)
+
+
+def _check_release(release: str) -> None:
+    if release not in ("none", "auto"):
+        _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
+
+
+@contextlib.contextmanager
+def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[None]:
+    """Refuse what a file says wrongly.
+
+    Args:
+        name: What stands before each line of a fault of the model, which passes without.
+        path: File that is read and may be missing; other faults of files pass without.
+        how: What is done to it.
+    """
+    try:
+        yield
+    except SpacarError as fault:
+        _refuse(str(fault))
+    except StudyError as fault:
+        _refuse(f"flexmb: {fault}")
+    except ModelError as fault:
+        if not name:
+            raise
+        _refuse("\n".join(f"{name}: {line}" for line in str(fault).splitlines()))
+    except OSError as fault:
+        if path is None:
+            raise
+        _refuse(f"flexmb: cannot {how} '{clean(fault.filename or path)}': {fault.strerror or fault}.")
 
 
 def _number(about: str, word: str) -> float:
@@ -246,12 +281,8 @@ def _read(model: Path, given: list[str] | None) -> tuple[Any, dict[str, float]]:
     numbers = _numbers("--set", "t=0.5e-3", given)
     if "pi" in numbers:
         _refuse("flexmb: --set pi: {pi} is 3.14159.. in every file; give the parameter another name.")
-    try:
+    with _refusing(path=model):
         read = read_spacar(model, numbers=numbers)
-    except SpacarError as fault:
-        _refuse(str(fault))
-    except OSError as fault:
-        _refuse(f"flexmb: cannot read '{clean(model)}': {fault.strerror or fault}.")
     for name in numbers:
         if name not in read.parameters:
             known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
@@ -295,14 +326,14 @@ def _tell_answer(
 def _run(
     model: Path,
     number: int,
-    json_path: str | None,
-    save: Path | None,
-    log: Path | None,
-    release: str,
-    max_steps: int | None = None,
+    json_path: str | None = None,
+    save: Path | None = None,
+    log: Path | None = None,
     plot: Path | None = None,
     given: list[str] | None = None,
+    **options: Any,
 ) -> None:
+    """Answer a mode; ``options`` are those of its answer."""
     from .answers.answers import answer
     from .answers.files import save as save_answer
     from .answers.files import to_json
@@ -310,25 +341,14 @@ def _run(
     from .answers.tables import table
     from .files import write_whole
 
-    _check_call(release, json_path, save, log, plot, model)
+    _check_files(model, plots=(*PICTURES, ".html"), json=json_path, save=save, log=log, plot=plot)
     _prepare_jax()
     read, _ = _read(model, given)
-    try:
-        found = answer(
-            read.builder,
-            # As letters that any reader of JSON takes, also of a name that is none in UTF-8.
-            os.fsencode(model.name).decode(errors="backslashreplace"),
-            number,
-            list(read.warnings),
-            release,
-            max_steps=max_steps,
-            settings=read.settings,
-        )
-    except SpacarError as fault:
-        _refuse(str(fault))
-    except ModelError as fault:
-        # Not even a description of a mechanism.
-        _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
+    # As letters that any reader of JSON takes, also of a name that is none in UTF-8.
+    name = os.fsencode(model.name).decode(errors="backslashreplace")
+    # A fault of the model that is raised: not even a description of a mechanism.
+    with _refusing(read.name):
+        found = answer(read.builder, name, number, list(read.warnings), settings=read.settings, **options)
     _store(json_path, lambda path: write_whole(path, to_json(found.data).encode()))
     _store(save, lambda path: save_answer(found.data, path))
     _store(log, lambda path: write_whole(path, log_text(found, read.text).encode(errors="backslashreplace")))
@@ -386,7 +406,22 @@ def program(
     """Flexible multibody mechanisms: motion, frequencies, buckling, state space of a SPACAR input file; designs."""
 
 
-@app.command(cls=Once)
+def command(function: Callable[..., None]) -> Callable[..., None]:
+    """Enter a command, which takes no option twice and shows a traceback of what nobody foresaw with --debug alone."""
+
+    @functools.wraps(function)
+    def call(debug: bool = False, **options: Any) -> None:
+        with _foreseen(debug):
+            function(**options)
+
+    signature = inspect.signature(function)
+    debug = inspect.Parameter("debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug)
+    vars(call)["__signature__"] = signature.replace(parameters=[*signature.parameters.values(), debug])
+    call.__annotations__ = {**function.__annotations__, "debug": Debug}
+    return app.command(cls=Once)(call)
+
+
+@command
 def run(
     model: ModelFile,
     mode: Annotated[str | None, typer.Option("--mode", help="Number, such as 7; another word lists all.")] = None,
@@ -398,17 +433,17 @@ def run(
     release: Release = "none",
     max_steps: MaxSteps = None,
     plot: Plot = None,
-    debug: Debug = False,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path.
 
     Along a trajectory: 2 inverse, 3 trajectory-linearisation, 5 perturbation, 6 superposition.
     """
-    with _foreseen(debug):
-        _run(model, _mode_number(mode, analysis), json_path, save, log, release, max_steps, plot, numbers)
+    number = _mode_number(mode, analysis)
+    _check_release(release)
+    _run(model, number, json_path, save, log, plot, numbers, release=release, max_steps=max_steps)
 
 
-@app.command(cls=Once)
+@command
 def check(
     model: ModelFile,
     numbers: Numbers = None,
@@ -416,14 +451,12 @@ def check(
     save: Save = None,
     log: Log = None,
     plot: Plot = None,
-    debug: Debug = False,
 ) -> None:
     """Show degrees of freedom, over- and under-constraints; the same as mode 0."""
-    with _foreseen(debug):
-        _run(model, 0, json_path, save, log, "none", plot=plot, given=numbers)
+    _run(model, 0, json_path, save, log, plot, numbers)
 
 
-@app.command(cls=Once)
+@command
 def verdict(
     model: ModelFile,
     stroke: Annotated[
@@ -435,33 +468,18 @@ def verdict(
     numbers: Numbers = None,
     json_path: Json = None,
     plot: PagePlot = None,
-    debug: Debug = False,
 ) -> None:
     """Tell on one page what a stroke takes and what limits it; with --set also which of these numbers moves that."""
-    with _foreseen(debug):
-        _verdict(model, stroke, limit, numbers, json_path, plot)
-
-
-def _verdict(
-    model: Path,
-    stroke: str,
-    limit: list[str] | None,
-    given: list[str] | None,
-    json_path: str | None,
-    plot: Path | None,
-) -> None:
     from . import __version__, read_spacar
     from . import verdict as judge
     from .design.stroke import StrokeError
 
-    if plot is not None and plot.suffix not in PICTURES:
-        _refuse(f"flexmb verdict: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
     of, equals, word = stroke.rpartition("=")
     length = _number("--stroke takes [NAME=]NUMBER, such as 3.x=5e-3", word)
     limits = _numbers("--limit", "force=2", limit)
-    _check_call("none", json_path, None, None, plot, model)
+    _check_files(model, "flexmb verdict", json=json_path, plot=plot)
     _prepare_jax()
-    (read, dimensions), found = _read(model, given), None
+    (read, dimensions), found = _read(model, numbers), None
     data: dict[str, Any] = {"model": clean(model.name), "flexmb": __version__, "status": "ok", "message": ""}
 
     def build(**numbers: Any) -> Any:
@@ -483,7 +501,7 @@ def _verdict(
     _tell_answer(data, read.name, None if found is None else str(found), json_path, plot, found, "verdict")
 
 
-@app.command(cls=Once)
+@command
 def fmu(
     model: ModelFile,
     to: Annotated[Path, typer.Option("--to", help="Write the unit here, as .fmu.")],
@@ -493,49 +511,33 @@ def fmu(
     fmi: Annotated[str, typer.Option("--fmi", help="Version of the standard, 3 or 2.")] = "3",
     numbers: Numbers = None,
     release: Release = "none",
-    debug: Debug = False,
 ) -> None:
     """Save the mechanism as a functional mock-up unit, for Simulink, Dymola, OpenModelica and others."""
-    with _foreseen(debug):
-        _fmu(model, to, mode, fmi, numbers, release)
-
-
-def _fmu(model: Path, to: Path, mode: str, fmi: str, given: list[str] | None, release: str) -> None:
-    from .files import check_writable
-
-    if to.suffix != ".fmu":
-        _refuse(f"flexmb fmu: --to writes .fmu, not '{clean(to)}'.")
+    _check_files(about="flexmb fmu", to=to)
     if fmi not in ("2", "3"):
         _refuse(f"flexmb fmu: --fmi takes 3 or 2, not '{clean(fmi)}'.")
-    _check_call(release, None, None, None, None)
-    if not to.absolute().parent.is_dir():
-        _refuse(f"flexmb: the folder of '{clean(to)}' does not exist.")
-    with _writing(to):
-        check_writable(to)
-    number = _number_of_unit(mode)
+    _check_release(release)
+    if mode not in OF_UNITS:
+        known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items())
+        _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
     _prepare_jax()
     from .answers.answers import said_of
 
-    read, _ = _read(model, given)
+    read, _ = _read(model, numbers)
     said, unit, status, message = [], None, "ok", ""
-    try:
-        with heard() as said:
-            unit = _unit(read, number, release)(to, int(fmi))
-        WRITTEN.append(to)
-    except (AnalysisError, MechanismError) as fault:
-        status, message = fault.code, str(fault)
-    except SpacarError as fault:
-        _refuse(str(fault))
-    except ModelError as fault:
-        _refuse("\n".join(f"{read.name}: {line}" for line in str(fault).splitlines()))
-    except OSError as fault:
-        _refuse(f"flexmb: cannot write '{clean(to)}': {fault.strerror or fault}.")
-    warnings = [*said_of(number, read.warnings), *dict.fromkeys(said)]
+    with _refusing(read.name), _writing(to):
+        try:
+            with heard() as said:
+                unit = _unit(read, int(mode), release)(to, int(fmi))
+            WRITTEN.append(to)
+        except (AnalysisError, MechanismError) as fault:
+            status, message = fault.code, str(fault)
+    warnings = [*said_of(int(mode), read.warnings), *dict.fromkeys(said)]
     data = {"status": status, "message": message, "warnings": warnings}
     _tell_answer(data, read.name, None if unit is None else repr(unit))
 
 
-def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
+def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
     """What saves the unit of a mode: its analysis done, as the mode of that number does it."""
     import dataclasses
 
@@ -577,20 +579,11 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, int], Any]:
     return lambda to, fmi: save_fmu(system, to, fmi=fmi, units=units)
 
 
-def _number_of_unit(mode: str) -> int:
-    """Number of a mode that a unit can be made of."""
-    if mode not in OF_UNITS:
-        known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items())
-        _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
-    return int(mode)
-
-
-@app.command(cls=Once)
+@command
 def demo(
     name: Annotated[str | None, typer.Argument(help="A shipped mechanism.")] = None,
     listing: Annotated[bool, typer.Option("--list", help="List the shipped mechanisms.")] = False,
     to: Annotated[Path | None, typer.Option("--to", help="Copy the mechanism to this folder instead.")] = None,
-    debug: Debug = False,
 ) -> None:
     """Run the main job on a mechanism that ships with the package, or copy it out."""
     from .mechanisms import mechanism_path, mechanisms
@@ -609,8 +602,7 @@ def demo(
         return
     picture = _demo_picture(name)
     for number in (0, 7, 9):
-        with _foreseen(debug):
-            _run(path, number, None, None, None, "none", plot=picture if number == 7 else None)
+        _run(path, number, plot=picture if number == 7 else None)
         _tell("")
     _tell(f"picture: {picture}")
 
@@ -643,42 +635,30 @@ def _demo_picture(name: str) -> Path:
     return path
 
 
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
-StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf.")]
-
-
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
     """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
     from . import __version__
     from .design.study_file import read_study
 
-    if plot is not None and plot.suffix not in PICTURES:
-        _refuse(f"flexmb {command}: --plot writes .png, .svg or .pdf, not '{clean(plot)}'.")
-    _check_call("none", json_path, save, None, plot, path)
+    _check_files(path, f"flexmb {command}", json=json_path, save=save, plot=plot)
     _prepare_jax()
     name, said, read, text, found = clean(path.name), [], None, None, None
-
-    try:
-        with heard() as said:
-            read = read_study(path)
-            data, text, saved, found = work(read)
-    except StudyError as fault:
-        _refuse(f"flexmb: {fault}")
-    except SpacarError as fault:
-        _refuse(str(fault))
-    except OSError as fault:
-        _refuse(f"flexmb: cannot read or write '{clean(fault.filename or path)}': {fault.strerror or fault}.")
-    except (AnalysisError, ModelError) as fault:
-        # What was asked of it has no answer: the JSON says so too.
-        why = (str(fault).splitlines() or [""])[0]
-        data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
-    else:
-        _store(save, saved)
+    with _refusing(path=path, how="read or write"):
+        try:
+            with heard() as said:
+                read = read_study(path)
+                data, text, saved, found = work(read)
+        except (AnalysisError, ModelError) as fault:
+            # What was asked of it has no answer: the JSON says so too.
+            why = (str(fault).splitlines() or [""])[0]
+            data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
+        else:
+            _store(save, saved)
     data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(said)]
     _tell_answer(data, name, text, json_path, plot, found)
 
 
-@app.command(cls=Once)
+@command
 def sweep(
     study: StudyFile,
     json_path: Json = None,
@@ -687,7 +667,6 @@ def sweep(
         Path | None, typer.Option("--checkpoint", help="Keep what is done here, and go on from it.")
     ] = None,
     plot: StudyPlot = None,
-    debug: Debug = False,
 ) -> None:
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
     others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
@@ -709,14 +688,11 @@ def sweep(
             raise KeyboardInterrupt(kept) from None
         return sweep_answer(read, found, __version__), sweep_table(found), found.save, found
 
-    with _foreseen(debug):
-        _study("sweep", study, json_path, save, plot, work)
+    _study("sweep", study, json_path, save, plot, work)
 
 
-@app.command(cls=Once)
-def tune(
-    study: StudyFile, json_path: Json = None, save: Save = None, plot: StudyPlot = None, debug: Debug = False
-) -> None:
+@command
+def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: StudyPlot = None) -> None:
     """Find parameters within bounds that meet targets and keep limits."""
 
     def work(read: Any):
@@ -738,28 +714,25 @@ def tune(
 
         return data, str(found), saved, found
 
-    with _foreseen(debug):
-        _study("tune", study, json_path, save, plot, work)
+    _study("tune", study, json_path, save, plot, work)
 
 
 def _named(before: str, names: Iterable[str]) -> list[str]:
     return [before + name for name in names]
 
 
-@app.command(cls=Once)
+@command
 def edit(
     model: Annotated[
         Path | None, typer.Argument(metavar="[MODEL.dat]", help="SPACAR input file; none for a new one.")
     ] = None,
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Where to listen; 0 for any port.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
-    debug: Debug = False,
 ) -> None:
     """Open the workbench in the browser: draw a mechanism, change it, and see what it does. Ctrl-C ends it."""
-    with _foreseen(debug):
-        from .workbench.command import serve
+    from .workbench.command import serve
 
-        serve(model, port, browser, tell=_tell, refuse=_refuse)
+    serve(model, port, browser, tell=_tell, refuse=_refuse)
 
 
 def main() -> None:

@@ -203,8 +203,8 @@ FAULTS = [
     ),
     Fault(
         "cli.py",
-        '    with _foreseen(debug):\n        _study("sweep"',
-        '    if True:\n        _study("sweep"',
+        "        with _foreseen(debug):\n            function",
+        "        if True:\n            function",
         "test_cli.py -k every_command",
     ),
     Fault("cli.py", "{of.strip(): length} if equals", "{of.strip(): -length} if equals", "test_cli.py -k verdict"),

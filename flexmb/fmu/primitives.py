@@ -86,35 +86,39 @@ def _by_kind(names: str, decimal: str, whole: str | None = None, truth: str | No
         RULES[name] = translate
 
 
-_by_kind("add add_any", "({} + {})", "(uint64_t){} + (uint64_t){}", "({} | {})")
-_by_kind("sub", "({} - {})", "(uint64_t){} - (uint64_t){}")
-_by_kind("mul", "({} * {})", "(uint64_t){} * (uint64_t){}", "({} & {})")
-_by_kind("div", "({} / {})", "fx_idiv({}, {})")
-_by_kind("rem", "fmod({}, {})", "fx_irem({}, {})")
-_by_kind("max", "fx_max({}, {})", "fx_imax({}, {})", "({} | {})")
-_by_kind("min", "fx_min({}, {})", "fx_imin({}, {})", "({} & {})")
-_by_kind("neg", "(-{})", "-(uint64_t){}")
-_by_kind("abs", "fabs({})", "fx_iabs({})")
-_by_kind("sign", "fx_sign({})", "fx_isign({})")
-_by_kind("square", "fx_square({})", "(uint64_t){0} * (uint64_t){0}")
-_by_kind("is_finite", "(isfinite({}) != 0)")
-for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}.items():
-    _by_kind(_name, f"({{}} {_sign} {{}})", f"({{}} {_sign} {{}})")
-_by_kind("lt_to", "fx_before({}, {})", "({} < {})")
-_by_kind("le_to", "(!fx_before({1}, {0}))", "({} <= {})")
-_by_kind("and", "", "{} & {}", "({} & {})")
-_by_kind("or", "", "{} | {}", "({} | {})")
-_by_kind("xor", "", "{} ^ {}", "({} ^ {})")
-_by_kind("not", "", "~{}", "(!{})")
-_by_kind("round", "round({})")
-for _name in "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log1p sqrt cbrt".split():
-    _by_kind(_name, f"{_name}({{}})")
-for _name in "floor ceil erf erfc".split():
-    _by_kind(_name, f"{_name}({{}})")
-_by_kind("atan2", "atan2({}, {})")
-_by_kind("nextafter", "nextafter({}, {})")
-_by_kind("rsqrt", "(1.0 / sqrt({}))")
-_by_kind("logistic", "(1.0 / (1.0 + exp(-{})))")
+COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}
+OF_MATH = (
+    "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log1p sqrt cbrt floor ceil erf erfc"
+)
+# Names of primitives, and their expressions for numbers, whole numbers and truth values.
+ELEMENTWISE = (
+    ("add add_any", "({} + {})", "(uint64_t){} + (uint64_t){}", "({} | {})"),
+    ("sub", "({} - {})", "(uint64_t){} - (uint64_t){}"),
+    ("mul", "({} * {})", "(uint64_t){} * (uint64_t){}", "({} & {})"),
+    ("div", "({} / {})", "fx_idiv({}, {})"),
+    ("rem", "fmod({}, {})", "fx_irem({}, {})"),
+    ("max", "fx_max({}, {})", "fx_imax({}, {})", "({} | {})"),
+    ("min", "fx_min({}, {})", "fx_imin({}, {})", "({} & {})"),
+    ("neg", "(-{})", "-(uint64_t){}"),
+    ("abs", "fabs({})", "fx_iabs({})"),
+    ("sign", "fx_sign({})", "fx_isign({})"),
+    ("square", "fx_square({})", "(uint64_t){0} * (uint64_t){0}"),
+    ("is_finite", "(isfinite({}) != 0)"),
+    ("lt_to", "fx_before({}, {})", "({} < {})"),
+    ("le_to", "(!fx_before({1}, {0}))", "({} <= {})"),
+    ("and", "", "{} & {}", "({} & {})"),
+    ("or", "", "{} | {}", "({} | {})"),
+    ("xor", "", "{} ^ {}", "({} ^ {})"),
+    ("not", "", "~{}", "(!{})"),
+    ("atan2", "atan2({}, {})"),
+    ("nextafter", "nextafter({}, {})"),
+    ("rsqrt", "(1.0 / sqrt({}))"),
+    ("logistic", "(1.0 / (1.0 + exp(-{})))"),
+    *((name, f"({{}} {sign} {{}})", f"({{}} {sign} {{}})") for name, sign in COMPARISONS.items()),
+    *((name, f"{name}({{}})") for name in OF_MATH.split()),
+)
+for _row in ELEMENTWISE:
+    _by_kind(*_row)
 
 
 @rule("pow")
@@ -273,6 +277,12 @@ def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]
     return Lazy(at, x.cost, shape, x.dtype)
 
 
+def window(x: Value, axis: int, at: int | Place, shape: tuple[int, ...]) -> Value:
+    """A part of an array that begins at a place along one axis and is whole along the others."""
+    place = at if isinstance(at, Place) else Place(at)
+    return part(x, [place if i == axis else Place() for i in range(len(shape))], [1] * len(shape), shape)
+
+
 @rule("slice")
 def _slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     starts = [Place(one) for one in equation.params["start_indices"]]
@@ -291,8 +301,7 @@ def _rev(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     axis, at, found = equation.params["axis"], 0, []
     for out in equation.outputs:
-        starts = [Place(at if i == axis else 0) for i in range(len(out.shape))]
-        found.append(part(values[0], starts, [1] * len(out.shape), out.shape))
+        found.append(window(values[0], axis, at, out.shape))
         at += out.shape[axis]
     return found
 
@@ -301,19 +310,14 @@ def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 def _unstack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), axis = values, equation.params["axis"]
     whole = tuple(1 if i == axis else n for i, n in enumerate(x.shape))
-    found = []
-    for i, out in enumerate(equation.outputs):
-        starts = [Place(i if k == axis else 0) for k in range(len(whole))]
-        found.append(in_shape(w, part(x, starts, [1] * len(whole), whole), out.shape))
-    return found
+    return [in_shape(w, window(x, axis, i, whole), out.shape) for i, out in enumerate(equation.outputs)]
 
 
 def _joined(w: Writer, equation: Equation, pieces: list[Value], axis: int) -> list[Value]:
     (out,), at = equation.outputs, 0
     whole = w.new(out.shape, out.dtype)
     for piece in pieces:
-        starts = [Place(at if i == axis else 0) for i in range(len(out.shape))]
-        to = part(whole, starts, [1] * len(out.shape), piece.shape)
+        to = window(whole, axis, at, piece.shape)
         assert isinstance(to, ArrayView)
         w.store(piece, to)
         at += piece.shape[axis]
@@ -426,11 +430,10 @@ def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
     return found
 
 
-for _kind in ("sum", "prod", "max", "min", "and", "or", "xor"):
-
-    @rule(f"reduce_{_kind}")
-    def _reduce(w: Writer, equation: Equation, values: list[Value], kind: str = _kind) -> list[Value]:
-        return [reduced(w, values[0], tuple(map(int, equation.params["axes"])), kind)]
+@rule(*(f"reduce_{kind}" for kind in ("sum", "prod", "max", "min", "and", "or", "xor")))
+def _reduce(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    axes = tuple(map(int, equation.params["axes"]))
+    return [reduced(w, values[0], axes, equation.name.removeprefix("reduce_"))]
 
 
 @rule("dot_general")
@@ -575,34 +578,30 @@ def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 # Matrices
 
 
-def _batched(w: Writer, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
-    loops, index = counters("i", shape)
-    return loops, [*index, Place(), Place()]
-
-
-def _pointer(view: ArrayView, index: list[Place]) -> str:
-    return f"{view.pool} + {view.place(index[: len(view.shape)])}"
+def _each(w: Writer, batch: tuple[int, ...], name: str, *arguments: Any) -> None:
+    """Call a helper for each entry of a batch; of arrays it is handed where the entry begins."""
+    loops, index = counters("i", batch)
+    index = [*index, Place(), Place()]
+    if not any(isinstance(one, ArrayView) and 0 in one.shape for one in arguments):
+        words = (
+            f"{one.pool} + {one.place(index[: len(one.shape)])}" if isinstance(one, ArrayView) else str(int(one))
+            for one in arguments
+        )
+        w.add(f"{loops}{w.helper(name)}({', '.join(words)});")
 
 
 @rule("lu")
 def _lu(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     lu = w.copied(values[0])
     pivots, order = (w.new(one.shape, one.dtype) for one in equation.outputs[1:])
-    *batch, m, n = lu.shape
-    if 0 not in lu.shape:
-        loops, index = _batched(w, tuple(batch))
-        arguments = ", ".join(_pointer(one, index) for one in (lu, pivots, order))
-        w.add(f"{loops}{w.helper('fx_lu')}({arguments}, {m}, {n});")
+    _each(w, lu.shape[:-2], "fx_lu", lu, pivots, order, *lu.shape[-2:])
     return [lu, pivots, order]
 
 
 @rule("lu_pivots_to_permutation")
 def _permutation(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     pivots, order = w.copied(values[0]), w.new(equation.outputs[0].shape, equation.outputs[0].dtype)
-    loops, index = counters("i", pivots.shape[:-1])
-    index = [*index, Place()]
-    arguments = f"{_pointer(pivots, index)}, {_pointer(order, index)}, {pivots.shape[-1]}, {order.shape[-1]}"
-    w.add(f"{loops}{w.helper('fx_permutation')}({arguments});")
+    _each(w, pivots.shape[:-1], "fx_permutation", pivots, order, pivots.shape[-1], order.shape[-1])
     return [order]
 
 
@@ -611,8 +610,6 @@ def _triangular(w: Writer, equation: Equation, values: list[Value]) -> list[Valu
     a, x = w.stored(values[0]), w.copied(values[1])
     params = equation.params
     lower, turned = params["lower"], params["transpose_a"]
-    if 0 in x.shape:
-        return [x]
     row, column = a.strides[-2:]
     down, across = x.strides[-2:]
     count = x.shape[-1]
@@ -621,19 +618,15 @@ def _triangular(w: Writer, equation: Equation, values: list[Value]) -> list[Valu
         turned, down, across, count = not turned, across, down, x.shape[-2]
     if turned:
         row, column, lower = column, row, not lower
-    loops, index = _batched(w, x.shape[:-2])
-    sizes = f"{a.shape[-1]}, {count}, {int(lower)}, {int(params['unit_diagonal'])}"
-    call = f"{_pointer(a, index)}, {row}, {column}, {_pointer(x, index)}, {down}, {across}, {sizes}"
-    w.add(f"{loops}{w.helper('fx_triangle')}({call});")
+    sizes = a.shape[-1], count, lower, params["unit_diagonal"]
+    _each(w, x.shape[:-2], "fx_triangle", a, row, column, x, down, across, *sizes)
     return [x]
 
 
 @rule("cholesky")
 def _cholesky(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     factor = w.copied(values[0])
-    if 0 not in factor.shape:
-        loops, index = _batched(w, factor.shape[:-2])
-        w.add(f"{loops}{w.helper('fx_cholesky')}({_pointer(factor, index)}, {factor.shape[-1]});")
+    _each(w, factor.shape[:-2], "fx_cholesky", factor, factor.shape[-1])
     return [factor]
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.clamps import with_clamps
+from ..build.description import Member
 from ..compilation.compile import unguarded
 from ..display import Result, Summary, listed
 from ..elements import spatial
@@ -24,7 +25,7 @@ from . import actions as act
 from . import outlines, trajectories
 from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
-from .kinds import KINDS
+from .kinds import KINDS, ElementKind
 from .lines import (
     BLOCKS,
     DRAWING,
@@ -178,9 +179,10 @@ def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults
         trajectories.check(r, faults.blame)
     if not faults:
         _check_clamps(r, faults)
-    _warn_of_screws(r)
-    _warn_of_rigid_leaves(r)
-    _warn_of_stiffness(r)
+    for number, declared in r.elements.items():
+        if (member := r.builder.members.get(str(number))) is not None:
+            texts = _without_effect(number, declared.kind, member, r.lines.get(number, {}))
+            r.warnings += [(declared.statement, text) for text in texts]
     _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
@@ -383,28 +385,24 @@ def _check_clamps(r: Reading, faults: _Faults) -> None:
         faults.blame(declared.statement, re.sub(r"^Element '\d+': ", "", str(fault)), declared.kind.form)
 
 
-def _warn_of_screws(r: Reading) -> None:
-    """A screw that cannot turn is a weld, which nobody writes as a screw."""
-    for number, declared in r.elements.items():
-        member = r.builder.members.get(str(number))
-        if declared.kind.element is spatial.screw and member is not None and member.roles[1] is Role.FIXED:
-            text = f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
-            r.warnings.append((declared.statement, text))
-
-
-def _warn_of_rigid_leaves(r: Reading) -> None:
-    """A leaf spring of which nothing is released is a rigid bar, for which there are other keywords."""
-    for number, declared in r.elements.items():
-        member = r.builder.members.get(str(number))
-        if declared.kind.sized and member is not None:
-            own = [member.roles[n - 1] for field in member.element.fields for n in field]
-            if all(role is Role.FIXED for role in own):
-                count = series.closure(member.element)
-                numbers = " ".join(map(str, range(1, count + 1)))
-                text = (
-                    f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
-                )
-                r.warnings.append((declared.statement, text))
+def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[str, Any]) -> Iterator[str]:
+    """Warnings of an element that cannot move although its lines look as if it should, or that is limp."""
+    rigid = all(role is Role.FIXED for role in member.roles)
+    given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in lines]
+    if kind.element is spatial.screw and member.roles[1] is Role.FIXED:
+        yield f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
+    if kind.sized and all(member.roles[n - 1] is Role.FIXED for field in member.element.fields for n in field):
+        numbers = " ".join(map(str, range(1, series.closure(member.element) + 1)))
+        yield f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
+    free = any(role in (Role.DEPENDENT, Role.DOF) for role in member.roles)
+    if free and "EM" in lines and kind.stiffness and "ESTIFF" not in given:
+        yield f"element {number} has mass and gives way, but has no ESTIFF: it has no stiffness"
+    if given and rigid:
+        numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
+        yield (
+            f"{' and '.join(given)} of element {number} change{'s' * (len(given) == 1)} nothing: the element is rigid;"
+            f" RLSE {number} {numbers} lets it deform"
+        )
 
 
 def _warn_of_expansion(r: Reading) -> None:
@@ -433,21 +431,3 @@ def _connect_signals(r: Reading, faults: _Faults) -> None:
                 break
             if add is not None:
                 add()
-
-
-def _warn_of_stiffness(r: Reading) -> None:
-    """ESTIFF and EDAMP of an element of which nothing is released change no answer; a beam with mass alone is limp."""
-    for number, declared in r.elements.items():
-        member = r.builder.members.get(str(number))
-        given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in r.lines.get(number, {})]
-        free = member is not None and any(role in (Role.DEPENDENT, Role.DOF) for role in member.roles)
-        if free and "EM" in r.lines.get(number, {}) and declared.kind.stiffness and "ESTIFF" not in given:
-            text = f"element {number} has mass and gives way, but has no ESTIFF: it has no stiffness"
-            r.warnings.append((declared.statement, text))
-        if given and member is not None and all(role is Role.FIXED for role in member.roles):
-            numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
-            text = (
-                f"{' and '.join(given)} of element {number} change{'s' * (len(given) == 1)} nothing: the element is"
-                f" rigid; RLSE {number} {numbers} lets it deform"
-            )
-            r.warnings.append((declared.statement, text))

@@ -95,6 +95,10 @@ def told_in_no_element(node: str) -> str:
     return f"Node '{node}' is in no element, so a SPACAR input file cannot have it."
 
 
+def _inexpressible(what: str, instead: str = "") -> ModelError:
+    return ModelError(f"{what}, which a SPACAR input file cannot express{instead}.")
+
+
 class _Nodes(dict[str, int]):
     """Number of each node that the format has a number for."""
 
@@ -163,22 +167,17 @@ class _Writer:
 
     def _kind(self, name: str, member: Member) -> ElementKind:
         found = [kind for kind in KINDS if kind.stands_for(member.element)]
+        what = f"Element '{name}' ({member.element.name})"
         if not found:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
-                f"Element '{name}' ({member.element.name}) has no keyword in a SPACAR input file; it has: {known}. A"
-                " body that is clamped at both ends is a beam there that has no section and releases nothing."
+                f"{what} has no keyword in a SPACAR input file; it has: {known}. A body that is clamped at both ends is"
+                " a beam there that has no section and releases nothing."
             )
         if member.element.options.get("second_order", True) is not True:
-            raise ModelError(
-                f"Element '{name}' ({member.element.name}) has second_order=False, which a SPACAR input file cannot"
-                " express."
-            )
+            raise _inexpressible(f"{what} has second_order=False")
         if member.properties.get("curvature") is not None:
-            raise ModelError(
-                f"Element '{name}' ({member.element.name}) has an initial curvature, which a SPACAR input file cannot"
-                " express."
-            )
+            raise _inexpressible(f"{what} has an initial curvature")
         if member.element.fields:
             return found[0]
         # A rigid beam without length is what the format calls a pinned body.
@@ -199,25 +198,23 @@ class _Writer:
                     " a node in its centre, which a rigid beam joins."
                 )
         for name, m in self.shown.items():
-            self._check_closure(name, m)
             what, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
+            self._check_closure(what, name, m)
             if section is not None and section.varies:
-                raise ModelError(
-                    f"{what} has a section that varies along it, which a SPACAR input file cannot express."
-                )
+                raise _inexpressible(f"{what} has a section that varies along it")
             if section is not None and isinstance(m.properties.get("damping"), MaterialDamping):
                 self._check_damping(what, self.kinds[name], section)
             if self.kinds[name].sized:
-                self._check_leaf(name, m)
+                self._check_leaf(what, m)
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(told_in_no_element(name))
             if node.kind.part == "rotation" and tuple(numbers_of(node.start)) != node.kind.start:
-                raise ModelError(f"Node '{name}' starts turned, which a SPACAR input file cannot express.")
+                raise _inexpressible(f"Node '{name}' starts turned")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
 
-    def _check_closure(self, name: str, m: Member) -> None:
+    def _check_closure(self, what: str, name: str, m: Member) -> None:
         """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
         closed = range(1, series.closure(m.element) + 1)
         warping = series.warping(m.element)
@@ -225,15 +222,12 @@ class _Writer:
         inputs, outputs = ([signal.key for signal in self.builder.signals[side]] for side in ("input", "output"))
         values = [*given, *inputs, *outputs]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
-            raise ModelError(
-                f"Element '{name}' ({m.element.name}) has a role, a load or a signal at its closure, deformations 1 to"
-                f" {len(closed)}, which a SPACAR input file cannot express."
+            raise _inexpressible(
+                f"{what} has a role, a load or a signal at its closure, deformations 1 to {len(closed)}"
             )
         if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *given) for n in warping):
-            raise ModelError(
-                f"Element '{name}' ({m.element.name}) has a role, a load or an input at its warping, deformations"
-                f" {warping[0]} and {warping[-1]}, which a SPACAR input file cannot express."
-            )
+            numbers = f"deformations {warping[0]} and {warping[-1]}"
+            raise _inexpressible(f"{what} has a role, a load or an input at its warping, {numbers}")
 
     @staticmethod
     def _check_damping(what: str, kind: ElementKind, section: Section) -> None:
@@ -243,14 +237,11 @@ class _Writer:
         if sheared and not all(is_zero(getattr(section.rigidity(), n)) for n in sheared):
             own.append("shear")
         if own:
-            raise ModelError(
-                f"{what} is damped by its material, its {' and its '.join(own)} too, which a SPACAR input file cannot"
-                " express: give `damping`."
-            )
+            damped = f"{what} is damped by its material, its {' and its '.join(own)} too"
+            raise _inexpressible(damped, ": give `damping`")
 
-    def _check_leaf(self, name: str, m: Member) -> None:
+    def _check_leaf(self, what: str, m: Member) -> None:
         """A leaf spring is a rectangle of one material, whose warping goes with the rotations of its ends."""
-        what = f"Element '{name}' ({m.element.name})"
         section: Rectangle = m.properties["section"]
         material = section.material
         told = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
@@ -259,10 +250,8 @@ class _Writer:
         told += ["torsion by an approximation"] if section.torsion != "series" else []
         told += [] if section.rotary else ["no rotary inertia"]
         if told:
-            raise ModelError(
-                f"{what}: its section has {', '.join(told)}, which a SPACAR input file cannot express: SECTION gives"
-                " width, thickness, E, G, rho and alpha."
-            )
+            numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
+            raise _inexpressible(f"{what}: its section has {', '.join(told)}", numbers)
         for rotation, warping in zip(parts_of(m, "rotation"), parts_of(m, "warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
             own = {nodes[nodes.index(rotation) + 1] for nodes in beams}
@@ -474,7 +463,7 @@ class _Writer:
             for i, own in enumerate(self.builder.signals[side], 1):
                 if own.local or own.parts:
                     told = "is about an axis that turns" if own.local else "is a linear combination"
-                    raise ModelError(f"The {side} '{own.name}' {told}, which a SPACAR input file cannot express.")
+                    raise _inexpressible(f"The {side} '{own.name}' {told}")
                 kind, of, number = own.key
                 component = number if own.axis is None else TURNS[own.axis]
                 numbers = self.node if kind == "node" else self.element
