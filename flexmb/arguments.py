@@ -1,4 +1,4 @@
-"""What numbers given to public functions must be: a fault names the argument and says what is right."""
+"""What arguments of public functions must be: a fault names the argument and says what is right."""
 
 import contextlib
 import functools
@@ -8,7 +8,6 @@ import reprlib
 import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
-from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
 from functools import partial
@@ -19,6 +18,7 @@ import jax.core
 import jax.numpy
 import numpy as np
 
+from .collecting import Collector
 from .errors import ModelError
 
 # Kinds of real numbers that NumPy has no type for.
@@ -36,7 +36,7 @@ def is_concrete(tree: Any) -> bool:
 
 
 def undifferentiated(tree: Any) -> Any:
-    """A pytree whose numbers have no derivatives: those that ``jax.grad`` alone traces are known then."""
+    """A pytree whose numbers have no derivatives, so that those that ``jax.grad`` alone traces are known."""
 
     def known(leaf: Any) -> Any:
         return jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf
@@ -45,11 +45,7 @@ def undifferentiated(tree: Any) -> Any:
 
 
 def require_double_precision() -> None:
-    """Refuse to work in single precision, which jax.config may have been put back to.
-
-    Raises:
-        RuntimeError: Double precision is off.
-    """
+    """Raise RuntimeError in single precision."""
     if jax.dtypes.canonicalize_dtype(np.float64) != np.float64:
         raise RuntimeError(
             "flexmb needs double precision: a leaf spring is 1e5 times stiffer in tension than in bending."
@@ -58,16 +54,12 @@ def require_double_precision() -> None:
 
 
 def library_of(numbers: Any) -> Any:
-    """What computes with numbers, one or a tree of them: NumPy on the host where all are known; it compiles nothing."""
+    """NumPy for a tree of known numbers, which compiles nothing; jax.numpy for traced ones."""
     return np if is_concrete(numbers) else jax.numpy
 
 
 def as_known(tree: Any) -> Any:
-    """Arrays of JAX that are known as arrays of the host: within a trace, what is made of them would be traced.
-
-    Args:
-        tree: Pytree; itself where it holds no such array, or something that is traced.
-    """
+    """Known arrays of JAX as arrays of the host: within a trace, what JAX computes from them would be traced."""
     leaves = jax.tree.leaves(tree)
     if not any(isinstance(leaf, jax.Array) for leaf in leaves) or not is_concrete(leaves):
         return tree
@@ -75,14 +67,7 @@ def as_known(tree: Any) -> Any:
 
 
 def by_library(function: Callable[..., Any], *given: Any) -> Any:
-    """Result of a function that is told which library to compute with, NumPy for known numbers or JAX for others.
-
-    Known numbers stay so within a trace of others.
-
-    Args:
-        function: ``f(*given, library)``.
-        given: What it is asked about; arrays of NumPy where all numbers are known.
-    """
+    """Result of ``function(*given, library)``: NumPy for known numbers, also within a trace, jax.numpy for others."""
     if not is_concrete(given):
         return function(*given, jax.numpy)
     with jax.core.eval_context():
@@ -90,11 +75,9 @@ def by_library(function: Callable[..., Any], *given: Any) -> Any:
 
 
 def copied(tree: Any) -> Any:
-    """A pytree whose arrays of NumPy are its own: who gave them may write into them afterwards.
+    """Copy the arrays of NumPy in a pytree, into which its giver may write; fractions and decimals become floats.
 
-    Args:
-        tree: Itself where it holds no such array: elements that share a section are known by that. Fractions and
-            decimals become floats, which numbers of other kinds compute with.
+    A pytree without any is returned itself: elements that share a section are recognised by that.
     """
     if not any(isinstance(leaf, (np.ndarray, *EXACT)) for leaf in jax.tree.leaves(tree)):
         return tree
@@ -105,59 +88,24 @@ def copied(tree: Any) -> Any:
     return jax.tree.map(own, tree)
 
 
-_NOTED: ContextVar[tuple[Any, list[Any]] | None] = ContextVar("noted", default=None)
-
-
-@contextlib.contextmanager
-def noting() -> Iterator[list[Any]]:
-    """Note conditions that traced numbers must meet and that a check of concrete numbers would refuse.
-
-    What is checked inside a transformation of its own is not noted: its conditions do not live out here.
-
-    Yields:
-        The conditions, traced, () of bool each; they come as they are checked.
-    """
-    import jax.extend.core
-
-    found: list[Any] = []
-    token = _NOTED.set((jax.extend.core.get_opaque_trace_state(), found))
-    try:
-        yield found
-    finally:
-        _NOTED.reset(token)
+_NOTED = Collector("noted")
+# Collect conditions, () of bool each, that traced numbers must meet and that a check of concrete numbers would refuse.
+noting = _NOTED.collecting
 
 
 def note(condition: Any) -> None:
-    """Note a condition that a traced number must meet, where someone asks; see :func:`noting`.
-
-    Args:
-        condition: Traced, () of bool.
-    """
-    noted = _noted_here()
-    if noted is not None:
+    """Note a condition that a traced number must meet, () of bool, where :func:`noting` collects them."""
+    if (noted := _NOTED.here()) is not None:
         noted.append(condition)
 
 
 def is_noting() -> bool:
-    """Whether someone asks here for the conditions of traced numbers, and for those numbers themselves."""
-    return _noted_here() is not None
-
-
-def _noted_here() -> list[Any] | None:
-    noted = _NOTED.get()
-    if noted is None:
-        return None
-    import jax.extend.core
-
-    return noted[1] if noted[0] == jax.extend.core.get_opaque_trace_state() else None
+    """Whether conditions of traced numbers are collected here."""
+    return _NOTED.here() is not None
 
 
 def holds(condition: Any) -> bool:
-    """Whether a condition holds everywhere; a traced one is noted (:func:`noting`) and counts as one that holds.
-
-    Args:
-        condition: Any shape of bool.
-    """
+    """Whether a condition holds everywhere, any shape of bool; a traced one is noted and counts as one that holds."""
     if is_concrete(condition):
         return bool(np.all(np.asarray(condition)))
     note(jax.numpy.all(condition))
@@ -166,12 +114,9 @@ def holds(condition: Any) -> bool:
 
 @contextlib.contextmanager
 def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
-    """Note conditions, and make NaN of what must not be used where one does not hold: nothing can be raised in a trace.
+    """Yield a function that makes a pytree of floats NaN where a condition that was noted before does not hold.
 
-    Where the conditions are noted further out already they are told there, and numbers stay as they are.
-
-    Yields:
-        Function of a pytree of floats, to be called behind the checks: they are NaN where a condition is not met.
+    Nothing can be raised in a trace. Where conditions are noted further out, the numbers stay as they are.
     """
     if is_noting():
         yield lambda tree: tree
@@ -189,45 +134,24 @@ def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
 
 
 def check_real(what: str, value: Any, fault: type = ValueError) -> None:
-    """Refuse complex numbers, traced ones too: real arithmetic would leave out their imaginary part.
-
-    Args:
-        what: What they are, for the message.
-        value: Pytree of numbers.
-        fault: What to raise.
-
-    Raises:
-        ValueError: Or what is given as ``fault``.
-    """
+    """Raise ``fault`` for complex numbers in a pytree: real arithmetic would leave out their imaginary part."""
     if any(np.iscomplexobj(leaf) for leaf in jax.tree.leaves(value)):
         raise fault(f"{what} must be real, but is complex. Give its real part if that is meant.")
 
 
 def as_reals(what: str, value: Any, fault: type = ValueError) -> jax.Array:
-    """Numbers as an array of JAX of floats; complex ones are refused as by :func:`check_real`."""
+    """Real numbers as an array of JAX."""
     check_real(what, value, fault)
     return jax.numpy.asarray(value, float)
 
 
 def as_floats(value: Any) -> Any:
-    """Numbers as a kernel takes them: floats on the host, since JAX compiles a program to convert a number.
-
-    Args:
-        value: A number, or an array of any shape; traced ones stay so.
-    """
+    """Known numbers as floats on the host, where no program is compiled to convert them; traced ones stay so."""
     return np.asarray(value, float) if is_concrete(value) else jax.numpy.asarray(value, float)
 
 
 def returned(what: str, value: Any) -> Any:
-    """Numbers that a user's function of time returned, as an array of JAX.
-
-    Args:
-        what: The function, for the message.
-        value: What it returned.
-
-    Raises:
-        ModelError: It is no number and no array of numbers, or complex.
-    """
+    """Numbers that a user's function returned, as an array of JAX; raise ModelError for anything else."""
     check_real(what, value, ModelError)
     try:
         return jax.numpy.atleast_1d(jax.numpy.asarray(value, float))
@@ -236,11 +160,7 @@ def returned(what: str, value: Any) -> Any:
 
 
 def computed(function: Callable[..., Any], *arrays: Any) -> Any:
-    """What a function makes of arrays: of known numbers on the host, where JAX would compile each operation.
-
-    Args:
-        function: ``f(xp, *arrays)``, where xp is NumPy or its like in JAX.
-        arrays: Of NumPy or JAX; traced ones stay so.
+    """Result of ``function(xp, *arrays)``: on the host for known arrays, where JAX would compile each operation.
 
     Returns:
         Array of NumPy where all are, else of JAX.
@@ -252,22 +172,14 @@ def computed(function: Callable[..., Any], *arrays: Any) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A value as a message quotes it: in one line, shortened.
-
-    Args:
-        value: Anything.
-    """
+    """A value as a message quotes it: in one line, shortened."""
     if isinstance(value, np.ndarray | jax.Array) and is_concrete(value):
         value = np.asarray(value).tolist()
     return " ".join(reprlib.repr(value).split())
 
 
 def numbers(value: Any) -> np.ndarray | None:
-    """Real numbers as an array of float64; None where a value is something else, or traced.
-
-    Args:
-        value: Number, or nested sequence or array of numbers.
-    """
+    """Real numbers, nested sequences or arrays of them as an array of float64; None for anything else or traced."""
     try:
         array = np.asarray(value)
         if array.dtype == object and all(type(one) in (int, float, *EXACT) for one in array.flat):
@@ -278,17 +190,7 @@ def numbers(value: Any) -> np.ndarray | None:
 
 
 def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, fault: type = ValueError) -> None:
-    """Refuse what are no finite real numbers of a sensible size; traced ones pass.
-
-    Args:
-        what: What they are, for the message.
-        value: Number, or nested sequence or array of numbers.
-        shape: Their shape; any unless given.
-        fault: What to raise.
-
-    Raises:
-        ValueError: Or what is given as ``fault``.
-    """
+    """Raise ``fault`` for anything but finite real numbers of sensible size and the given shape; traced ones pass."""
     if type(value) in (int, float) and shape in (None, ()) and abs(value) <= LARGEST:
         # What nearly all are.
         return
@@ -312,17 +214,7 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
 
 
 def checked_times(times: Any) -> Any:
-    """Times as floats: two at least, ascending, without a time twice; of traced ones their number is looked at alone.
-
-    Args:
-        times: (n_t,) [s].
-
-    Returns:
-        (n_t,) [s], on the host where they are known, within another program too.
-
-    Raises:
-        ValueError: They are no such times.
-    """
+    """Return two or more ascending times as floats, (n_t,) [s]; on the host if known. Raise ValueError for others."""
     check_numbers("Argument `times`", times)
     found = as_floats(times)
     if found.ndim != 1 or len(found) < 2:

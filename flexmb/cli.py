@@ -248,7 +248,8 @@ def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[N
     except OSError as fault:
         if path is None:
             raise
-        _refuse(f"flexmb: cannot {how} '{clean(fault.filename or path)}': {fault.strerror or fault}.")
+        named = fault.filename if isinstance(fault.filename, str) else path
+        _refuse(f"flexmb: cannot {how} '{clean(named)}': {fault.strerror or fault}.")
 
 
 def _number(about: str, word: str) -> float:

@@ -5,14 +5,12 @@ Compiled kernels return the integer; the wrapper in Python turns it into a membe
 process pays for.
 """
 
-import contextlib
-import contextvars
 import enum
 import functools
 import operator
-from collections.abc import Iterator
 from typing import Any
 
+from .collecting import Collector
 from .errors import AnalysisError
 
 
@@ -198,47 +196,20 @@ ANSWERED = (RESULTS.successful, *NO_DERIVATIVE, RESULTS.unstable_state)
 
 
 def told(result: Any) -> str:
-    """An outcome for a person: its name, and of a failure what to try.
-
-    Args:
-        result: Code, () [-].
-    """
+    """An outcome for a person, by its code: its name, and of a failure what to try."""
     member = RESULTS(int(result))
     return f"{member.name}. {member.message}" if member.message else member.name
 
 
-_CODES: contextvars.ContextVar[tuple[Any, list[Any]] | None] = contextvars.ContextVar("codes", default=None)
-
-
-@contextlib.contextmanager
-def collected() -> Iterator[list[Any]]:
-    """Collect the codes that analyses would raise outside a trace, while a function of designs is traced.
-
-    What is computed inside a transformation of its own (``jax.vmap``, ``jax.lax.scan``) is not collected: its codes do
-    not live out here.
-    """
-    import jax.extend.core
-
-    codes: list[Any] = []
-    token = _CODES.set((jax.extend.core.get_opaque_trace_state(), codes))
-    try:
-        yield codes
-    finally:
-        _CODES.reset(token)
+_CODES = Collector("codes")
+# Collect the codes that analyses would raise outside a trace, while a function of designs is traced.
+collected = _CODES.collecting
 
 
 def check(result: Any, throw: bool, about: str = "") -> None:
-    """Raise the text of a result that is a failure; under a trace it is collected; nothing with ``throw=False``.
+    """Raise AnalysisError for a code, () or a batch of them, that is a failure; a traced one is collected.
 
-    What is among ``ANSWERED`` is a success: critical states and forces that jump with a warning for whom
-    differentiates, unstable states with a warning for all.
-
-    Args:
-        result: Integer code, () or a batch of them.
-        about: What to add to the message, such as the names of nodes.
-
-    Raises:
-        AnalysisError: The result is a failure.
+    Codes among ``ANSWERED`` are successes. With ``throw=False`` nothing happens. ``about`` is added to the message.
     """
     import jax.core
     import numpy as np
@@ -262,9 +233,9 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 
 def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
-    """An answer whose numbers are traced, NaN with its derivatives where it failed, since nothing can be raised there.
+    """A traced answer, NaN with its derivatives where it failed, since nothing can be raised there.
 
-    Where codes are collected they tell, and the answer stays as it is; as it does with ``throw=False``.
+    The answer stays as it is where codes are collected, and with ``throw=False``.
 
     Args:
         answer: Pytree of arrays; of a batch of codes, each with the batch as its first axis.
@@ -299,34 +270,17 @@ def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
 
 def collects() -> bool:
     """Whether codes are collected here."""
-    collector = _CODES.get()
-    if collector is None:
-        return False
-    import jax.extend.core
-
-    return jax.extend.core.get_opaque_trace_state() == collector[0]
+    return _CODES.here() is not None
 
 
 def collect(result: Any) -> None:
-    """Add a code, () or a batch of them, where codes are collected.
-
-    Args:
-        result: Code, which may be traced.
-    """
-    collector = _CODES.get()
-    if collector is not None and collects():
-        collector[1].append(result)
+    """Add a code, () or a batch of them, which may be traced, where codes are collected."""
+    if (codes := _CODES.here()) is not None:
+        codes.append(result)
 
 
 def worst_of(codes: list[Any]) -> Any:
-    """The first failure among collected codes; without any the worst outcome that has an answer.
-
-    Args:
-        codes: As :func:`collected`, each () or a batch.
-
-    Returns:
-        () [-], int32.
-    """
+    """The first failure among codes, each () or a batch, or the worst outcome that has an answer; () [-], int32."""
     import jax.numpy as jnp
 
     found: Any = jnp.zeros((), jnp.int32)

@@ -1462,9 +1462,9 @@ FAULTS = [
         "design/test_possible.py -k block",
     ),
     Fault(
-        "arguments.py",
-        "noted[0] == jax.extend.core.get_opaque_trace_state()",
-        "noted[0]",
+        "collecting.py",
+        "current[0] == jax.extend.core.get_opaque_trace_state()",
+        "current[0]",
         "design/test_possible.py -k conditions",
     ),
     Fault("blocks/site.py", "above=0, fault=ModelError", "above=0", "design/test_possible.py -k block"),
@@ -1941,8 +1941,8 @@ FAULTS = [
     ),
     Fault(
         "spacar/read.py",
-        "if given and member is not None",
-        "if not given and member is not None",
+        "if given and rigid:",
+        "if not given and rigid:",
         "spacar/test_read.py -k test_warning",
     ),
     Fault("statics/stroke.py", "number {unstable[0]}", "number {unstable[-1]}", "statics/test_stable.py -k follow"),

@@ -1,0 +1,34 @@
+"""Values that are collected while a function is traced: conditions of numbers, codes of analyses."""
+
+import contextlib
+import contextvars
+from collections.abc import Iterator
+from typing import Any
+
+
+class Collector:
+    """Collects values of one trace. Those of a transformation within it are left out: they do not live outside."""
+
+    def __init__(self, name: str):
+        self._current: contextvars.ContextVar[tuple[Any, list[Any]] | None] = contextvars.ContextVar(name, default=None)
+
+    @contextlib.contextmanager
+    def collecting(self) -> Iterator[list[Any]]:
+        """Collect values in a list that is yielded."""
+        import jax.extend.core
+
+        values: list[Any] = []
+        token = self._current.set((jax.extend.core.get_opaque_trace_state(), values))
+        try:
+            yield values
+        finally:
+            self._current.reset(token)
+
+    def here(self) -> list[Any] | None:
+        """The values so far; None where nothing is collected."""
+        current = self._current.get()
+        if current is None:
+            return None
+        import jax.extend.core
+
+        return current[1] if current[0] == jax.extend.core.get_opaque_trace_state() else None
