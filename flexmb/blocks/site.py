@@ -140,14 +140,7 @@ class Site:
         usual: Callable[[Builder, Section], tuple[Any, Section]],
         section: Section,
     ) -> None:
-        """A flexible beam between two nodes, each named with the one whose rotation it turns with.
-
-        Args:
-            label: Of the beam.
-            first, last: Its nodes, each with that of its rotation.
-            usual: Element type and section of it where the block was given no element.
-            section: Its section.
-        """
+        """A flexible beam between two nodes, each named with the one whose rotation it turns with."""
         element, section = usual(self.b, section) if self.element is None else (self.element, section)
         across = {} if self.y is None else {"y": self.y}
         nodes = [part for node, body in (first, last) for part in (node, f"{body}.rotation")]

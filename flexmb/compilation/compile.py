@@ -55,12 +55,7 @@ _programs_left = 0
 
 
 def compile_thoroughly(thorough: bool, keep: bool = False) -> None:
-    """Whether compiled functions should run quickly rather than compile quickly, from now on.
-
-    Args:
-        thorough: True takes twice the compile time for half the time of a run.
-        keep: Whether compiled programs are kept on disk, where JAX keeps its own.
-    """
+    """Whether compiled functions should run quickly rather than compile quickly, from now on."""
     global _thorough
     _thorough, kept.is_on = thorough, keep
 
@@ -100,9 +95,6 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Such leaves of the arguments are compared, not traced, so they must be hashable; a function defined anew is another
     one and is compiled again.
-
-    Returns:
-        The compiled function.
     """
 
     def flat(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
@@ -197,11 +189,10 @@ def named(function: Callable[..., Any], name: str, options: dict[str, Any] | Non
 def make_room(share: float = FULL) -> bool:
     """Give compiled code back where a next program may not find a memory map: what is asked again compiles again.
 
+    Returns whether it went.
+
     Args:
         share: Of the memory maps that a process may have, from which on compiled code goes.
-
-    Returns:
-        Whether it went.
     """
     global _programs_left
     try:
@@ -272,13 +263,8 @@ class _Number:
 def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:
     """Keep the trace of a function of pytrees of arrays, for the other kernels that call it with equal shapes.
 
-    Python's part in compiling, which no cache on disk saves, is paid once a process instead of once a kernel.
-
-    Args:
-        function: Function of positional arguments.
-
-    Returns:
-        The same function.
+    Python's part in compiling, which no cache on disk saves, is paid once a process instead of once a kernel. Returns
+    the same function.
     """
     return functools.wraps(function)(jax.jit(function))
 
@@ -288,12 +274,6 @@ def as_primitives(function: Callable[..., Any]) -> Callable[..., Any]:
 
     The functions and operators of ``jax.numpy`` are compiled functions themselves, which ``jax.vmap`` and ``jax.jvp``
     would transform one by one; that takes twice as long to trace.
-
-    Args:
-        function: Function of pytrees of arrays.
-
-    Returns:
-        The same function.
     """
 
     @functools.wraps(function)

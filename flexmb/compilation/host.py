@@ -99,15 +99,13 @@ class Run:
 def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     """Result of a function of arrays of NumPy, inside compiled code; it has no derivatives.
 
+    Returns as ``like``. What the function raises becomes an error of JAX with its text.
+
     Args:
         function: Function of a module of this package, or such a one of which some arguments are given already
             (``functools.partial``), or a method of what can be pickled; what holds another is compiled anew in every
             process. It calls nothing of JAX and has no effects.
         like: Shapes and types of what it returns, a pytree of ``jax.ShapeDtypeStruct``.
-        arguments: Pytrees of arrays; the function is given copies.
-
-    Returns:
-        As ``like``. What the function raises becomes an error of JAX with its text.
     """
     leaves, structure = jax.tree.flatten(arguments)
     shapes, results = jax.tree.flatten(like)
@@ -164,11 +162,7 @@ def is_within_run() -> bool:
 
 
 def hold_for(program: Any) -> None:
-    """Note that the program of this run calls the host, if it does.
-
-    Args:
-        program: As it was traced.
-    """
+    """Note that the program of this run calls the host, if it does."""
     if _registered.cache_info().currsize and is_within_run() and _calls_host(program):
         _here.run.hold()
 
@@ -201,11 +195,7 @@ def _registered() -> bool:
 def program_on_disk(program: bytes) -> None:
     """Make ready to run a program that was compiled in another process, which may call the host.
 
-    Args:
-        program: As it was written.
-
-    Raises:
-        RuntimeError: Where XLA's interface is another one.
+    Raises RuntimeError: Where XLA's interface is another one.
     """
     if TARGET.encode() in program:
         if not is_known_to_xla():

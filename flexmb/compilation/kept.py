@@ -42,13 +42,7 @@ is_on = False
 def called(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any, ...]) -> Any:
     """Call a function in a trace: from disk where its program is there, otherwise traced and, if it can be, written.
 
-    Args:
-        function: Of arrays.
-        things: What it follows from if its program is to be kept.
-        leaves: Its arguments, which are traced.
-
-    Returns:
-        What the function returns.
+    Returns what the function returns.
     """
     if any(getattr(jax.config, name) for name in BY_OPERATIONS):
         return function(*leaves)
@@ -61,11 +55,7 @@ def called(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any
 
 
 def remembered(function: Callable[..., int]) -> Callable[..., int]:
-    """A whole number that a function of this package finds by tracing, remembered, and kept beside the programs.
-
-    Args:
-        function: Of hashable arguments; what it raises is not kept.
-    """
+    """A whole number that a function of this package finds by tracing, remembered, and kept beside the programs."""
 
     @functools.lru_cache(1000)
     def found(*things: Any):

@@ -64,14 +64,10 @@ class Captured(Record):
 def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, formal: Collection[float] = ()) -> Captured:
     """Take a function as it is now: what its text refers to may change afterwards.
 
-    Args:
-        function: Of arrays; without side effects.
-        like: Arguments, or their shapes.
-        rules: How often it is to be differentiated, at most.
-        formal: Numbers that stay in its text, whatever their sign, where the compiler makes use of them.
+    Returns the function as a record of numbers.
 
-    Returns:
-        The function as a record of numbers.
+    Args:
+        formal: Numbers that stay in its text, whatever their sign, where the compiler makes use of them.
     """
     from jax.extend.core import Var
 
@@ -117,30 +113,17 @@ SMOOTH = WAVES | frozenset(
 
 
 def is_wave(found: Captured) -> bool:
-    """Whether a function is made of sums and products of sines and constants alone.
-
-    Args:
-        found: Function of time.
-    """
+    """Whether a function is made of sums and products of sines and constants alone."""
     return all(equation.primitive.name in WAVES for equation in found.code.jaxpr.eqns)
 
 
 def has_effects(found: Captured) -> bool:
-    """Whether a function does more than to give numbers, such as to print.
-
-    Args:
-        found: Function.
-    """
+    """Whether a function does more than to give numbers, such as to print."""
     return bool(found.code.jaxpr.effects)
 
 
 def may_bend(function: Callable[..., Any], *like: Any) -> bool:
-    """Whether a function may have kinks or jumps: whether it is made of other than smooth operations.
-
-    Args:
-        function: Function of arrays.
-        like: Arrays or their shapes.
-    """
+    """Whether a function may have kinks or jumps: whether it is made of other than smooth operations."""
     return _may_bend(jax.make_jaxpr(function)(*like).jaxpr)
 
 
@@ -178,9 +161,6 @@ def digest(found: Captured) -> str:
     """What a function does, as a word: changes with every number in it, and with its operations.
 
     Options of operations are left out: among them are settings of JAX, and functions that each trace makes anew.
-
-    Args:
-        found: Function, of concrete numbers.
     """
     text = hashlib.sha256()
 
@@ -218,15 +198,11 @@ def split(
 ) -> tuple[Callable[..., tuple], Callable[..., Any]]:
     """Take a function apart, so that it can be called many times with equal constants.
 
-    Equal operations are done once, and what no result needs is left out.
+    Equal operations are done once, and what no result needs is left out. Returns ``early(*constant)``, a tuple of
+    arrays ``kept``, and ``late(*varying, *kept)``, what the function returns.
 
     Args:
         function: Function of arrays that vary, followed by arrays that do not; it must not have side effects.
-        varying: Arguments that vary, or their shapes.
-        constant: The others, or their shapes.
-
-    Returns:
-        ``early(*constant)``, a tuple of arrays ``kept``, and ``late(*varying, *kept)``, what the function returns.
     """
     early, (late,) = split_together([(function, varying)], constant)
     return early, late
@@ -237,12 +213,7 @@ def split_together(
 ) -> tuple[Callable[..., tuple], list[Callable[..., Any]]]:
     """As :func:`split`, of several functions of the same constants: what they make of these alike is done once.
 
-    Args:
-        functions: Each with its arguments that vary, or their shapes.
-        constant: The others, or their shapes.
-
-    Returns:
-        ``early(*constant)``, a tuple of arrays ``kept``, and of each function ``late(*varying, *kept)``.
+    Returns ``early(*constant)``, a tuple of arrays ``kept``, and of each function ``late(*varying, *kept)``.
     """
 
     def every(constant: tuple, *varying: tuple):
@@ -259,19 +230,16 @@ def _result_of(stage: Callable[..., Any]):
 def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tuple]) -> list[Callable[..., Any]]:
     """Take a function apart by what each of its operations follows from.
 
-    Equal operations are done once, and what no result needs is left out.
+    Equal operations are done once, and what no result needs is left out. Raises ValueError: A result follows from a
+    group after its own.
 
     Args:
         function: Of tuples of arrays, to a result for each of them, which follows from that one and those before it;
             it must not have side effects.
-        groups: The tuples, or the shapes of what is in them.
 
     Returns:
         For each group a stage ``(*own, *kept) -> (result, more)``, of its arguments and of all that stages before it
         have kept: its result, and what it keeps for those after it, a tuple of arrays.
-
-    Raises:
-        ValueError: A result follows from a group after its own.
     """
     leaves, structure = jax.tree.flatten(tuple(groups))
 
@@ -400,12 +368,7 @@ def _value(parameter: Any, rules: int) -> Any:
 
 
 def needed(equations: Sequence[Any], results: Sequence[Any]) -> tuple[list, dict]:
-    """Equations that lead to results, and all variables that they or the results read, in order.
-
-    Args:
-        equations: Of a program, in order.
-        results: Its results, or some of its variables.
-    """
+    """Equations that lead to results, and all variables that they or the results read, in order."""
     wanted = dict.fromkeys(_variables(results))
     found = []
     for equation in reversed(equations):

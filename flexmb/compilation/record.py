@@ -9,11 +9,7 @@ from ..display import Result
 
 
 def static(**options: Any) -> Any:
-    """A field that chooses code rather than being a number: it is compared, not traced.
-
-    Args:
-        options: As for ``dataclasses.field``, such as ``default``.
-    """
+    """A field that chooses code rather than being a number: it is compared, not traced."""
     return dataclasses.field(metadata={"static": True}, **options)
 
 

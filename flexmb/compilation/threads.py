@@ -68,16 +68,7 @@ def cores() -> int:
 
 
 def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
-    """Compiled calls side by side, each with a LAPACK of one thread.
-
-    Args:
-        function: Compiled, and called before.
-        arguments: One for each call.
-        threads: How many at a time.
-
-    Returns:
-        Results in the order of the arguments.
-    """
+    """Compiled calls side by side, each with a LAPACK of one thread. Returns results in the order of the arguments."""
 
     def finished(argument: Any):
         return jax.block_until_ready(function(argument))

@@ -29,15 +29,7 @@ NOISE = 10 * float(np.finfo(float).eps)
 
 
 def spread(elements: ElementMatrices, moving: Any) -> Any:
-    """Motions of all coordinates of those that move; what is held stays.
-
-    Args:
-        elements: Element matrices.
-        moving: Of the coordinates that move, one a column, (n, k).
-
-    Returns:
-        (n_x, k).
-    """
+    """Motions of all coordinates of those that move; what is held stays. Returns (n_x, k)."""
     whole = library_of(moving).zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
     return put(whole, elements.free, moving)
 
@@ -46,14 +38,7 @@ def spread(elements: ElementMatrices, moving: Any) -> Any:
 def product(
     elements: ElementMatrices, z: Inexact[Array, "r k"], values: Any = None, s: Any = None
 ) -> Inexact[Array, "r k"]:
-    """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]].
-
-    Args:
-        elements: Element matrices.
-        z: Motions and multipliers, one a column, (n + h, k).
-        values: mu of each, (k,); None: zero.
-        s: i w, one for all; None: zero, without loss.
-    """
+    """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]]."""
     n_x, (n, _), n_e = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
     v = spread(elements, z[:n])
     changed = times(elements.constraints, v, size=n_e)
@@ -76,10 +61,7 @@ def bordered(
     """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
 
     Args:
-        elements: Element matrices.
         z: Motions, multipliers and sizes of these forces, one a column, (n + h + b, k).
-        border: Of the coordinates that move, one a column.
-        values: As of :func:`product`.
     """
     (n, h) = elements.unknowns
     balance = product(elements, z[: n + h], values)
@@ -103,14 +85,7 @@ def pulled(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> In
 def forces(
     elements: ElementMatrices, z: Inexact[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
 ) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`product`, on the host.
-
-    Args:
-        elements: With arrays of NumPy.
-        z: Motions and multipliers, one a column, (n + h, k).
-        transposed: Whether of the transposed matrix.
-        s: As of :func:`product`.
-    """
+    """As :func:`product`, on the host."""
     n = elements.unknowns[0]
     v = np.zeros((len(elements.sizes), z.shape[1]), z.dtype)
     v[elements.free] = z[:n]
@@ -124,14 +99,7 @@ def forces_of(
     transposed: bool = False,
     s: complex | None = None,
 ) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`forces`, of motions of all coordinates, also of those that do not move by themselves.
-
-    Args:
-        elements: With arrays of NumPy.
-        v: Motions, one a column, (n_x, k).
-        multipliers: Of each, (h, k).
-        transposed, s: As of :func:`forces`.
-    """
+    """As :func:`forces`, of motions of all coordinates, also of those that do not move by themselves."""
     n_x, n_e = len(elements.sizes), len(elements.kept)
     changed, product = deformed(elements, v), times_transposed if transposed else times
     sigma = product(elements.elastic, changed, size=n_e)
@@ -166,14 +134,7 @@ def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> 
 
 
 def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray, "n"], rows: int, kind: Any) -> float:
-    """How far uneven forces of about one move, both in extents and radians.
-
-    Args:
-        solve: Motions and multipliers under forces, (r, k) of (r, k).
-        sizes: What the coordinates are measured by.
-        rows: r.
-        kind: Type of the numbers.
-    """
+    """How far uneven forces of about one move, both in extents and radians."""
     forces, n = np.zeros((rows, 1), kind), len(sizes)
     forces[:n, 0] = uneven(n) / sizes
     return float(np.max(np.abs(solve(forces)[:n, 0]) / sizes, initial=0.0))
@@ -189,19 +150,8 @@ def refined(
 ) -> Inexact[np.ndarray, "r k"]:
     """Solution of A z = right, corrected until it is that of a product which is less spoilt than the factors.
 
-    Args:
-        product: A z.
-        solve: By the factors, about A^-1 of its argument.
-        right: Right-hand sides, one a column.
-        sizes: What the coordinates are measured by, the first rows of z.
-        left: A last correction that is a larger share of the solution is refused.
-        soft: What :func:`softness` finds of these, or None: it is found here.
-
-    Raises:
-        AnalysisError: lost_in_round_off: corrections do not become smaller.
-
-    Source:
-        Iterative refinement (Wilkinson 1963).
+    Raises AnalysisError: lost_in_round_off: corrections do not become smaller. Source: Iterative refinement (Wilkinson
+    1963).
     """
     n = len(sizes)
 

@@ -21,13 +21,7 @@ DIFFERENTIATED = 2
 def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple) -> tuple[Any, Any]:
     """As ``jax.jvp``, for tangents of which many are symbolic zeros: nothing is traced for those.
 
-    Args:
-        function: Function of positional pytrees.
-        primals: Its arguments.
-        tangents: Their changes; a leaf may be a ``SymbolicZero``.
-
-    Returns:
-        Value of the function and its change.
+    Returns value of the function and its change.
     """
     leaves, structure = jax.tree.flatten(primals)
     changes = jax.tree.leaves(tangents, is_leaf=lambda t: isinstance(t, SymbolicZero))
@@ -71,12 +65,10 @@ def with_derivative(
     """Value of a function whose derivatives in reverse mode are given.
 
     Args:
-        function: Function of positional pytrees, which may hold more than arrays.
         forward: What is evaluated in its place where a derivative is asked for: the same value, and what
             :func:`backward` needs of it.
         backward: Of a :class:`Varied` for each argument, of what forward has kept, and of a pytree like the value, the
             derivatives by it: the derivatives by the numbers of each argument that vary.
-        arguments: What both are given.
     """
     leaves, structure = jax.tree.flatten(arguments)
     places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
@@ -114,12 +106,7 @@ def with_derivative(
 
 
 def refusing_derivatives(value: Any, message: str) -> Any:
-    """The same numbers, whose own derivatives are refused, in both modes, also where they would be stopped afterwards.
-
-    Args:
-        value: Pytree of numbers.
-        message: What the TypeError says.
-    """
+    """The same numbers, whose derivatives are refused in both modes, also where they would be stopped afterwards."""
 
     @jax.custom_jvp
     def same(number: jax.Array):
@@ -133,11 +120,7 @@ def refusing_derivatives(value: Any, message: str) -> Any:
 
 
 def root_or_zero(square: Any) -> Any:
-    """Square root of what is not negative, with a derivative of zero where it is zero; NaN stays NaN.
-
-    Args:
-        square: Any shape; what round-off left below zero counts as zero.
-    """
+    """Square root of what is not negative, with a derivative of zero where it is zero; NaN stays NaN."""
     none = square <= 0
     return jnp.where(none, 0.0, jnp.sqrt(jnp.where(none, 1.0, square)))
 
@@ -156,16 +139,13 @@ def _varied(argument: Any, varies: list[bool]) -> Varied:
 def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any]) -> Callable[..., Any]:
     """As :func:`jit_beside_options`, of a function whose derivatives are taken in reverse mode alone.
 
-    JAX compiles what ``jax.grad`` asks for without options, which takes twice as long. Here the way back is a
-    program of its own, compiled as settings ask for.
+    JAX compiles what ``jax.grad`` asks for without options, which takes twice as long. Here the way back is a program
+    of its own, compiled as settings ask for.
 
     Args:
         function: Function of arguments that may hold what is no array, and of ``known``: None, or what ``ahead`` found.
         ahead: What gives the value where a derivative is asked for, and what the way back is to know of it: arrays, or
             None where it is to take the function once more.
-
-    Returns:
-        The compiled function.
     """
     run, there = jit_beside_options(function), jit_beside_options(ahead)
 
@@ -214,14 +194,8 @@ def _as_known(found: Any, known: Any) -> Any:
 def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:
     """A function of one number, applied to each of an array, whose derivatives are found once a number.
 
-    JAX carries all directions of a derivative through each operation of the function; here its slope is one number,
-    by which each direction is multiplied.
-
-    Args:
-        function: Of an array of any shape, element by element.
-
-    Returns:
-        The same function, which may be differentiated any number of times.
+    JAX carries all directions of a derivative through each operation of the function; here its slope is one number, by
+    which each direction is multiplied. Returns the same function, which may be differentiated any number of times.
     """
 
     @jax.custom_jvp

@@ -58,9 +58,6 @@ def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array |
     """Rates of a function of one array along a motion.
 
     Args:
-        function: ``f(x)``, of a vector (n,) to a tree of arrays.
-        motion: x, its rate, and its second rate if that is asked for, each (n,).
-        aside: Rate of another motion through x, (n,), or None.
         directed: Whether the derivatives of all of them by x are asked for, at constant rates of x.
 
     Returns:
@@ -82,12 +79,7 @@ def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array |
 
 
 def length(function: Callable[..., Any], x: Array) -> int:
-    """Number of operations of a function of one array, those of programs within it included.
-
-    Args:
-        function: ``f(x)``.
-        x: Its argument, (n,).
-    """
+    """Number of operations of a function of one array, those of programs within it included."""
     return _length(_traced(function, x)[0])
 
 

@@ -9,17 +9,8 @@ from jaxtyping import Array, Complex, Float
 def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "s n n"]:
     """Solutions P of A P + P A^T + W = 0: covariances of the states under white noise.
 
-    Derivatives solve the same equation, and the adjoint one in reverse, with the factors that are there.
-
-    Args:
-        a: A, (n, n), no two of whose eigenvalues have a sum of zero.
-        w: Symmetric right-hand sides, (s, n, n).
-
-    Returns:
-        P, (s, n, n).
-
-    Source:
-        Bartels, Stewart (1972), Communications of the ACM 15, 820, with a complex Schur form.
+    Derivatives solve the same equation, and the adjoint one in reverse, with the factors that are there. Returns P, (s,
+    n, n). Source: Bartels, Stewart (1972), Communications of the ACM 15, 820, with a complex Schur form.
     """
     t, u = jax.scipy.linalg.schur(jax.lax.stop_gradient(a).astype(complex), output="complex")
     n = a.shape[0]

@@ -11,12 +11,7 @@ from numpy.polynomial import legendre
 def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
     """Values of the Legendre polynomials P_k(2 s - 1), k < order.
 
-    Args:
-        order: Number of polynomials.
-        s: Places in [0, 1], (n,).
-
-    Returns:
-        (n, order) [-]; the integral of P_k^2 over [0, 1] is 1/(2 k + 1).
+    Returns (n, order) [-]; the integral of P_k^2 over [0, 1] is 1/(2 k + 1).
     """
     return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
 
@@ -24,15 +19,7 @@ def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
 def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
     """Derivatives by s of the Legendre polynomials P_k(2 s - 1), k < order.
 
-    Args:
-        order: Number of polynomials.
-        s: Places in [0, 1], (n,).
-
-    Returns:
-        (n, order) [-].
-
-    Source:
-        Derivatives of Legendre series, as NumPy has them.
+    Returns (n, order) [-]. Source: Derivatives of Legendre series, as NumPy has them.
     """
     slopes = legendre.legder(np.eye(order), axis=0)
     return 2 * legendre.legval(2 * np.asarray(s) - 1, slopes).T if order > 1 else np.zeros((len(s), 1))
@@ -41,15 +28,7 @@ def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
 def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
     """Integrals of P_k(2 s - 1) from 0 to s, k < order.
 
-    Args:
-        order: Number of polynomials.
-        s: Upper ends in [0, 1], (n,).
-
-    Returns:
-        (n, order) [-]; at s = 1 they are 1, 0, 0, ...
-
-    Source:
-        (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx.
+    Returns (n, order) [-]; at s = 1 they are 1, 0, 0, ... Source: (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx.
     """
     values = legendre_values(order + 1, s)
     below = np.concatenate([-np.ones((len(s), 1)), values[:, :-2]], axis=1)
@@ -59,15 +38,7 @@ def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
 def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
     """As :func:`legendre_values`, at places that are traced.
 
-    Args:
-        order: Number of polynomials.
-        s: Places in [0, 1], of any shape.
-
-    Returns:
-        One more axis than ``s``, (*n, order) [-].
-
-    Source:
-        (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}.
+    Returns one more axis than ``s``, (*n, order) [-]. Source: (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}.
     """
     x = 2 * s - 1
     values = [jnp.ones_like(x), x]
@@ -79,15 +50,7 @@ def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n or
 def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
     """As :func:`legendre_integrals`, at places that are traced.
 
-    Args:
-        order: Number of polynomials.
-        s: Upper ends in [0, 1], of any shape.
-
-    Returns:
-        One more axis than ``s``, (*n, order) [-].
-
-    Source:
-        See :func:`legendre_integrals`.
+    Returns one more axis than ``s``, (*n, order) [-]. Source: See :func:`legendre_integrals`.
     """
     values = legendre_values_at(order + 1, s)
     below = jnp.concatenate([-jnp.ones_like(values[..., :1]), values[..., :-2]], axis=-1)
@@ -97,11 +60,7 @@ def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n
 def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
     """Coefficients of P_k(2 s - 1), k < n, of the polynomial through what is known at the nodes.
 
-    Args:
-        nodes: Gauss or Lobatto nodes on [0, 1], (n,).
-
-    Returns:
-        (n, n), to be multiplied with the values at the nodes.
+    Returns (n, n), to be multiplied with the values at the nodes.
     """
     return np.linalg.inv(legendre_values(len(nodes), nodes))
 
@@ -110,8 +69,7 @@ def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
 
-    Returns:
-        Nodes, (n,), and weights, (n,), not to be written to.
+    Returns nodes, (n,), and weights, (n,), not to be written to.
     """
     nodes, weights = legendre.leggauss(n)
     nodes, weights = (nodes + 1) / 2, weights / 2
@@ -123,14 +81,8 @@ def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
 def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Lobatto nodes and weights on [0, 1], both ends included, exact to degree 2 n - 3.
 
-    Args:
-        n: Number of nodes, at least 2.
-
-    Returns:
-        Nodes, (n,), and weights, (n,).
-
-    Source:
-        Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1) P_{n-1}(x)^2) on [-1, 1].
+    Returns nodes, (n,), and weights, (n,). Source: Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1)
+    P_{n-1}(x)^2) on [-1, 1].
     """
     last = np.zeros(n)
     last[-1] = 1
@@ -141,13 +93,7 @@ def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
 def integration_matrix(nodes: np.ndarray) -> np.ndarray:
     """Integrals from 0 to each node of what is known at all of them.
 
-    Args:
-        nodes: Gauss nodes on [0, 1], (n,).
-
-    Returns:
-        (n, n), exact for polynomials of degree n - 1.
-
-    Source:
-        :func:`legendre_coefficients`, then :func:`legendre_integrals`.
+    Returns (n, n), exact for polynomials of degree n - 1. Source: :func:`legendre_coefficients`, then
+    :func:`legendre_integrals`.
     """
     return legendre_integrals(len(nodes), nodes) @ legendre_coefficients(nodes)

@@ -54,14 +54,11 @@ def _series_jvp(derivative: int, primals: tuple[Array, ...], tangents: tuple[Arr
 def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
     """Poses of screw motions, exp(matrix(v)).
 
+    Returns (n, 4, 4): polynomials of v, differentiable at zero rotation. Source: exp(V) = I + V + (1 - cos t)/t^2 V^2 +
+    (t - sin t)/t^3 V^3 with t the angle, as V^4 = -t^2 V^2.
+
     Args:
         v: Rotation vectors and translations, rotations up to 2 rad, (n, 6) [rad, m].
-
-    Returns:
-        (n, 4, 4): polynomials of v, differentiable at zero rotation.
-
-    Source:
-        exp(V) = I + V + (1 - cos t)/t^2 V^2 + (t - sin t)/t^3 V^3 with t the angle, as V^4 = -t^2 V^2.
     """
     matrix = v @ np.moveaxis(HAT, 2, 0).reshape(6, 16)
     matrix = matrix.reshape(-1, 4, 4)
@@ -74,11 +71,10 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
 def turn_parameters(v: Float[Array, "n 6"]) -> Float[Array, "n 4"]:
     """Euler parameters of the rotations of screw motions.
 
+    Returns (n, 4) [-], scalar first, differentiable at zero rotation.
+
     Args:
         v: Rotation vectors and translations, rotations up to 4 rad, (n, 6) [rad, m].
-
-    Returns:
-        (n, 4) [-], scalar first, differentiable at zero rotation.
 
     Source:
         (cos t, sin t h/t) with h half the rotation vector and t its length: 1 - t^2 (1 - cos t)/t^2 and
@@ -93,23 +89,14 @@ def turn_parameters(v: Float[Array, "n 6"]) -> Float[Array, "n 4"]:
 def compose_turns(a: Float[Array, "*#n 4"], b: Float[Array, "*#n 4"]) -> Float[Array, "*#n 4"]:
     """Euler parameters of a rotation after which another is made about axes that turn along.
 
-    Args:
-        a: Of the first, (..., 4) [-].
-        b: Of the second, (..., 4) [-].
-
-    Source:
-        Quaternion product.
+    Source: Quaternion product.
     """
     both = a[..., :, None] * b[..., None, :]
     return both.reshape(*both.shape[:-2], 16) @ TURNS
 
 
 def turn_product(turns: Float[Array, "n 4"]) -> Float[Array, "4"]:
-    """Product of rotations in order, n a power of two, as :func:`product`.
-
-    Args:
-        turns: Euler parameters, (n, 4) [-].
-    """
+    """Product of rotations in order, n a power of two, as :func:`product`."""
     while turns.shape[0] > 1:
         turns = compose_turns(turns[0::2], turns[1::2])
     return turns[0]
@@ -123,12 +110,10 @@ def _bracket(a: Array, b: Array) -> Array:
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:
     """Screw motions over steps along a line, of order six in the length of a step.
 
+    Returns v with H(s + h) = H(s) exp(matrix(v)), (n, 6); exact where the strains are constant.
+
     Args:
         strains: Curvatures and stretches in axes of the section at the three Gauss nodes of each step, (n, 3, 6).
-        steps: Length of each step, (n,).
-
-    Returns:
-        v with H(s + h) = H(s) exp(matrix(v)), (n, 6); exact where the strains are constant.
 
     Source:
         Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470, section 5.4, with
@@ -144,22 +129,14 @@ def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n
 
 
 def product(poses: Float[Array, "n 4 4"]) -> Float[Array, "4 4"]:
-    """Product of poses in order, n a power of two, in log2 n batched products.
-
-    Args:
-        poses: (n, 4, 4).
-    """
+    """Product of poses in order, n a power of two, in log2 n batched products."""
     while poses.shape[0] > 1:
         poses = multiplied(poses[0::2], poses[1::2])
     return poses[0]
 
 
 def products(poses: Float[Array, "n 4 4"]) -> Float[Array, "n 4 4"]:
-    """Products of the first 1, 2, .. n poses, n a power of two; the last is computed as :func:`product` does.
-
-    Args:
-        poses: (n, 4, 4).
-    """
+    """Products of the first 1, 2, .. n poses, n a power of two; the last is computed as :func:`product` does."""
     if poses.shape[0] == 1:
         return poses
     pairs = products(multiplied(poses[0::2], poses[1::2]))

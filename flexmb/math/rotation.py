@@ -22,15 +22,7 @@ def cosine_and_sine(angles: Float[Array, "n"]) -> tuple[Float[Array, "n"], Float
 
     Left to itself the compiler puts them into every operation that needs them, and there computes them for each number
     of the result anew: half the time of a motion of planar beams. It does so with no result of a matrix product.
-
-    Args:
-        angles: (n,) [rad].
-
-    Returns:
-        Both, (n,) [-].
-
-    Source:
-        Definition.
+    Returns both, (n,) [-]. Source: Definition.
     """
     c, s = jnp.stack([jnp.cos(angles), jnp.sin(angles)]) @ np.eye(angles.shape[0])
     return c, s
@@ -43,17 +35,7 @@ def _cosine_and_sine_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]
 
 
 def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
-    """Rotation matrix in the plane.
-
-    Args:
-        angle: Counter-clockwise rotation, () [rad].
-
-    Returns:
-        Matrix that turns a vector, (2, 2) [-].
-
-    Source:
-        Definition.
-    """
+    """Rotation matrix in the plane. Returns matrix that turns a vector, (2, 2) [-]. Source: Definition."""
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.array([[c, -s], [s, c]])
 
@@ -61,15 +43,7 @@ def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
 def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Array, ""]:
     """Angle from one vector in the plane to another.
 
-    Args:
-        start: First vector, (2,).
-        end: Second vector, (2,).
-
-    Returns:
-        Counter-clockwise angle between -pi and pi, () [rad].
-
-    Source:
-        Definition.
+    Returns counter-clockwise angle between -pi and pi, () [rad]. Source: Definition.
     """
     return polar_angle(jnp.stack([start @ end, start[0] * end[1] - start[1] * end[0]]))
 
@@ -78,14 +52,8 @@ def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Arr
 def polar_angle(vector: Float[Array, "2"]) -> Float[Array, ""]:
     """Angle from the first axis of the plane to a vector.
 
-    Args:
-        vector: (2,), not zero.
-
-    Returns:
-        Counter-clockwise angle between -pi and pi, () [rad].
-
-    Source:
-        Definition; its derivative in fewer operations than JAX has for it.
+    Returns counter-clockwise angle between -pi and pi, () [rad]. Source: Definition; its derivative in fewer operations
+    than JAX has for it.
     """
     return jnp.arctan2(vector[1], vector[0])
 
@@ -99,16 +67,7 @@ def _polar_angle_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
 def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
     """Angle plus the number of turns that brings it nearest to another.
 
-    Args:
-        angle: Known up to whole turns, () [rad].
-        near: Where it was before, () [rad].
-        turn: What it is known up to [rad].
-
-    Returns:
-        () [rad].
-
-    Source:
-        Definition; the number of turns is constant, so that it does not enter a derivative.
+    Returns () [rad]. Source: Definition; the number of turns is constant, so that it does not enter a derivative.
     """
     return angle + turn * jnp.round((near - angle) / turn)
 
@@ -137,15 +96,11 @@ SQUARES = np.transpose(ROTATION + np.swapaxes(ROTATION, 2, 3), (2, 3, 0, 1)).res
 def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     """Matrix of the global angular velocity, ``omega = 2 lbar(lam) lam_dot``.
 
-    Args:
-        lam: Euler parameters, scalar first, (4,) [-].
+    Source: ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
 
     Returns:
         [[-l1, l0, -l3, l2], [-l2, l3, l0, -l1], [-l3, -l2, l1, l0]], (3, 4) [-]. ``2 lbar.T @ moment`` is the
         force dual to ``lam``.
-
-    Source:
-        ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
     """
     found: Any = LBAR @ lam
     return found
@@ -154,14 +109,7 @@ def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
 def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     """Matrix of the body-fixed angular velocity, ``omega_body = 2 lbody(lam) lam_dot``.
 
-    Args:
-        lam: Euler parameters, scalar first, (4,) [-].
-
-    Returns:
-        [[-l1, l0, l3, -l2], [-l2, -l3, l0, l1], [-l3, l2, -l1, l0]], (3, 4) [-].
-
-    Source:
-        See :func:`lbar`.
+    Returns [[-l1, l0, l3, -l2], [-l2, -l3, l0, l1], [-l3, l2, -l1, l0]], (3, 4) [-]. Source: See :func:`lbar`.
     """
     found: Any = LBODY @ lam
     return found
@@ -170,14 +118,8 @@ def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
     """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``.
 
-    Args:
-        lam: Euler parameters, scalar first, unit norm, (4,) [-].
-
-    Returns:
-        Matrix whose columns are the turned axes, (3, 3) [-].
-
-    Source:
-        See :func:`lbar`; homogeneous of degree two, so a norm that is off by d scales R by 1 + 2 d.
+    Returns matrix whose columns are the turned axes, (3, 3) [-]. Source: See :func:`lbar`; homogeneous of degree two,
+    so a norm that is off by d scales R by 1 + 2 d.
     """
     return ((lam[:, None] * lam).reshape(16) @ SQUARES).reshape(3, 3)
 
@@ -185,16 +127,7 @@ def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
 def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Array, "3 n"]) -> Float[Array, "3 n"]:
     """Columns that turn with a triad, as they lie now.
 
-    Args:
-        rot: Euler parameters of the triad now, (4,) [-].
-        ref_rot: The same in the undeformed state, (4,) [-].
-        vectors: Columns as they lay in the undeformed state, (3, n).
-
-    Returns:
-        (3, n).
-
-    Source:
-        R(rot) R(ref_rot)^T; quadratic in ``rot``, with coefficients that do not change as it turns.
+    Returns (3, n). Source: R(rot) R(ref_rot)^T; quadratic in ``rot``, with coefficients that do not change as it turns.
     """
     coefficients = SQUARES.reshape(48, 3) @ (rotation_matrix(ref_rot).T @ vectors)
     return ((rot[:, None] * rot).reshape(16) @ coefficients.reshape(16, -1)).reshape(3, -1)
@@ -209,15 +142,10 @@ def relative_turn(
 ) -> Float[Array, "n+1"]:
     """Euler parameters of the rotation of triad q relative to triad p since the undeformed state.
 
-    Args:
-        p: Euler parameters of the first triad now, (4,) [-].
-        q: Euler parameters of the second triad now, (4,) [-].
-        ref_p: The first in the undeformed state, (4,) [-].
-        ref_q: The second in the undeformed state, (4,) [-].
-        axes: Columns, as they lay in the undeformed state and turn with p, along which the vector part is given.
+    Returns (1 + n,) [-], scalar first; of unit norm with three orthonormal axes.
 
-    Returns:
-        (1 + n,) [-], scalar first; of unit norm with three orthonormal axes.
+    Args:
+        axes: Columns, as they lay in the undeformed state and turn with p, along which the vector part is given.
 
     Source:
         Quaternion product of p conjugate(ref_p), conjugated, and q conjugate(ref_q); bilinear in p and q, with
@@ -233,14 +161,8 @@ def relative_turn(
 def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:
     """Rotation vector of Euler parameters: the axis times the angle.
 
-    Args:
-        lam: Euler parameters, scalar first, unit norm, (4,) [-].
-
-    Returns:
-        (3,) [rad], differentiable at zero rotation too; within a full turn to either side.
-
-    Source:
-        Definition of Euler parameters: l0 = cos a/2, the rest sin a/2 along the axis.
+    Returns (3,) [rad], differentiable at zero rotation too; within a full turn to either side. Source: Definition of
+    Euler parameters: l0 = cos a/2, the rest sin a/2 along the axis.
     """
     square = lam[1:] @ lam[1:]
     turned = square > SMALLEST_TURN
@@ -251,16 +173,8 @@ def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:
 def rotation_since(start: Float[Array, "4"], lam: Float[Array, "4"], local: bool = False) -> Float[Array, "3"]:
     """Rotation vector from one orientation to another, about global axes or about those of the body.
 
-    Args:
-        start: Euler parameters at the start, (4,) [-].
-        lam: Euler parameters now, (4,) [-].
-        local: About axes that turn with the body.
-
-    Returns:
-        (3,) [rad]; for a small change ``2 lbar(lam) dlam``, or ``2 lbody(lam) dlam``.
-
-    Source:
-        Vector part of the quaternion product lam * conj(start), or conj(start) * lam.
+    Returns (3,) [rad]; for a small change ``2 lbar(lam) dlam``, or ``2 lbody(lam) dlam``. Source: Vector part of the
+    quaternion product lam * conj(start), or conj(start) * lam.
     """
     matrix = lbody if local else lbar
     return rotation_vector(jnp.concatenate([(start @ lam)[None], matrix(start) @ lam]))
@@ -269,17 +183,12 @@ def rotation_since(start: Float[Array, "4"], lam: Float[Array, "4"], local: bool
 def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3"] | None) -> Float[Array, "3 3"]:
     """Initial frame of a spatial element: local x along p to q, local y as near to ``y`` as can be.
 
+    Returns columns are the local x, y and z axes, (3, 3) [-]. Source: Rule of the predecessor's 2015 edition;
+    Gram-Schmidt.
+
     Args:
-        p: Position of the first end, (3,) [m].
-        q: Position of the second end, (3,) [m].
         y: Vector that fixes the local y axis, need not be normal to x, (3,); by default the global axis along
             which the direction p to q has its smallest component.
-
-    Returns:
-        Columns are the local x, y and z axes, (3, 3) [-].
-
-    Source:
-        Rule of the predecessor's 2015 edition; Gram-Schmidt.
     """
     ex = (q - p) / jnp.sqrt(jnp.sum((q - p) ** 2))
     if y is None:

@@ -20,13 +20,10 @@ NEAR = 1e-5
 def spectral(function: Callable[..., Any], matrix: Float[Array, "n n"], *arguments: Any) -> Float[Array, "n n"]:
     """The matrix U diag(f(mu)) U^T of a symmetric matrix U diag(mu) U^T.
 
+    Source: Its derivative is that of Daleckii and Krein, THEORY.md 10, eq. (10.3).
+
     Args:
         function: ``f(mu, *arguments)`` of the eigenvalues, ascending, each value by its own eigenvalue, (n,).
-        matrix: Symmetric, (n, n).
-        arguments: Arrays.
-
-    Source:
-        Its derivative is that of Daleckii and Krein, THEORY.md 10, eq. (10.3).
     """
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
     return (u * function(mu, *arguments)) @ u.T
@@ -43,12 +40,7 @@ def _spectral_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
 
 
 def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any) -> Float[Array, "n n"]:
-    """Divided differences (f_i - f_j)/(mu_i - mu_j) of a function's values; its slope where both are near.
-
-    Args:
-        function: As of :func:`spectral`.
-        mu: Eigenvalues, (n,).
-    """
+    """Divided differences (f_i - f_j)/(mu_i - mu_j) of a function's values; its slope where both are near."""
     values, slopes = jax.jvp(lambda own: function(own, *arguments), (mu,), (jnp.ones_like(mu),))
     gap = mu[:, None] - mu[None, :]
     apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
@@ -62,16 +54,8 @@ def harmonic(
 ) -> Float[Array, "n n"]:
     """Solution X of P X + X P = 2 P N P, where P is a function of a symmetric matrix that is not negative.
 
-    In the eigenvectors of the matrix X_ij is N_ij times the harmonic mean of p_i and p_j.
-
-    Args:
-        function: p of the eigenvalues, as of :func:`spectral`, (n,).
-        matrix: Symmetric, (n, n).
-        middle: N, symmetric, (n, n).
-        arguments: Arrays that the function takes.
-
-    Source:
-        THEORY.md 7, eq. (7.13); its derivative is that of the equation.
+    In the eigenvectors of the matrix X_ij is N_ij times the harmonic mean of p_i and p_j. Source: THEORY.md 7, eq.
+    (7.13); its derivative is that of the equation.
     """
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
     p = function(mu, *arguments)

@@ -35,15 +35,11 @@ class _Together(NamedTuple):
 def null_spaces(matrix: Any) -> tuple[int, Any, Any]:
     """Rank and orthonormal bases of the left and right null space.
 
-    Args:
-        matrix: Dense or sparse, (m, n).
+    Raises MechanismError: too_large, of a sparse matrix of which too many rows hang together.
 
     Returns:
         Rank, left null vectors as columns (m, m - rank), right null vectors as columns (n, n - rank); sparse where the
         matrix is.
-
-    Raises:
-        MechanismError: too_large, of a sparse matrix of which too many rows hang together.
     """
     if isinstance(matrix, np.ndarray):
         return _null_spaces([matrix])[0]
@@ -70,17 +66,11 @@ def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.n
 def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[list[int], Any]:
     """Choose rows that are as independent as can be, by pivoted Gram-Schmidt.
 
-    Args:
-        candidates: Dense or sparse, (m, n).
-        wanted: How many rows to choose at most.
-        threshold: A row is taken only while what is left of it exceeds this.
+    Raises MechanismError: too_large, of a sparse matrix of which too many rows hang together.
 
     Returns:
         Indices of the chosen rows, the first chosen first, and the projector (n, n) onto what they do not span; sparse
         where the candidates are.
-
-    Raises:
-        MechanismError: too_large, of a sparse matrix of which too many rows hang together.
     """
     if isinstance(candidates, np.ndarray):
         chosen, directions, _ = _pivoted(candidates, wanted, threshold)
@@ -175,11 +165,7 @@ def above(*matrices: Any) -> Any:
 
 
 def dense(matrix: Any) -> np.ndarray:
-    """A dense or sparse matrix as a dense one.
-
-    Raises:
-        MechanismError: too_large.
-    """
+    """A dense or sparse matrix as a dense one. Raises MechanismError: too_large."""
     if isinstance(matrix, np.ndarray):
         return matrix
     if matrix.shape[0] * matrix.shape[1] > MOST_NUMBERS:

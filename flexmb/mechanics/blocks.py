@@ -51,11 +51,6 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     What the functions of elements with strain series make of reference and properties alone, such as the quadrature
     along a section that varies, is worked out once: a kernel calls them in many places, and each would be compiled.
 
-    Args:
-        function: ``f(topology, parameters, *arguments, **options)``.
-
-    Returns:
-        The compiled function.
     """
 
     @functools.wraps(function)
@@ -131,7 +126,6 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
     """One element's function of its coordinates alone but for ``ref`` and the properties, or None if it has none.
 
     Args:
-        block: Block of the element.
         companion: The deformation function or a companion of the block's element, or None.
         properties: Stacked properties of the block; only which of them are None is looked at.
 
@@ -157,9 +151,6 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
 
 def each_block(topology: Topology, parameters: Parameters, companion: str) -> Iterator[tuple[Block, Any, Any, Any]]:
     """Blocks that have a companion, with the function of one element and the stacked arguments it is mapped over.
-
-    Args:
-        companion: Field of Element, such as "stiffness".
 
     Yields:
         Block, function of one element, stacked reference coordinates, stacked properties.
@@ -191,12 +182,7 @@ def _called(rest: Callable[..., Any], companion: str, splits: tuple[int, ...]):
 def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tuple[Any, dict[str, Any]]:
     """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
 
-    Args:
-        properties: Its stacked properties.
-        companion: Field of Element, such as "stiffness".
-
-    Returns:
-        The function, which takes what :func:`element_function` says, and the properties.
+    Returns the function, which takes what :func:`element_function` says, and the properties.
     """
     if companion not in block.companions:
         return None, properties
@@ -230,10 +216,6 @@ def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
 
     How strains are spread along a spectral beam its section says, but only one that varies, along a leaf spring any:
     others are left out, so that beams with all kinds of them are the same program.
-
-    Args:
-        block: Block.
-        properties: Its stacked properties.
     """
     if block.element.series is None or "clamped" in properties or isinstance(properties.get("section"), Profile):
         return properties
@@ -244,12 +226,7 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
     """A block that knows what functions of a user's own do now, so that none is taken for what it did before.
 
     Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
-
-    Args:
-        properties: Its stacked properties.
-
-    Returns:
-        Both, with what was found.
+    Returns both, with what was found.
     """
     if _of_package(block.element) or not _compiles():
         return block, properties
@@ -340,11 +317,7 @@ def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array
     """Sum of element matrices in a matrix of the whole.
 
     Args:
-        size: Shape of the whole.
         pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
-
-    Returns:
-        The assembled matrix.
     """
     return scatter_matrices(size, [(rows, columns, (matrices,)) for rows, columns, matrices in pieces], 1)[0]
 
@@ -355,41 +328,19 @@ def scatter_matrices(
     """Sums of element matrices in several matrices of the whole.
 
     Args:
-        size: Shape of each.
         pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c), one a whole.
-        count: Number of wholes.
-
-    Returns:
-        The assembled matrices.
     """
     flat = [(rows[:, :, None] * size[1] + columns[:, None, :], matrices) for rows, columns, matrices in pieces]
     return [whole.reshape(size) for whole in scatter_vectors(size[0] * size[1], flat, count)]
 
 
 def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
-    """Sum of element vectors in a vector of the whole.
-
-    Args:
-        size: Length of the whole.
-        pieces: Indices (elements, r) and vectors (elements, r).
-
-    Returns:
-        The assembled vector.
-    """
+    """Sum of element vectors in a vector of the whole."""
     return scatter_vectors(size, [(indices, (vectors,)) for indices, vectors in pieces], 1)[0]
 
 
 def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], count: int) -> list[Float[Array, "size"]]:
-    """Sums of element vectors in several vectors of the whole, in one loop: each costs one to compile.
-
-    Args:
-        size: Length of each.
-        pieces: Indices (elements, ...) and vectors (elements, ...), one a whole.
-        count: Number of wholes.
-
-    Returns:
-        The assembled vectors.
-    """
+    """Sums of element vectors in several vectors of the whole, in one loop: each costs one to compile."""
     if not pieces:
         return [jnp.zeros(size)] * count
     indices = jnp.concatenate([indices.reshape(-1) for indices, _ in pieces])

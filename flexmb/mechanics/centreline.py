@@ -20,8 +20,6 @@ def curves_of(
 
     Args:
         reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        places: From 0 to 1, (places,) [-].
     """
     index = np.asarray(block.x)
     at, ref = x[index], reference[index]
@@ -61,31 +59,13 @@ def _shapes(
 
 
 def parts_of(kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str) -> list[np.ndarray]:
-    """Coordinates of the nodes of one kind.
-
-    Args:
-        kinds: Node kinds of an element, in order.
-        splits: Where the coordinates of one node end and the next begin.
-        values: Coordinates of each element, (elements, coordinates).
-        part: "position" or "rotation".
-
-    Returns:
-        For each such node, (elements, size).
-    """
+    """Coordinates of the nodes of one kind. Returns for each such node, (elements, size)."""
     pieces = np.split(values, splits, axis=1)
     return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
 
 
 def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
-    """Rotation matrices since the undeformed state.
-
-    Args:
-        now: Angles (elements, 1) [rad] or Euler parameters (elements, 4) [-].
-        before: The same in the undeformed state.
-
-    Returns:
-        (elements, d, d) [-].
-    """
+    """Rotation matrices since the undeformed state. Returns (elements, d, d) [-]."""
     if now.shape[1] == 1:
         c, s = np.cos(now - before)[:, 0], np.sin(now - before)[:, 0]
         return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=1)
@@ -105,18 +85,7 @@ def cubic(
 ) -> Float[np.ndarray, "elements places d"]:
     """Cubics through end positions with end slopes, the interpolation of the beams' inertia.
 
-    Args:
-        p: First ends, (elements, d) [m].
-        slope_p: Derivative by place there, (elements, d) [m].
-        q: Last ends, (elements, d) [m].
-        slope_q: Derivative by place there, (elements, d) [m].
-        places: From 0 to 1, (places,) [-].
-
-    Returns:
-        (elements, places, d) [m].
-
-    Source:
-        Hermite's cubics.
+    Returns (elements, places, d) [m]. Source: Hermite's cubics.
     """
     s = places
     weights = np.stack([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2], axis=1)

@@ -24,9 +24,6 @@ def deformation_functions(
 ) -> Iterator[tuple[Block, Callable[..., Any], tuple[Any, ...]]]:
     """Blocks that deform, with the deformation function of one element and what it is mapped over beside x.
 
-    Args:
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-
     Yields:
         Block, ``f(x_el, *arguments_el) -> (n_el,)``, stacked arguments.
     """
@@ -56,15 +53,10 @@ def deformations(
 ) -> Float[Array, "n_e"]:
     """Deformations of all elements, unit norms included.
 
+    Returns e, (n_e,) [m, rad]. Source: Each element's own function.
+
     Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
         near: Deformations at the last accepted state, (n_e,) [m, rad]: which turn an angle is counted in.
-
-    Returns:
-        e, (n_e,) [m, rad].
-
-    Source:
-        Each element's own function.
     """
     pieces = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
@@ -93,11 +85,7 @@ def deformation_jacobian(
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_x"]]:
     """As :func:`deformations`, with their derivatives by the nodal coordinates, element by element.
 
-    Returns:
-        e, (n_e,), and D_x, (n_e, n_x).
-
-    Source:
-        Derivative of :func:`deformations`.
+    Returns e, (n_e,), and D_x, (n_e, n_x). Source: Derivative of :func:`deformations`.
     """
     values, matrices = jacobian_pieces(topology, parameters, x, near)
     size = (topology.n_e, topology.n_x)
@@ -125,10 +113,6 @@ def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
     """Properties of a block that deformations depend on in the undeformed mechanism.
 
     How strains are spread along a spectral beam its section says, but not which motions they allow: it is left out.
-
-    Args:
-        block: Block.
-        properties: Its stacked properties.
     """
     found = block.element.of_deformation(properties)
     return found | {"section": None} if block.element.series and "section" in found else found
@@ -143,8 +127,7 @@ def _padded(rows: np.ndarray) -> np.ndarray:
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
     """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
 
-    Returns:
-        e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
+    Returns e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
     """
     return on_host(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
 
@@ -153,15 +136,7 @@ def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np
     """Deformations of concrete coordinates, and their derivatives.
 
     Compiled for each type of element and every power of two of their number, whatever else there is in the mechanism.
-
-    Args:
-        topology: Structure.
-        parameters: Concrete numbers.
-        at: Nodal coordinates, (n_x,) [m, rad, -].
-        near: As of :func:`deformations`, (n_e,) [m, rad].
-
-    Returns:
-        e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
+    Returns e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
     """
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
@@ -224,16 +199,11 @@ def deformation_curvature(
 ) -> Float[Array, "n_x n_x"]:
     """Second derivative of ``sigma . D(x)`` at constant sigma: the stiffness of the stress resultants.
 
+    Returns (n_x, n_x) [N/m, N, N m], symmetric. Source: THEORY.md 6, eq. (6.3): Hessian of the Lagrangian, element by
+    element.
+
     Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
         sigma: Stress resultants, multipliers of FIXED deformations and unit norms included, (n_e,) [N, N m].
-
-    Returns:
-        (n_x, n_x) [N/m, N, N m], symmetric.
-
-    Source:
-        THEORY.md 6, eq. (6.3): Hessian of the Lagrangian, element by element.
     """
     pieces = curvature_pieces(topology, parameters, x, near, sigma)
     return scatter_matrix((topology.n_x, topology.n_x), pieces)

@@ -49,14 +49,7 @@ def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
 def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> Float[Array, "n_x n_x"]:
     """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
 
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-
-    Returns:
-        M, (n_x, n_x) [kg, kg m, kg m^2].
-
-    Source:
-        THEORY.md 3, eq. (3.2).
+    Returns M, (n_x, n_x) [kg, kg m, kg m^2]. Source: THEORY.md 3, eq. (3.2).
     """
     return scatter_matrix((topology.n_x, topology.n_x), mass_pieces(topology, parameters, x))
 
@@ -64,18 +57,7 @@ def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
 def kinetic_energy(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], v: Float[Array, "n_x"]
 ) -> Float[Array, ""]:
-    """Kinetic energy of nodal velocities, element by element.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-
-    Returns:
-        () [J].
-
-    Source:
-        THEORY.md 3, eq. (3.1).
-    """
+    """Kinetic energy of nodal velocities, element by element. Returns () [J]. Source: THEORY.md 3, eq. (3.1)."""
     total = jnp.array(0.0)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
@@ -94,14 +76,7 @@ def kinetic_energy(
 
 
 def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Float[Array, "n_x"]:
-    """Nodal acceleration of a mechanism that translates as a whole.
-
-    Args:
-        acceleration: Of the whole, (axes,) [m/s^2].
-
-    Returns:
-        (n_x,), zero at rotations [m/s^2].
-    """
+    """Nodal acceleration of a mechanism that translates as a whole. Returns (n_x,), zero at rotations [m/s^2]."""
     columns = jnp.broadcast_to(acceleration[:, None], topology.axes.shape)
     return put(jnp.zeros(topology.n_x), topology.axes, columns)
 
@@ -109,11 +84,7 @@ def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Fl
 def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
     """Mass of the whole mechanism, distributed mass included.
 
-    Returns:
-        () [kg].
-
-    Source:
-        Twice the kinetic energy of a uniform unit velocity.
+    Returns () [kg]. Source: Twice the kinetic energy of a uniform unit velocity.
     """
     along = uniform_motion(topology, jnp.eye(len(topology.axes))[0])
     return along @ mass_matrix(topology, parameters, parameters.reference) @ along
@@ -130,17 +101,8 @@ def fall(
 ) -> Any:
     """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
 
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        function: Inertia companion of one of them, as :func:`each_block` gives it.
-        ref: Its stacked reference coordinates.
-        properties: Its stacked properties.
-
-    Returns:
-        (elements, k, d) [m/s^2], or None where there is neither gravity nor motion.
-
-    Source:
-        Equivalence of gravity and uniform acceleration; s_ddot = J a + (dJ/dt) v.
+    Returns (elements, k, d) [m/s^2], or None where there is neither gravity nor motion. Source: Equivalence of gravity
+    and uniform acceleration; s_ddot = J a + (dJ/dt) v.
     """
     falling = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
     along = [None if of is None else of[block.x] for of in (falling, felt.v, felt.a)]
@@ -187,18 +149,7 @@ def work_of_weight(
     x: Float[Array, "n_x"],
     gravity: Float[Array, "axes"],
 ) -> Float[Array, ""]:
-    """Work of gravity on the way from the undeformed mechanism.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        gravity: Acceleration, (axes,) [m/s^2].
-
-    Returns:
-        () [J].
-
-    Source:
-        Potential of :func:`weight`.
-    """
+    """Work of gravity on the way from the undeformed mechanism. Returns () [J]. Source: Potential of :func:`weight`."""
     total = jnp.array(0.0)
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
         at, start = x[block.x], parameters.reference[block.x]
@@ -215,17 +166,9 @@ def weight(
 ) -> Float[Array, "n_x"]:
     """Nodal forces of gravity on all mass, distributed mass included.
 
-    A uniform field acts as the inertia of a uniform acceleration: f = M(x) t with t the translation at g.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        gravity: Acceleration, (axes,) [m/s^2].
-
-    Returns:
-        (n_x,) [N, N m].
-
-    Source:
-        Equivalence of gravity and uniform acceleration; the kinetic energy is unchanged by translation.
+    A uniform field acts as the inertia of a uniform acceleration: f = M(x) t with t the translation at g. Returns
+    (n_x,) [N, N m]. Source: Equivalence of gravity and uniform acceleration; the kinetic energy is unchanged by
+    translation.
     """
     pieces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
@@ -257,10 +200,7 @@ def weight_stiffness(
 ) -> Float[Array, "n_x n_x"]:
     """Derivative of :func:`weight` by the nodal coordinates, symmetric; the same arguments.
 
-    Returns:
-        (n_x, n_x) [N/m, N, N m].
-
-    Source:
-        Hessian of the potential s(x) . H s_dot of the uniform motion, whose s_dot does not depend on x.
+    Returns (n_x, n_x) [N/m, N, N m]. Source: Hessian of the potential s(x) . H s_dot of the uniform motion, whose s_dot
+    does not depend on x.
     """
     return scatter_matrix((topology.n_x, topology.n_x), weight_pieces(topology, parameters, x, gravity))

@@ -28,23 +28,16 @@ class LoadFactors(NamedTuple):
 
 
 def load_factors(load_factor: float = 1.0, increment: float = 0.0) -> LoadFactors:
-    """Load factors as the strongly typed scalars that compiled kernels take.
-
-    Args:
-        load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-].
-    """
+    """Load factors as the strongly typed scalars that compiled kernels take."""
     return LoadFactors(as_floats(load_factor), as_floats(increment))
 
 
 def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
     """Sum of the two sets of loads, each times its factor.
 
-    Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the
-    undeformed mechanism, which the caller supplies by scaling differences (see statics).
-
-    Returns:
-        Loads; None stays None where neither set has the load.
+    Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the undeformed
+    mechanism, which the caller supplies by scaling differences (see statics). Returns loads; None stays None where
+    neither set has the load.
     """
     first = jax.tree.map(lambda a: factors.initial * a, parameters.loads)
     if parameters.increment is None:
@@ -58,11 +51,7 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
 
 
 def without_gravity(parameters: Parameters, *, increment: bool = False) -> Parameters:
-    """The same numbers without the gravity of the constant loads; that of the incremental loads stays unless said.
-
-    Args:
-        increment: Whether the gravity of the incremental loads goes too.
-    """
+    """The same numbers without the gravity of the constant loads; that of the incremental loads stays unless said."""
     found = dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
     if not increment or found.increment is None:
         return found
@@ -114,15 +103,7 @@ def nodal_forces(
 ) -> Float[Array, "n_x"]:
     """Nodal forces of all constant loads at a configuration.
 
-    Args:
-        factors: Factors of the two load sets.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-
-    Returns:
-        f dual to x, (n_x,) [N, N m].
-
-    Source:
-        THEORY.md 5, loads.
+    Returns f dual to x, (n_x,) [N, N m]. Source: THEORY.md 5, loads.
     """
     loads = scaled_loads(parameters, factors)
     force = jnp.zeros(topology.n_x) if loads.force is None else loads.force
@@ -152,11 +133,8 @@ def load_stiffness(
 ) -> Float[Array, "n_x n_x"]:
     """Derivative of :func:`nodal_forces` by the nodal coordinates, with the same arguments.
 
-    Returns:
-        df/dx, (n_x, n_x) [N/m, N, N m]; not symmetric for moments about fixed axes.
-
-    Source:
-        Derivative of :func:`nodal_forces`.
+    Returns df/dx, (n_x, n_x) [N/m, N, N m]; not symmetric for moments about fixed axes. Source: Derivative of
+    :func:`nodal_forces`.
     """
     loads = scaled_loads(parameters, factors)
     matrix = scatter_matrix((topology.n_x, topology.n_x), load_pieces(topology, parameters, factors, x))

@@ -69,18 +69,11 @@ def state(
 ) -> State:
     """Evaluate the static equations at a configuration.
 
+    Source: THEORY.md 5 and 6, eq. (5.1), (5.5), (6.2) and (6.3).
+
     Args:
-        factors: Factors of the two load sets.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
         strained: Deformations whose stress to take in place of that of D(x), (n_e,) [m, rad]; None: D(x).
         loaded: False for the undeformed mechanism without loads: nothing is stressed, nothing of it is traced.
-
-    Returns:
-        State.
-
-    Source:
-        THEORY.md 5 and 6, eq. (5.1), (5.5), (6.2) and (6.3).
     """
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
@@ -110,19 +103,15 @@ def iterate(
     """State of an iterate whose deformations are numbers of their own, and what is out of balance there.
 
     A step that bends a leaf spring is straight in x and feigns an elongation, second order in the step. The stress of
-    what stiff deformations measure in x, and the constraint forces that balance it, would spoil the tangent.
+    what stiff deformations measure in x, and the constraint forces that balance it, would spoil the tangent. Source:
+    Newton's method on D(x) = e and the equilibrium with x and e as unknowns; e is eliminated.
 
     Args:
-        x: Nodal coordinates of the iterate, (n_x,) [m, rad, -].
-        near: Deformations that angles are counted from, (n_e,) [m, rad].
         strained: Deformations of the iterate: e + D_x dx of the step that led to it, (n_e,) [m, rad].
         wanted: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
 
     Returns:
         State; change of x onto the constraints, (n_x,) [m, rad, -]; residual r of K dq = -r after it, (n_q,) [N, N m].
-
-    Source:
-        Newton's method on D(x) = e and the equilibrium with x and e as unknowns; e is eliminated.
     """
     at = state(topology, parameters, factors, x, near, strained=strained)
     wanted_x, wanted_e = wanted
@@ -146,18 +135,13 @@ def reduced_response(
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
     """Change of x at constant q, and the force out of balance along q that is left after it, to first order.
 
+    Returns change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m]. Source: THEORY.md 6, eq.
+    (6.3): the Hessian of the Lagrangian, projected with Z = DFx.
+
     Args:
-        at: State whose tangent is used.
         excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
             (n_e,) [m, rad].
         shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
-        imbalance: D_x^T sigma - f before the change, (n_x,) [N, N m].
-
-    Returns:
-        Change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m].
-
-    Source:
-        THEORY.md 6, eq. (6.3): the Hessian of the Lagrangian, projected with Z = DFx.
     """
     onto_constraints = correction(topology, at.transfer, excess, shift)
     # The stress of DOF deformations is that of their wanted values already.
@@ -179,13 +163,8 @@ def linear_response(
 
     The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
 
-    Arguments as for :func:`reduced_response`.
-
-    Returns:
-        Change of x, (n_x,) [m, rad, -], and of q from its wanted value, (n_q,) [m, rad].
-
-    Source:
-        See :func:`reduced_response`.
+    Arguments as for :func:`reduced_response`. Returns change of x, (n_x,) [m, rad, -], and of q from its wanted value,
+    (n_q,) [m, rad]. Source: See :func:`reduced_response`.
     """
     onto_constraints, residual = reduced_response(topology, at, excess, shift, imbalance)
     dq = factorise(at.K0 + at.G0).solve(-residual)

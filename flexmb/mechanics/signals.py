@@ -20,32 +20,14 @@ DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acce
 def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array, "4"]:
     """Infinitesimal rotation, or angular velocity, about an axis, by the change of Euler parameters.
 
-    Its transpose is the force dual to them of a unit moment about that axis.
-
-    Args:
-        lam: Euler parameters, (4,) [-].
-        axis: 0, 1 or 2.
-        local: About axes that turn with the body, not about global ones.
-
-    Returns:
-        (4,) [rad].
-
-    Source:
-        omega = 2 Lbar d(lambda)/dt, f = 2 Lbar^T M (THEORY.md 5, eq. (5.7)); with L for axes of the body.
+    Its transpose is the force dual to them of a unit moment about that axis. Returns (4,) [rad]. Source: omega = 2 Lbar
+    d(lambda)/dt, f = 2 Lbar^T M (THEORY.md 5, eq. (5.7)); with L for axes of the body.
     """
     return 2 * (lbody if local else lbar)(lam)[axis]
 
 
 def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]:
-    """Coordinates that a signal is about, and its derivative by them.
-
-    Args:
-        signal: Input or output of a coordinate or rotation.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-
-    Returns:
-        Indices, (k,), and row, (k,).
-    """
+    """Coordinates that a signal is about, and its derivative by them. Returns indices, (k,), and row, (k,)."""
     if signal.axis is None:
         return np.array([signal.index]), np.ones(1)
     own = signal.index + np.arange(4)
@@ -55,17 +37,7 @@ def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]
 def input_row(
     signal: Signal, x: Float[Array, "n_x"], dfx: Float[Array, "n_x n_q"], dfe: Float[Array, "n_e n_q"]
 ) -> Float[Array, "n_q"]:
-    """Generalised force of a unit input.
-
-    Args:
-        signal: Input.
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        dfx: DFx, (n_x, n_q).
-        dfe: DFe, (n_e, n_q).
-
-    Source:
-        THEORY.md 6 and 7: forces by DFx^T, a stress adds to sigma: -DFe^T.
-    """
+    """Generalised force of a unit input. Source: THEORY.md 6 and 7: forces by DFx^T, a stress adds to sigma: -DFe^T."""
     if signal.quantity == "stress":
         return -dfe[signal.index]
     own, row = along_coordinates(signal, x)
@@ -78,11 +50,7 @@ def terms_of(signals: tuple[Signal, ...]) -> tuple[Signal, ...]:
 
 
 def combined(signals: tuple[Signal, ...], weights: Any) -> Float[Array, "n terms"]:
-    """Weight of each term in each signal.
-
-    Args:
-        weights: Of all terms, in their order, (terms,), or None: one each.
-    """
+    """Weight of each term in each signal."""
     counts = [len(s.terms) for s in signals]
     rows: Any = np.repeat(np.arange(len(counts)), counts)
     ones: Any = np.ones(len(rows)) if weights is None else weights
@@ -100,17 +68,8 @@ def rotation_measured(
     """Rotation about an axis as a sensor gives it, and its derivative by the Euler parameters.
 
     It is a component of the rotation vector from the undeformed mechanism to the start, plus that from the start to
-    now: about a fixed axis the angle itself, about the start to first order that of the linearised equations.
-
-    Args:
-        lam: Euler parameters now, (4,) [-].
-        start: At the start of the motion, (4,) [-].
-        reference: In the undeformed mechanism, (4,) [-].
-        axis: 0, 1 or 2.
-        local: About axes that turn with the body.
-
-    Returns:
-        () [rad] and (4,) [rad].
+    now: about a fixed axis the angle itself, about the start to first order that of the linearised equations. Returns
+    () [rad] and (4,) [rad].
     """
 
     def since(lam: Float[Array, "4"]):

@@ -30,14 +30,7 @@ class Staged:
         is_inner: Sequence[bool],
         numbers: tuple[Any, ...],
     ):
-        """Take a function apart.
-
-        Args:
-            function: ``f(nodes, *numbers)``, where nodes are a list of the coordinates of each.
-            nodes: Their shapes.
-            is_inner: Whether they are inner coordinates.
-            numbers: Shapes of the numbers.
-        """
+        """Take a function apart."""
 
         def every(numbers: tuple[Any, ...], *coordinates: tuple[Array, ...]):
             inner, outer = map(iter, coordinates)
@@ -116,11 +109,11 @@ def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[
 def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
     """Derivatives of a function of one element by its coordinates, and its value.
 
+    Returns A function of the same arguments: derivatives by the coordinates, the last axis of each array, and the
+    value.
+
     Args:
         function: ``f(x_el, *arguments_el)``, :class:`Staged` or not, to an array or a tree of them.
-
-    Returns:
-        A function of the same arguments: derivatives by the coordinates, the last axis of each array, and the value.
     """
     if isinstance(function, Staged):
         return function.derivative
@@ -135,11 +128,7 @@ def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
 def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
     """Second derivatives of sigma . e of one element by its coordinates.
 
-    Args:
-        function: ``f(x_el, *arguments_el) -> e_el``, :class:`Staged` or not.
-
-    Returns:
-        ``(x_el, sigma_el, *arguments_el) -> (c, c)``, symmetric.
+    Returns ``(x_el, sigma_el, *arguments_el) -> (c, c)``, symmetric.
     """
     if isinstance(function, Staged):
         return function.curvature

@@ -18,11 +18,7 @@ from .inertia import Felt, fall
 def stiffness_pieces(
     topology: Topology, parameters: Parameters, companion: str = "stiffness"
 ) -> list[tuple[Array, Array, Array]]:
-    """Stiffness of each block's elements, with row and column indices.
-
-    Args:
-        companion: "stiffness" or "damping".
-    """
+    """Stiffness of each block's elements, with row and column indices."""
     pieces = []
     for block, function, ref, properties in each_block(topology, parameters, companion):
         pieces.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
@@ -38,14 +34,7 @@ def known_stiffness_pieces(topology: Topology, parameters: Parameters) -> list[t
 def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
     """Stiffness times deformations, block by block.
 
-    Args:
-        strain: Deformations less those without stress, (n_e,) [m, rad].
-
-    Returns:
-        S strain, (n_e,) [N, N m].
-
-    Source:
-        Each element's stiffness companion.
+    Returns S strain, (n_e,) [N, N m]. Source: Each element's stiffness companion.
     """
     pieces = [
         (rows, jnp.einsum("eij,ej->ei", matrices, strain[columns]))
@@ -62,11 +51,7 @@ def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Flo
 def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Stiffness S between deformations and stress resultants, block diagonal.
 
-    Returns:
-        S, (n_e, n_e) [N/m, N m/rad].
-
-    Source:
-        Each element's stiffness companion.
+    Returns S, (n_e, n_e) [N/m, N m/rad]. Source: Each element's stiffness companion.
     """
     return _assemble(topology, parameters, "stiffness")
 
@@ -75,11 +60,7 @@ def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array
 def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Damping S_d between deformation rates and stress resultants, block diagonal.
 
-    Returns:
-        S_d, (n_e, n_e) [N s/m, N m s/rad].
-
-    Source:
-        Each element's damping companion.
+    Returns S_d, (n_e, n_e) [N s/m, N m s/rad]. Source: Each element's damping companion.
     """
     return _assemble(topology, parameters, "damping")
 
@@ -139,15 +120,7 @@ def nonlinear_stress(
 ) -> Float[Array, "n_e"]:
     """Stress resultants of the elements' energies, dissipations and laws.
 
-    Args:
-        e: Deformations less those without stress, (n_e,) [m, rad].
-        ed: Their rates, (n_e,) [m/s, rad/s].
-
-    Returns:
-        sigma, (n_e,) [N, N m].
-
-    Source:
-        Each element's own companions: dE/de + dR/ded + law.
+    Returns sigma, (n_e,) [N, N m]. Source: Each element's own companions: dE/de + dR/ded + law.
     """
     pieces = []
     for block, function, _, arguments in _nonlinear_stress(topology, parameters):
@@ -183,12 +156,11 @@ def nonlinear_tangents(
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"], Float[Array, "n_e n_e"] | None]:
     """:func:`nonlinear_stress` with its derivatives by its arguments, the deformations and their rates.
 
+    Source: Derivative of :func:`nonlinear_stress`.
+
     Returns:
         sigma, (n_e,) [N, N m], and two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad], symmetric
         but for laws; None for the last where nothing depends on rates.
-
-    Source:
-        Derivative of :func:`nonlinear_stress`.
     """
     stress, *tangents = nonlinear_tangent_pieces(topology, parameters, e, ed)
     by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), pieces) for pieces in tangents)
@@ -197,17 +169,7 @@ def nonlinear_tangents(
 
 @traced_once
 def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, ""]:
-    """Elastic energy of the elements that state one.
-
-    Args:
-        e: Deformations less those without stress, (n_e,) [m, rad].
-
-    Returns:
-        () [J].
-
-    Source:
-        Each element's energy companion.
-    """
+    """Elastic energy of the elements that state one. Returns () [J]. Source: Each element's energy companion."""
     total = jnp.array(0.0)
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
         total = total + jnp.sum(jax.vmap(lambda e, *rest, energy=energy: energy((e,), *rest))(e[block.e], *arguments))
@@ -220,14 +182,11 @@ def thermal_deformations(
 ) -> Float[Array, "n_e"]:
     """Deformations that a change of temperature gives to free elements; those that are FIXED are held there.
 
+    Returns (n_e,) [m, rad], linear in the temperature. Source: Each element's thermal companion; THEORY.md 2, eq.
+    (2.31) to (2.33).
+
     Args:
         temperature: As :class:`flexmb.model.parameters.Loads` has it, (n_e, 3 or 4) [K, K/m].
-
-    Returns:
-        (n_e,) [m, rad], linear in the temperature.
-
-    Source:
-        Each element's thermal companion; THEORY.md 2, eq. (2.31) to (2.33).
     """
     pieces = []
     for block, function, *arguments in each_block(topology, parameters, "thermal"):
@@ -240,11 +199,7 @@ def thermal_deformations(
 def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) -> Float[Array, "n_e"] | None:
     """Deformations at which the elements are free of stress: initial strains, and those of temperature.
 
-    Args:
-        loads: Loads, of which the temperature is used.
-
-    Returns:
-        (n_e,) [m, rad], or None: zero.
+    Returns (n_e,) [m, rad], or None: zero.
     """
     if loads.temperature is None:
         return parameters.strain
@@ -253,12 +208,7 @@ def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) 
 
 
 def strain_of(topology: Topology, parameters: Parameters, loads: Loads, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
-    """Deformations less those at which the elements are free of stress.
-
-    Args:
-        loads: Loads, of which the temperature is used.
-        e: Deformations, (n_e,) [m, rad].
-    """
+    """Deformations less those at which the elements are free of stress."""
     free = free_deformations(topology, parameters, loads)
     return e if free is None else e - free
 
@@ -268,15 +218,10 @@ def stress_of_loads(
 ) -> Float[Array, "n_e"] | None:
     """Stress resultants that loads add where no deformation changes: prestress, less what temperature relieves.
 
+    Returns (n_e,) [N, N m], or None: zero. Source: Derivative of THEORY.md 5, eq. (5.4) by the loads.
+
     Args:
-        loads: Loads, of which prestress and temperature are used.
         stiffness: S, the tangent of what is not linear included, (n_e, n_e) [N/m, N m/rad].
-
-    Returns:
-        (n_e,) [N, N m], or None: zero.
-
-    Source:
-        Derivative of THEORY.md 5, eq. (5.4) by the loads.
     """
     if loads.temperature is None:
         return loads.prestress
@@ -294,17 +239,10 @@ def stress_resultants(
 ) -> Float[Array, "n_e"]:
     """Stress resultants of the elements, sigma = S (e - free) + nonlinear ones + prestress.
 
+    Returns sigma without that of constant damping, (n_e,) [N, N m]. Source: THEORY.md 5, eq. (5.4).
+
     Args:
-        loads: Loads, of which prestress and temperature are used.
-        stiffness: S, (n_e, n_e) [N/m, N m/rad].
-        e: Deformations, (n_e,) [m, rad].
         ed: Their rates, (n_e,) [m/s, rad/s], for nonlinear elements; None: at rest.
-
-    Returns:
-        sigma without that of constant damping, (n_e,) [N, N m].
-
-    Source:
-        THEORY.md 5, eq. (5.4).
     """
     strain = strain_of(topology, parameters, loads, e)
     sigma = stiffness @ strain
@@ -328,18 +266,8 @@ def stress_tangents(
 ) -> tuple[Float[Array, "n_e n_e"], Any]:
     """Derivatives of the stress resultants by the deformations and by their rates.
 
-    Args:
-        loads: Loads, of which the temperature is used.
-        stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
-        damping: S_d of constant damping, (n_e, n_e) [N s/m, N m s/rad], or None.
-        e: Deformations, (n_e,) [m, rad].
-        ed: Their rates, (n_e,) [m/s, rad/s]; None: at rest.
-
-    Returns:
-        S and S_d with the share of nonlinear elements; S_d is None where nothing depends on rates.
-
-    Source:
-        Derivative of :func:`stress_resultants`.
+    Returns S and S_d with the share of nonlinear elements; S_d is None where nothing depends on rates. Source:
+    Derivative of :func:`stress_resultants`.
     """
     if not is_nonlinear(topology):
         return stiffness, damping
@@ -359,16 +287,8 @@ def stress_and_tangent(
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"]]:
     """At rest, :func:`stress_resultants` and their derivatives by the deformations, in one.
 
-    Args:
-        loads: Loads, of which prestress and temperature are used.
-        stiffness: S of constant stiffness, (n_e, n_e) [N/m, N m/rad].
-        e: Deformations, (n_e,) [m, rad].
-
-    Returns:
-        sigma, (n_e,) [N, N m], and S with the share of nonlinear elements, (n_e, n_e) [N/m, N m/rad].
-
-    Source:
-        THEORY.md 5, eq. (5.4).
+    Returns sigma, (n_e,) [N, N m], and S with the share of nonlinear elements, (n_e, n_e) [N/m, N m/rad]. Source:
+    THEORY.md 5, eq. (5.4).
     """
     strain = strain_of(topology, parameters, loads, e)
     sigma = stiffness @ strain

@@ -33,11 +33,7 @@ class Transfer(NamedTuple):
     rows: tuple[Int[Array, "n_dof"], Int[Array, "n_dep"]] | None = None
 
     def between(self, stiffness: Float[Array, "n_e n_e"]) -> Float[Array, "n_q n_q"]:
-        """DFe^T S DFe.
-
-        Args:
-            stiffness: S, symmetric or not, (n_e, n_e).
-        """
+        """DFe^T S DFe."""
         if self.rows is None:
             return self.DFe.T @ stiffness @ self.DFe
         dof, dependent = self.rows
@@ -52,14 +48,8 @@ class Transfer(NamedTuple):
 def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     """First-order transfer functions by implicit differentiation of D(x) = e.
 
-    Args:
-        jacobian: D_x, (n_e, n_x).
-
-    Returns:
-        DFx = -A^-1 dD/dq-part, DFe = D_x DFx.
-
-    Source:
-        THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and reference [10] there.
+    Returns DFx = -A^-1 dD/dq-part, DFe = D_x DFx. Source: THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and
+    reference [10] there.
     """
     rows, dependent = topology.e.given, topology.x.dependent
     held = jacobian[rows]
@@ -88,20 +78,12 @@ def multipliers(
 ) -> Float[Array, "n_e"]:
     """Stress resultants with the multipliers of FIXED and PRESCRIBED deformations filled in.
 
-    They balance the forces on the DEPENDENT coordinates, A^T s = f - D_x^T sigma there. At an equilibrium the part of
-    s that belongs to DOF deformations vanishes.
+    They balance the forces on the DEPENDENT coordinates, A^T s = f - D_x^T sigma there. At an equilibrium the part of s
+    that belongs to DOF deformations vanishes. Returns sigma, (n_e,) [N, N m]. Source: THEORY.md 5, eq. (5.5):
+    multipliers of the FIXED deformations are their stress resultants.
 
     Args:
-        tangent: Transfer functions at the configuration.
-        jacobian: D_x, (n_e, n_x).
         sigma: Stress resultants of the elastic elements; entries of held deformations are ignored, (n_e,) [N, N m].
-        force: Nodal forces, (n_x,) [N, N m].
-
-    Returns:
-        sigma, (n_e,) [N, N m].
-
-    Source:
-        THEORY.md 5, eq. (5.5): multipliers of the FIXED deformations are their stress resultants.
     """
     fixed = topology.e.held
     sigma = put(sigma, fixed, 0.0)
@@ -115,16 +97,11 @@ def correction(
 ) -> Float[Array, "n_x"]:
     """Change of the DEPENDENT coordinates that removes, to first order, an excess of the held deformations.
 
+    Returns change of x, (n_x,) [m, rad, -]. Source: Newton's corrector of THEORY.md 4, eq. (4.2).
+
     Args:
-        tangent: Transfer functions at the configuration.
         excess: Deformations minus their wanted values; DEPENDENT entries are ignored, (n_e,) [m, rad].
         shift: Change of the other coordinates already decided on, whose effect ``excess`` includes, (n_x,).
-
-    Returns:
-        Change of x, (n_x,) [m, rad, -].
-
-    Source:
-        Newton's corrector of THEORY.md 4, eq. (4.2).
     """
     right = -excess[topology.e.given]
     return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))

@@ -95,11 +95,7 @@ class _Walked(NamedTuple):
 
 
 def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | None:
-    """The beams whose last end can be computed; None where there are none, or where the topology is traced.
-
-    Args:
-        acted: Coordinates that loads act on; None: all.
-    """
+    """The beams whose last end can be computed; None where there are none, or where the topology is traced."""
     if not is_concrete(topology):
         return None
     walked = _walk(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
@@ -266,12 +262,7 @@ def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tupl
 
 
 def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) -> tuple[Block, dict[str, Any]]:
-    """Some elements of a block, with their properties.
-
-    Args:
-        properties: Stacked properties of the block.
-        rows: Numbers of the elements.
-    """
+    """Some elements of a block, with their properties."""
     if rows.shape[0] == block.x.shape[0]:
         return block, properties
     own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[rows], with_rigidities(properties))
@@ -280,15 +271,11 @@ def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) ->
 
 
 def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
-    """Nodal coordinates with those computed that beams give.
+    """Nodal coordinates with those computed that beams give. Source: THEORY.md 9 (d), eq. (9.7).
 
     Args:
-        poses: Which.
         passed: Way and turn of each beam, or the way alone where no rotation is asked for.
         x: Nodal coordinates, of which those that are computed are not read, (n_x,) [m, rad, -].
-
-    Source:
-        THEORY.md 9 (d), eq. (9.7).
     """
     ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
     spatial = ways.shape[1] == 3

@@ -30,12 +30,7 @@ class Turning(Record):
     own: Int[Array, "j four"]
 
     def since(self, x: Float[Array, "n_x"], before: Float[Array, "n_x"]) -> "Turns":
-        """How everything has turned between two places.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            before: The same before.
-        """
+        """How everything has turned between two places."""
         if self.vectors.shape[1] == 2:
             angles = (x - before)[self.by[:, 0]]
             return Turns(jax.vmap(rotation_plane)(angles), jnp.zeros((0, 4, 4)))
@@ -49,12 +44,7 @@ class Turning(Record):
         return Turns(jax.vmap(rotation_matrix)(relative(self.by)), jnp.moveaxis(products, 0, 2))
 
     def turned(self, turns: "Turns", along: Float[Array, "r"]) -> Float[Array, "r"]:
-        """Forces or displacements of the unknowns, turned along with their nodes.
-
-        Args:
-            turns: See :meth:`since`.
-            along: What is turned, (r,).
-        """
+        """Forces or displacements of the unknowns, turned along with their nodes."""
         for places, matrices in ((self.vectors, turns.of_vectors), (self.parameters, turns.of_parameters)):
             along = put(along, places, jnp.sum(matrices * along[places][:, None, :], axis=2))
         return along
@@ -77,12 +67,7 @@ class Turns(NamedTuple):
 
 
 def turning_of(topology: Topology, blocks: list[Block]) -> Turning:
-    """What turns in a mechanism, on the host: positions that an element names beside a rotation, and rotations.
-
-    Args:
-        topology: Structure, with concrete indices.
-        blocks: Those of its elements that are looked at.
-    """
+    """What turns in a mechanism, on the host: positions that an element names beside a rotation, and rotations."""
     free = np.asarray(topology.x.free)
     unknown = np.full(topology.n_x, -1)
     unknown[free] = np.arange(len(free))

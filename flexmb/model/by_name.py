@@ -26,12 +26,7 @@ _HELD = {
 
 
 def turn_of(node: str, axis: str = "") -> str:
-    """Name of the hinge by which the rotation of a node in space is turned or held.
-
-    Args:
-        node: Node or its rotation.
-        axis: "rx", "ry" or "rz" of the hinge about that global axis.
-    """
+    """Name of the hinge by which the rotation of a node in space is turned or held."""
     return TURN_OF + node.removesuffix(".rotation") + (f".{axis}" if axis else "")
 
 
@@ -57,29 +52,15 @@ class ByName:
     def at(self: Any, node: str) -> Float[Array, "*states n"]:
         """Coordinates of a node, or of its rotation as "name.rotation".
 
-        Args:
-            node: Name of the node.
-
-        Returns:
-            (states, n) [m], of a rotation in the plane [rad], in space its Euler parameters [-].
-
-        Raises:
-            KeyError: No such node.
+        Returns (states, n) [m], of a rotation in the plane [rad], in space its Euler parameters [-]. Raises KeyError:
+        No such node.
         """
         return _picked(self.x, self.labels.known(node))
 
     def position(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Where a node is.
 
-        Args:
-            node: Name of the node.
-            component: "x", "y" or "z" for that coordinate alone.
-
-        Returns:
-            (states, 2 or 3), or (states,) of one component [m].
-
-        Raises:
-            KeyError: No such node or component.
+        Returns (states, 2 or 3), or (states,) of one component [m]. Raises KeyError: No such node or component.
         """
         if self.labels.x[self.labels.known(node)[0]].kind != "position":
             raise KeyError(
@@ -90,29 +71,19 @@ class ByName:
     def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How far a node is turned from the global axes.
 
-        Args:
-            node: Name of the node.
-            component: In space "rx", "ry" or "rz" for that component alone.
+        Raises KeyError: No such node or component, or the node has no rotation.
 
         Returns:
             The angle in the plane, (states,); the rotation vector in space, the axis times the angle, (states, 3)
             [rad], within a full turn to either side: past it, a hinge's deformation counts on. It is differentiable at
             zero rotation too.
-
-        Raises:
-            KeyError: No such node or component, or the node has no rotation.
         """
         return self._turned(self.x, node, component, lambda _, own: _vectors(own))
 
     def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Velocities of a node's coordinates; of its rotation see :meth:`angular_velocity`.
 
-        Args:
-            node: Name of the node.
-            component: "x", "y" or "z" for that coordinate alone.
-
-        Returns:
-            (states, n), or (states,) of one component [m/s].
+        Returns (states, n), or (states,) of one component [m/s].
 
         Raises:
             KeyError: No such node or component.
@@ -123,12 +94,7 @@ class ByName:
     def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Accelerations of a node's coordinates, as :meth:`velocity`.
 
-        Args:
-            node: Name of the node.
-            component: "x", "y" or "z" for that coordinate alone.
-
-        Returns:
-            (states, n), or (states,) of one component [m/s^2].
+        Returns (states, n), or (states,) of one component [m/s^2].
 
         Raises:
             KeyError: No such node or component.
@@ -139,12 +105,7 @@ class ByName:
     def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How fast a node turns.
 
-        Args:
-            node: Name of the node.
-            component: In space "rx", "ry" or "rz" for that component alone.
-
-        Returns:
-            Of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s].
+        Returns of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s].
 
         Raises:
             KeyError: No such node or component, or the node has no rotation.
@@ -155,12 +116,7 @@ class ByName:
     def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Rate of :meth:`angular_velocity`.
 
-        Args:
-            node: Name of the node.
-            component: In space "rx", "ry" or "rz" for that component alone.
-
-        Returns:
-            Of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s^2].
+        Returns of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s^2].
 
         Raises:
             KeyError: No such node or component, or the node has no rotation.
@@ -173,7 +129,6 @@ class ByName:
 
         Args:
             node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
-            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
 
         Returns:
             Forces, then the moments if the node has a rotation, about global axes, (states, n), or (states,) of one
@@ -189,33 +144,23 @@ class ByName:
         """What must act on the mechanism at a node from outside, so that it is in the state that it is in.
 
         Loads and supports together, without weight: where a coordinate is prescribed, what its drive has to give; where
-        a load acts, that load; zero elsewhere.
+        a load acts, that load; zero elsewhere. Returns as :meth:`reaction` [N, N m]. Source: D_x^T sigma less weight,
+        in motion with the forces of inertia: THEORY.md 5, eq. (5.1) and (5.2).
 
         Args:
             node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
-            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
-
-        Returns:
-            As :meth:`reaction` [N, N m].
 
         Raises:
             KeyError: No such node or component.
             AttributeError: The result has no forces.
-
-        Source:
-            D_x^T sigma less weight, in motion with the forces of inertia: THEORY.md 5, eq. (5.1) and (5.2).
         """
         return self._acting(_held(self, "external"), node, component)
 
     def deformation(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
-        """Deformations of an element.
+        """Deformations of an element. Returns (states, n), or (states,) of one [m, rad if angular].
 
         Args:
-            element: Name of the element.
             number: Which, its name or number from 1, as in ``released=``; all of them unless given.
-
-        Returns:
-            (states, n), or (states,) of one [m, rad if angular].
 
         Raises:
             KeyError: No such element, or it has no such deformation.
@@ -226,12 +171,10 @@ class ByName:
     def stress_resultant(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
         """Stress resultants of an element, dual to its deformations; of what is FIXED, the constraint force.
 
-        Args:
-            element: Name of the element.
-            number: Which, its name or number from 1, as in ``released=``; all of them unless given.
+        Returns (states, n), or (states,) of one [N, N m if angular].
 
-        Returns:
-            (states, n), or (states,) of one [N, N m if angular].
+        Args:
+            number: Which, its name or number from 1, as in ``released=``; all of them unless given.
 
         Raises:
             KeyError: No such element, or it has no such deformation.
@@ -270,27 +213,14 @@ class ByName:
 def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
     """Displacements, then rotations about global axes, of small motions about a state.
 
-    Args:
-        labels: Names.
-        x: Nodal coordinates of the state, (n_x,) [m, rad, -].
-        shapes: Changes of the coordinates, one a column, (n_x, shapes).
-        node: Name of the node.
-        component: One component alone.
-
-    Raises:
-        KeyError: No such node or component.
+    Raises KeyError: No such node or component.
     """
     rows = computed(lambda _, shapes: shapes.T, shapes)
     return _along_axes(labels, x, rows, node, component, 2.0)
 
 
 def _picked(values: Any, indices: Any) -> Any:
-    """Entries of the last axis.
-
-    Args:
-        values: Array of NumPy or JAX.
-        indices: A number or several.
-    """
+    """Entries of the last axis."""
     return computed(lambda _, values: values[..., indices], values)
 
 
@@ -311,11 +241,7 @@ def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | No
 
 
 def _number(node: str, names: Any, component: str | None) -> int:
-    """Which of some components one is.
-
-    Raises:
-        KeyError: None of them.
-    """
+    """Which of some components one is. Raises KeyError: None of them."""
     if component is None:
         return 0
     if component not in names:
@@ -324,11 +250,7 @@ def _number(node: str, names: Any, component: str | None) -> int:
 
 
 def _held(result: Any, quantity: str) -> Any:
-    """An array of a result.
-
-    Raises:
-        AttributeError: It has none.
-    """
+    """An array of a result. Raises AttributeError: It has none."""
     try:
         return getattr(result, quantity)
     except AttributeError as error:

@@ -122,11 +122,7 @@ class Labels:
         return [i for i, entry in enumerate(self.x) if entry.of == node]
 
     def known(self, node: str) -> np.ndarray:
-        """As :meth:`coordinates`, for a node that must exist.
-
-        Raises:
-            KeyError: No such node.
-        """
+        """As :meth:`coordinates`, for a node that must exist. Raises KeyError: No such node."""
         indices = self.coordinates(node)
         if not indices:
             raise KeyError(f"no node '{node}' in this model{_instead(node, [entry.of for entry in self.x], 'node')}")
@@ -173,8 +169,7 @@ class Labels:
     def parts(self, node: str) -> list[str]:
         """A node and its rotation, as far as there are both; the rotation alone of "name.rotation".
 
-        Raises:
-            KeyError: No such node.
+        Raises KeyError: No such node.
         """
         found = [part for part in (node, f"{node}.rotation") if self.coordinates(part)]
         if not found:
@@ -190,11 +185,7 @@ class Labels:
     def deformations(self, element: str, number: int | str | None = None) -> Any:
         """Indices in e of an element's deformations, or of one of them.
 
-        Args:
-            number: Which, from 1, or its name.
-
-        Raises:
-            KeyError: No such element, or it has no such deformation.
+        Raises KeyError: No such element, or it has no such deformation.
         """
         own = [i for i, entry in enumerate(self.e) if entry.of == element and entry.kind != "norm"]
         if not own:
@@ -347,9 +338,6 @@ _INSTEAD = {
 def as_model(given: Any, function: str) -> Model:
     """A model, which is refused by what to do where it is none.
 
-    Args:
-        function: Name of the public function that it is given to.
-
     Raises:
         TypeError: It is no Model.
         RuntimeError: Double precision is off.
@@ -364,11 +352,6 @@ def as_model(given: Any, function: str) -> Model:
 
 def as_known(given: Any, function: str, numbers: bool = True) -> Model:
     """As :func:`as_model`, of a model that is known where a program is traced.
-
-    Args:
-        given: What should be a Model.
-        function: Name of the public function.
-        numbers: Whether all its numbers must be, or its structure alone.
 
     Raises:
         TypeError: It is no Model, or it is traced: by ``jax.jit`` that was given the whole, by derivatives its numbers.

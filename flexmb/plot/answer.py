@@ -19,26 +19,14 @@ DATES = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 def image(answer: Any, format: str) -> bytes:
     """Draw an answer: by the picture that its mode names, or by that of its result; where there is stress, it too.
 
-    Args:
-        answer: Answer of :func:`flexmb.answers.answers.answer`.
-        format: "png", "svg" or "pdf".
-
-    Returns:
-        Content of the file.
+    Returns content of the file.
     """
     stressed = answer.lin if answer.data.get("stress", {}).get("maximum") and not answer.picture else None
     return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture, stressed)
 
 
 def image_of(found: Result, format: str, picture: str = "", stressed: Linearization | None = None) -> bytes:
-    """Content of a file with the picture of a result: its own, or that which is named.
-
-    Args:
-        found: The result.
-        format: "png", "svg" or "pdf".
-        picture: Name of a function of :mod:`flexmb.plot`, in place of its own.
-        stressed: Linearisation whose von Mises stress is drawn beside.
-    """
+    """Content of a file with the picture of a result: its own, or that which is named."""
 
     def draw() -> Any:
         figure = getattr(plot, picture)(found) if picture else _figure(found)
@@ -50,12 +38,7 @@ def image_of(found: Result, format: str, picture: str = "", stressed: Linearizat
 
 
 def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
-    """Content of a file with a figure, the same for the same figure, which is closed again.
-
-    Args:
-        draw: Makes the figure.
-        format: "png", "svg" or "pdf".
-    """
+    """Content of a file with a figure, the same for the same figure, which is closed again."""
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):

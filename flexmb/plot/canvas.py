@@ -28,15 +28,7 @@ LETTERS = 11.5
 
 
 def new_axes(dimension: int, ax: Any = None) -> Any:
-    """Axes to draw a mechanism in.
-
-    Args:
-        dimension: 2 or 3.
-        ax: Axes to use, or None for those of a new figure.
-
-    Raises:
-        ValueError: ``ax`` is not of that dimension.
-    """
+    """Axes to draw a mechanism in. Raises ValueError: ``ax`` is not of that dimension."""
     if ax is None:
         import matplotlib.pyplot as plt
 
@@ -50,23 +42,12 @@ def new_axes(dimension: int, ax: Any = None) -> Any:
 
 
 def plain_axes(ax: Any = None) -> Any:
-    """Axes for a curve.
-
-    Args:
-        ax: Axes to use, or None for those of a new figure.
-
-    Raises:
-        ValueError: ``ax`` are axes in space.
-    """
+    """Axes for a curve. Raises ValueError: ``ax`` are axes in space."""
     return new_axes(2, ax)
 
 
 def prefixed(drawn: Series) -> tuple[float, str]:
-    """By what to multiply a quantity so that it is read without powers of ten, and the label of its axis then.
-
-    Args:
-        drawn: The quantity.
-    """
+    """By what to multiply a quantity so that it is read without powers of ten, and the label of its axis then."""
     if drawn.unit == "-" or "," in drawn.unit:
         return 1.0, drawn.axis
     factor, unit = prefix_for(largest_of(drawn.values), drawn.unit)
@@ -80,12 +61,7 @@ def largest_of(values: Any) -> float:
 
 
 def prefix_for(largest: float, unit: str) -> tuple[float, str]:
-    """By what to multiply values up to a largest one so that they are read without powers of ten, and their unit then.
-
-    Args:
-        largest: The largest of them; the unit stays as it is where it is zero.
-        unit: Their unit, SI without a prefix.
-    """
+    """Factor by which values up to a largest one are read without powers of ten, and their unit then."""
     by, prefix = prefix_of(largest)
     return 1 / by, prefix + unit
 
@@ -94,15 +70,7 @@ def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
     """Label an axis with its unit; one in metres counts in millimetres or micrometres where that is shorter.
 
     What is drawn stays in metres, so that more can be drawn over it; the numbers along the axis alone are multiplied.
-
-    Args:
-        axis: An axis of matplotlib, or of a colour bar.
-        name: What is along it.
-        unit: Its unit; none is written where it is empty.
-        largest: What the prefix is chosen by, the largest value or the extent.
-
-    Returns:
-        The unit that the axis counts in.
+    Returns the unit that the axis counts in.
     """
     if unit == "m":
         from matplotlib.ticker import Formatter
@@ -134,23 +102,12 @@ def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
 
 
 def entitle(figure: Any, text: str) -> None:
-    """Write a title above all panels, in as many lines as the width of the figure asks for.
-
-    Args:
-        figure: matplotlib Figure.
-        text: The title.
-    """
+    """Write a title above all panels, in as many lines as the width of the figure asks for."""
     figure.suptitle(textwrap.fill(text, int(LETTERS * figure.get_figwidth())), fontsize=10)
 
 
 def polylines(ax: Any, lines: Sequence[Float[np.ndarray, "n d"]], label: str, values: Any = None, **style: Any) -> Any:
-    """Many lines as one collection.
-
-    Args:
-        lines: Points of each, (n, d) [m].
-        values: Number by which each line is coloured, or None.
-        style: As for matplotlib's LineCollection.
-    """
+    """Many lines as one collection."""
     from matplotlib.collections import LineCollection
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
@@ -162,11 +119,7 @@ def polylines(ax: Any, lines: Sequence[Float[np.ndarray, "n d"]], label: str, va
 
 
 def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None:
-    """Elements in the style of their kind, each kind with its name as label.
-
-    Args:
-        ghost: Pale, all of them labelled "undeformed".
-    """
+    """Elements in the style of their kind, each kind with its name as label."""
     if ghost:
         drawn = [line.points for line in lines if line.kind != "hinge"]
         polylines(ax, drawn, "undeformed", color=GREY, linewidth=1.0, linestyle="--", zorder=1)
@@ -183,7 +136,6 @@ def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, 
     """Half-transparent faces as one collection.
 
     Args:
-        quads: Corners of the quadrilaterals of each element, (quads, 4, d) [m].
         style: As for matplotlib's PolyCollection: "facecolor", or "array" with a number for each face and "cmap".
     """
     from matplotlib.collections import PolyCollection
@@ -200,23 +152,13 @@ def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, 
 
 
 def marks(ax: Any, points: Float[np.ndarray, "n d"], label: str, **style: Any) -> None:
-    """Markers without a line.
-
-    Args:
-        points: Where, (n, d) [m].
-        style: As for matplotlib's plot.
-    """
+    """Markers without a line."""
     if len(points):
         ax.plot(*np.asarray(points).T, linestyle="none", label=label, **style)
 
 
 def arrow(ax: Any, start: Float[np.ndarray, "d"], vector: Float[np.ndarray, "d"], label: str, color: str) -> None:
-    """Arrow from a point.
-
-    Args:
-        start: Where it begins, (d,) [m].
-        vector: From its beginning to its end, (d,) [m].
-    """
+    """Arrow from a point."""
     if ax.name == "3d":
         ax.quiver(*start, *vector, color=color, label=label, arrow_length_ratio=0.25, linewidth=1.5)
     else:
@@ -225,24 +167,14 @@ def arrow(ax: Any, start: Float[np.ndarray, "d"], vector: Float[np.ndarray, "d"]
 
 
 def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> None:
-    """Text at a point.
-
-    Args:
-        point: Where, (d,) [m].
-        style: As for matplotlib's text.
-    """
+    """Text at a point."""
     # Legible over lines.
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.6, "pad": 0.5}
     ax.text(*point, text, fontsize=8, zorder=6, bbox=paper, **style)
 
 
 def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
-    """Limits around points, equal scales and labels with units, of lengths with the prefix that suits the extent.
-
-    Args:
-        points: What must be seen, (n, d) [m].
-        margin: Space around, as share of the extent.
-    """
+    """Limits around points, equal scales and labels with units, of lengths with the prefix that suits the extent."""
     around = margin * extent_of(points)
     low, high = np.min(points, axis=0) - around, np.max(points, axis=0) + around
     # A flat direction keeps some thickness, so that its axis can be read.

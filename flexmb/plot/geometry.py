@@ -33,14 +33,7 @@ class Line(NamedTuple):
 
 
 def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
-    """Indices in x of every node of one kind.
-
-    Args:
-        part: "position" or "rotation".
-
-    Returns:
-        Indices by node name, in the order of the model.
-    """
+    """Indices in x of every node of one kind. Returns indices by node name, in the order of the model."""
     found: dict[str, list[int]] = {}
     for i, entry in enumerate(model.labels.x):
         if entry.kind == part:
@@ -49,19 +42,14 @@ def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
 
 
 def extent_of(points: Float[np.ndarray, "n d"]) -> float:
-    """Largest size of a set of points along an axis, 1 where they are one point, [m].
-
-    Args:
-        points: (n, d) [m].
-    """
+    """Largest size of a set of points along an axis, 1 where they are one point, [m]."""
     return (float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0) or 1.0
 
 
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
     """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
 
-    Returns:
-        Names of points by name of the rotation.
+    Returns names of points by name of the rotation.
     """
     found: dict[str, list[str]] = {}
     for block in model.topology.blocks:
@@ -84,15 +72,8 @@ def lines(
     """Every element with deformations as a line, at given coordinates.
 
     An element's ``shape`` companion says where its points are. Without one, two points and two rotations are joined by
-    the cubic along the axis that the undeformed element had, and other points by straight lines.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        places: From 0 to 1, (places,) [-].
-        straight: Springs as straight lines rather than zigzags.
-
-    Returns:
-        Lines in the order of the model.
+    the cubic along the axis that the undeformed element had, and other points by straight lines. Returns lines in the
+    order of the model.
     """
     found: dict[str, Line] = {}
     companions = _companions(model)
@@ -121,14 +102,7 @@ def scaled_lines(
     """Every element as a line, its displacement from one state to another multiplied.
 
     The points are scaled, not the coordinates: a beam that bends is no linear function of its curvature, and would end
-    beside the nodes that it joins.
-
-    Args:
-        base: Nodal coordinates of the one state, (n_x,) [m, rad, -].
-        x: Those of the other, (n_x,) [m, rad, -].
-
-    Returns:
-        Lines in the order of the model.
+    beside the nodes that it joins. Returns lines in the order of the model.
     """
     if factor == 1:
         return lines(model, x)
@@ -150,15 +124,7 @@ def masses(model: Model) -> list[np.ndarray]:
 
 
 def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"]) -> Float[np.ndarray, "n d"]:
-    """A spring from p to q.
-
-    Args:
-        p: First end, (d,) [m].
-        q: Last end, (d,) [m].
-
-    Returns:
-        Its corners, (n, d) [m].
-    """
+    """A spring from p to q. Returns its corners, (n, d) [m]."""
     along = q - p
     across = np.zeros(len(p))
     k = np.argmin(np.abs(along))

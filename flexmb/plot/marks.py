@@ -39,8 +39,8 @@ class Mark(NamedTuple):
 def supports(model: Model) -> dict[str, list[str]]:
     """Nodes where something is fixed or prescribed, each under every one of :data:`SUPPORTS` that it is.
 
-    Returns:
-        Names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported"; "prescribed".
+    Returns names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported";
+    "prescribed".
     """
     roles = model.roles()[0]
     held: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
@@ -68,11 +68,7 @@ def dofs(model: Model) -> list[Mark]:
 
 
 def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
-    """Nodal forces and moments of all loads but gravity, incremental ones added.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-    """
+    """Nodal forces and moments of all loads but gravity, incremental ones added."""
     forces, places = _forces(model, x), _Places(model)
     found = [
         Mark("force", name, name, forces[i], sized(float(np.linalg.norm(forces[i])), "N"))

@@ -90,11 +90,7 @@ def mechanism(
 
 
 def draw_supports(ax: Any, model: Model, points: dict[str, np.ndarray]) -> None:
-    """Markers where something is fixed or prescribed.
-
-    Args:
-        points: Where each node is, (d,) [m].
-    """
+    """Markers where something is fixed or prescribed."""
     for (kind, names), marker in zip(marked.supports(model).items(), "s^D", strict=True):
         at = np.array([points[name] for name in names])
         marks(ax, at, kind, marker=marker, markersize=9, color=BLACK, markerfacecolor="none", zorder=4)

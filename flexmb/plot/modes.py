@@ -53,16 +53,7 @@ def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, 
 
 
 def chosen_modes(found: States, which: Sequence[int] | None, most: int, verb: str) -> list[int]:
-    """Numbers of the modes that are wanted.
-
-    Args:
-        which: Their numbers, from 0; the first unless given.
-        most: How many unless given.
-        verb: What is to be done with them, for the message.
-
-    Raises:
-        ValueError: There is no such mode, or none at all.
-    """
+    """Numbers of the modes that are wanted. Raises ValueError: There is no such mode, or none at all."""
     count = len(found.titles)
     chosen = list(range(min(count, most))) if which is None else list(which)
     if not chosen:
@@ -91,10 +82,6 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
     """What a shape is multiplied by so that the largest displacement of a drawn point is a share of the extent.
 
     Where the sections turn by more than a radian beside that, as in torsion, it is less.
-
-    Args:
-        x: Coordinates that the shape is about, (n_x,) [m, rad, -].
-        shape: Motion, (n_x,).
     """
     size = np.max(np.abs(shape), initial=0.0) or 1.0
     states = (x, x + STEP / size * shape)

@@ -97,11 +97,7 @@ def _draw_slope(ax: Any, at: np.ndarray, height: np.ndarray) -> None:
 
 
 def index_of(labels: Labels, name: str) -> int:
-    """Index in x of a coordinate such as "tip.y".
-
-    Raises:
-        KeyError: No such coordinate.
-    """
+    """Index in x of a coordinate such as "tip.y". Raises KeyError: No such coordinate."""
     for i, entry in enumerate(labels.x):
         if str(entry) == name:
             return i
@@ -125,10 +121,6 @@ def _with_critical(
 
     Critical points lie between the steps at which stability changes, in the order of the path; a piece that has an end
     in an unstable state, and no critical point between, is drawn as unstable.
-
-    Args:
-        steps: What is drawn over, and what is drawn, at each step.
-        critical: The same at each critical point.
     """
     (at, height), x = steps, np.asarray(found.x)
     left = list(zip(found.critical_points, *critical, strict=True))

@@ -15,7 +15,6 @@ def states_of(shown: Any, at: Any = None) -> States:
     """States of what is to be drawn, in concrete numbers.
 
     Args:
-        shown: Model, Linearization, Modes, Buckling, Path, Motion or Mobility.
         at: Where it is an equilibrium, configuration or linearisation of the model; with a Model only.
 
     Raises:
@@ -46,16 +45,7 @@ def states_of(shown: Any, at: Any = None) -> States:
 def state_of(
     shown: Any, at: Any = None, step: int | None = None, time: float | None = None
 ) -> tuple[Model, Float[np.ndarray, "n_x"]]:
-    """Model and coordinates of what is to be drawn.
-
-    Args:
-        shown: As for :func:`states_of`.
-        at: As for :func:`states_of`.
-        step: Which step of a path, or number of a time; the last unless given.
-        time: Time of a motion; the output time nearest to it [s].
-
-    Returns:
-        Model, and x (n_x,) [m, rad, -].
+    """Model and coordinates of what is to be drawn. Returns model, and x (n_x,) [m, rad, -].
 
     Raises:
         TypeError: As for :func:`states_of`.
@@ -84,11 +74,7 @@ def _kind(value: Any) -> str:
 
 
 def checked(scale: float) -> float:
-    """A factor of displacements.
-
-    Raises:
-        ValueError: It is not finite.
-    """
+    """A factor of displacements. Raises ValueError: It is not finite."""
     if not np.isfinite(scale):
         raise ValueError(f"Argument `scale` must be a finite number, but is {scale}.")
     return scale
@@ -97,15 +83,10 @@ def checked(scale: float) -> float:
 def displaced(
     model: Model, x: Float[np.ndarray, "n_x"], scale: float = 1.0, base: Float[np.ndarray, "n_x"] | None = None
 ) -> Float[np.ndarray, "n_x"]:
-    """Coordinates with displacements multiplied.
+    """Coordinates with displacements multiplied. Returns (n_x,) [m, rad, -].
 
     Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        scale: Factor; Euler parameters are brought back to unit norm.
         base: Coordinates that displacements are counted from, (n_x,); by default those of the undeformed mechanism.
-
-    Returns:
-        (n_x,) [m, rad, -].
     """
     if checked(scale) == 1:
         return x

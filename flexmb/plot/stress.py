@@ -111,12 +111,8 @@ def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: 
 def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     """Value at each place of each element, and the label of its scale.
 
-    Args:
-        found: Stress or section resultants.
-        quantity: As for :func:`stress`.
-
-    Returns:
-        (elements, places) [MPa, N, N m], of the eight points of a surface the largest with its sign; label with unit.
+    Returns (elements, places) [MPa, N, N m], of the eight points of a surface the largest with its sign; label with
+    unit.
     """
     if not hasattr(found, "quantities"):
         raise TypeError(

@@ -53,10 +53,6 @@ class About(NamedTuple):
 def about(given: Any, function: str) -> About:
     """The motion of a simulation, along which nothing is held, or that of inverse dynamics.
 
-    Args:
-        given: Motion or Nominal.
-        function: Who asks, for an error.
-
     Raises:
         TypeError: It is neither.
         ModelError: It did not reach its end, or has one time alone.
@@ -123,14 +119,7 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
 
 
 def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: dict[int, np.ndarray]) -> None:
-    """Warn of an input whose parts do not move together, by a constant distance at most.
-
-    Args:
-        motion: Motion.
-        found: Nominal inputs, (n_t, n_u).
-        every: What each input does to each term, (n_u, terms).
-        moved: How the terms that are not FIXED move, by their numbers, (n_t,).
-    """
+    """Warn of an input whose parts do not move together, by a constant distance at most."""
     sizes = extent_of(motion.model.topology, motion.model.parameters), np.max(np.abs(motion.xd), initial=0.0)
     span = float(np.ptp(np.asarray(motion.t))) or 1.0
     floors = (ROUND_OFF * sizes[0], ROUND_OFF * sizes[1], ROUND_OFF * sizes[1] / span)
@@ -176,13 +165,7 @@ def _freedoms(
 
 
 def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
-    """Loads that cancel, at the times of a motion, what holds the degrees of freedom along it.
-
-    Args:
-        model: Mechanism.
-        t: Times, (n_t,) [s].
-        held: What holds them, (n_t, n_q) [N, N m].
-    """
+    """Loads that cancel, at the times of a motion, what holds the degrees of freedom along it."""
     top = model.topology
     n = top.x.dof.shape[0]
     if is_concrete(held) and not np.any(np.asarray(held)):
@@ -200,13 +183,7 @@ def check_freedoms(motion: Motion) -> None:
 
     Also between two times, by a determinant that changes its sign there; of an even number of such places between two
     times nothing is seen. There the matrices of what vibrates have a pole, which no curve through those at the times
-    tells.
-
-    Args:
-        motion: Motion; nothing is asked where it is traced.
-
-    Raises:
-        AnalysisError: singular_configuration, with the first times.
+    tells. Raises AnalysisError: singular_configuration, with the first times.
     """
     model, top = motion.model, motion.model.topology
     if not is_concrete((model, motion.x, motion.near)) or top.e.given.shape[0] != top.x.dependent.shape[0]:
@@ -238,14 +215,10 @@ def _sides(model: Model, x: Float[Array, "n_t n_x"], near: Float[Array, "n_t n_e
 def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
     """Outputs along a motion, as sensors give them; rotations in space since the undeformed mechanism.
 
-    Args:
-        motion: Motion.
-
-    Returns:
-        (n_t, n_y) [m, rad, ..].
-
     Warns:
         FlexmbWarning: A rotation about an axis in space passes a full turn, where it jumps.
+
+    Returns (n_t, n_y) [m, rad, ..].
     """
     if not motion.labels.outputs:
         return as_floats(np.zeros((len(motion.t), 0)))
@@ -259,11 +232,7 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
 def origins_of(model: Model) -> Float[Array, "n_y"]:
     """Coordinates that displacements among the outputs count from, in the undeformed mechanism; NaN of other outputs.
 
-    Args:
-        model: Mechanism.
-
-    Returns:
-        (n_y,) [m].
+    Returns (n_y,) [m].
     """
     outputs, entries = model.labels.outputs, model.labels.x
     moved = [s.quantity == "position" and not s.parts and entries[s.index].kind == "position" for s in outputs]

@@ -185,11 +185,7 @@ def _system(system: Any):
 
 
 def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: list[str]) -> _Inverse:
-    """Inverse of a system by its relative degrees.
-
-    Source:
-        THEORY.md 14, eq. (14.16) and (14.17).
-    """
+    """Inverse of a system by its relative degrees. Source: THEORY.md 14, eq. (14.16) and (14.17)."""
     import scipy.linalg
 
     n, degrees, chains, rows, gains = len(a), [], [], [], []
@@ -262,11 +258,7 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
 
 
 def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequence[str], grid: np.ndarray):
-    """States, inputs and outputs at the times.
-
-    Source:
-        THEORY.md 14, eq. (14.18).
-    """
+    """States, inputs and outputs at the times. Source: THEORY.md 14, eq. (14.18)."""
 
     def derivatives(t: Float[Array, ""]):
         """Outputs and their derivatives to the relative degree, one a column, of each law."""

@@ -260,11 +260,10 @@ class _AtTimes(NamedTuple):
 def place_of(model: Model, name: str) -> Quantity | None:
     """Where a quantity is that a name means; None where it means none.
 
+    Raises ModelError: The name means an output that is the rate of something.
+
     Args:
         name: "stage.x", "arm.phi", "arm.rz", "hinge.e1", or an output that is a position, rotation or deformation.
-
-    Raises:
-        ModelError: The name means an output that is the rate of something.
     """
     labels = model.labels
     if (place := labels.place(name)) is not None:
@@ -485,8 +484,7 @@ class _Corrected(NamedTuple):
 def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal: tuple[Any, ...], at: _At):
     """One step of Newton's method towards a configuration in which what is wanted has its values.
 
-    Source:
-        THEORY.md 14, eq. (14.13).
+    Source: THEORY.md 14, eq. (14.13).
     """
     top, places, driven = form.topology, [one.place for one in wanted], jnp.array(moved, int)
     n = top.x.dof.shape[0]
@@ -616,15 +614,7 @@ def _inputs_needed(
     driven: Int[Array, "k"],
     acting: tuple[int, ...],
 ) -> tuple[Float[Array, "n_u"], Float[Array, "n_q"], Bool[Array, ""]]:
-    """Inputs that drive, forces that hold the rest, and whether these inputs can drive.
-
-    Args:
-        residual: Force out of balance along each degree of freedom, of the inputs, in which it is linear.
-        needed: That without inputs.
-        n_u: Number of inputs.
-        driven: Degrees of freedom that they drive, (k,).
-        acting: Inputs that do, as many.
-    """
+    """Inputs that drive, forces that hold the rest, and whether these inputs can drive."""
     if not acting:
         return jnp.zeros(n_u), needed, jnp.array(True)
     chosen = jnp.array(acting, int)
@@ -697,11 +687,7 @@ def _moving(
     x: Float[Array, "n_x"],
     near: Float[Array, "n_e"],
 ) -> Moving:
-    """Velocities and accelerations along the trajectory.
-
-    Source:
-        THEORY.md 14, eq. (14.14).
-    """
+    """Velocities and accelerations along the trajectory. Source: THEORY.md 14, eq. (14.14)."""
     none = jnp.zeros(form.topology.n_q)
     if not wanted:
         return carried(form, t, x, none, none, near)

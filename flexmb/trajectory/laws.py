@@ -98,14 +98,7 @@ class Shaped(Record):
     delays: Float[Array, "n"]
 
     def __call__(self, t: Float[ArrayLike, ""]) -> Float[Array, ""]:
-        """Value at a time.
-
-        Args:
-            t: Time, () [s].
-
-        Returns:
-            () [m, rad].
-        """
+        """Value at a time."""
         parts = [self.shares[i] * self.law(t - self.delays[i]) for i in range(self.shares.shape[0])]
         return jnp.sum(jnp.stack(parts))
 
@@ -388,9 +381,6 @@ def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped
 
 def as_law(what: str, law: Any) -> Callable[..., Any]:
     """A function of time as it is now, which gives one number.
-
-    Args:
-        what: What it is, for the message.
 
     Raises:
         TypeError: It is no function that ``jax.numpy`` can compute.

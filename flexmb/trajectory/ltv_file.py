@@ -39,10 +39,6 @@ def save_time_varying(system: Any, path: str | os.PathLike) -> None:
     Beside what SPACAR's names stand for there are "states", "inputs" and "outputs" with their names, and "about", JSON
     that says what each array is and what is left out: the output tensor G of second order, NYS and NRBM.
 
-    Args:
-        system: TimeVarying.
-        path: Where; ends in .npz or .mat.
-
     Raises:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.

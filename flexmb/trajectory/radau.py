@@ -27,21 +27,12 @@ def march(
     """Solution of M qdd + C qd + K q = f, all of which depend on time.
 
     The accelerations at the three stages of a step are one linear system; the mass may be singular. The method is of
-    order five and damps what vibrates much faster than the steps.
+    order five and damps what vibrates much faster than the steps. Returns q and qd at the times, (n_t, n) each. Source:
+    THEORY.md 14, eq. (14.21): Hairer and Wanner (1996), Solving Ordinary Differential Equations II, table IV.5.6.
 
     Args:
-        equation: Of the time, () [s]; gives M, C, K, each (n, n), and f, (n,).
-        times: Times, ascending, (n_t,) [s].
-        q: Start, (n,).
-        v: Its rate, (n,).
         substeps: Equal steps from each time to the next; a whole number of Python's where derivatives are taken in
             reverse.
-
-    Returns:
-        q and qd at the times, (n_t, n) each.
-
-    Source:
-        THEORY.md 14, eq. (14.21): Hairer and Wanner (1996), Solving Ordinary Differential Equations II, table IV.5.6.
     """
     n, stages = q.shape[0], len(PLACES)
     # In q the weights act twice.

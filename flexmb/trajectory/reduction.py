@@ -13,18 +13,15 @@ from .slow_modes import amplitudes, projected, slow_modes
 def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: int):
     """A linear time-varying system in the amplitudes of a few motions, and their rates.
 
+    Source: THEORY.md 14, eq. (14.24) to (14.26).
+
     Args:
-        t: Times, (n_t,) [s].
         system: A, B, C, D and the mass M with the times in front, and the state at the first time. The first n states
             are displacements, the next n their rates, with n rows of M; others stay as they are.
-        modes: How many motions.
 
     Returns:
         The same of the amplitudes; shapes, (n_t, n, modes); and their stiffness as if shapes stayed as they are in each
         moment, (n_t, modes, modes).
-
-    Source:
-        THEORY.md 14, eq. (14.24) to (14.26).
     """
     whole_a, whole_b, whole_c, whole_d, mass, z0 = system
     n = mass.shape[1]

@@ -20,20 +20,14 @@ def refined(
 ) -> tuple[Any, float, int]:
     """What a run of a method of order five gives, with twice as many steps until that hardly differs.
 
+    Warns:
+        FlexmbWarning: The error is not reached.
+
+    Returns the run, its estimated error (NaN where steps are given or under a trace), and its number of steps.
+
     Args:
         run: Function of the number of steps from one time to the next; a whole number of Python's where it is given or
             under a trace, else an array, so that one program serves all.
-        apart: How far two runs are from each other, over their size [-].
-        substeps: The number of steps; None: as many as ``rtol`` asks for.
-        rtol: Error that is aimed at [-].
-        traced: Whether numbers are not concrete.
-        what: Of what it is, for a warning.
-
-    Returns:
-        The run, its estimated error (NaN where steps are given or under a trace), and its number of steps.
-
-    Warns:
-        FlexmbWarning: The error is not reached.
     """
     check_number("rtol", rtol, above=0)
     if substeps is not None or traced:

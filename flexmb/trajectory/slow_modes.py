@@ -44,19 +44,11 @@ def slow_modes(
 
     A set of shapes is common to all times: those that have most in common with the lowest modes at several instants. To
     them the rest adds at each time what it does at rest. So no mode has to be told from its neighbour, or its sign from
-    the opposite, and frequencies may cross. Derivatives take the common shapes as given.
+    the opposite, and frequencies may cross. Derivatives take the common shapes as given. Source:
+    THEORY.md 14, eq. (14.24).
 
     Args:
-        t: Times, (n_t,) [s].
-        mass: M, (n_t, n, n).
         stiffness: K, (n_t, n, n); the common shapes are taken of the symmetric part.
-        count: How many shapes.
-
-    Returns:
-        SlowModes.
-
-    Source:
-        THEORY.md 14, eq. (14.24).
     """
     own = jax.lax.stop_gradient((mass, (stiffness + jnp.swapaxes(stiffness, 1, 2)) / 2))
     chosen = np.unique(np.linspace(0, mass.shape[0] - 1, INSTANTS).round().astype(int))
@@ -84,17 +76,8 @@ def projected(
 ) -> tuple[Float[Array, "n_t count count"], ...]:
     """Mass, damping and stiffness of the amplitudes p of q = T p.
 
-    Args:
-        modes: Shapes T.
-        mass: M, (n_t, n, n).
-        damping: C, (n_t, n, n).
-        stiffness: K, (n_t, n, n).
-
-    Returns:
-        T^T M T, T^T (C T + 2 M T_d) and T^T (K T + C T_d + M T_dd), (n_t, count, count) each.
-
-    Source:
-        THEORY.md 14, eq. (14.25).
+    Returns T^T M T, T^T (C T + 2 M T_d) and T^T (K T + C T_d + M T_dd), (n_t, count, count) each. Source: THEORY.md 14,
+    eq. (14.25).
     """
     first, second, third, _ = modes
     left = jnp.swapaxes(first, 1, 2)
@@ -108,14 +91,7 @@ def projected(
 def amplitudes(
     modes: SlowModes, mass: Float[Array, "n_t n n"], q: Float[Array, "n"], qd: Float[Array, "n"]
 ) -> tuple[Float[Array, "count"], Float[Array, "count"]]:
-    """Amplitudes at the first time, and their rates, that come closest to given displacements in the norm of the mass.
-
-    Args:
-        modes: Shapes.
-        mass: M, (n_t, n, n).
-        q: Displacements, (n,).
-        qd: Their rates, (n,).
-    """
+    """First amplitudes and their rates that come closest to given displacements in the norm of the mass."""
     shapes = modes.shapes[0]
     momenta = shapes.T @ mass[0]
     factors = factorise(momenta @ shapes)

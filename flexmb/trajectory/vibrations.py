@@ -144,14 +144,7 @@ def _equations(
     *,
     modes: int | None,
 ):
-    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; and the modes.
-
-    Args:
-        force: Along all degrees of freedom, (n_t, n_q).
-        start: Deviations and rates of those that are kept, (kept,) each.
-        kept: Which of them may vibrate.
-        modes: How many; None for all of the freedoms.
-    """
+    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; and the modes."""
     mass, damping, stiffness, force = _kept(m, force, kept)
     parts, slow = (mass, damping, stiffness), None
     if modes is not None:
