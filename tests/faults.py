@@ -3645,7 +3645,7 @@ FAULTS = [
         "answers/test_answers.py -k fixed_axis",
     ),
     Fault(
-        "linear/stability.py",
+        "linear/spectrum.py",
         "return not any_grows(",
         "return any_grows(",
         "answers/test_answers.py -k fixed_axis",
@@ -3787,7 +3787,7 @@ FAULTS = [
     Fault("motion/kinks.py", "bend > CURVED * steep", "bend > 0 * steep", "motion/test_kinks.py -k smoothly"),
     Fault("motion/kinks.py", "bend > UNUSUAL * usual", "bend > 0 * usual", "motion/test_kinks.py -k smoothly"),
     Fault("motion/kinks.py", "steep > CHANGED *", "steep > 0 *", "motion/test_kinks.py -k smoothly"),
-    Fault("linear/stability.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
+    Fault("linear/spectrum.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
     Fault(
         "linear/sparse_poles.py",
         "    if whole.damping.count_nonzero():",

@@ -11,7 +11,7 @@ from ..errors import heard
 from ..linear.compliance import directional_compliance, rates_on_host
 from ..linear.linearize import Linearization
 from ..linear.modes import poles
-from ..linear.stability import without_growth
+from ..linear.spectrum import without_growth
 from ..linear.stress import has_stress, stress
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels

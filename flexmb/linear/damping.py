@@ -45,28 +45,29 @@ def damped(
     Give one or several of ``ratio``, ``rayleigh`` and ``loss_factor``: their damping matrices are added, and by default
     added to that of the elements. Motions that do not vibrate, of rigid bodies, unstable or without mass, have no
     damping ratio, and neither ``ratio`` nor ``loss_factor`` damps them. Equations of motion (:func:`flexmb.simulate`)
-    do not know of it: there elements are damped, by a time constant of their material or by dampers.
+    do not know
+    of it: there elements are damped, by a time constant of their material or by dampers.
 
     Args:
         model: Mechanism, or its linearisation such as that at a stroke. Differentiable in its parameters, also where
             frequencies are repeated, and in the numbers below.
-        ratio: Damping ratio of the modes about this state [-]: one number for all, or one a mode, in the order of
-            :func:`flexmb.modes`, (n,), of which the last holds for all higher modes, too; or by frequency, pairs
-            (frequency [Hz], ratio), (k, 2), with straight lines in between and constant beyond; or a function of
-            frequencies, (n,) [Hz], that returns ratios, (n,).
+        ratio: Damping ratio of the modes about this state [-]: one number for all; or one a mode, (n,), in the order of
+            :func:`flexmb.modes`, of which the last holds for all higher ones; or pairs (frequency [Hz], ratio), (k, 2),
+            with straight lines in between and constant beyond; or a function of frequencies, (n,) [Hz], that returns
+            ratios, (n,).
         rayleigh: Numbers alpha [1/s] and beta [s] of D0 = alpha M0 + beta K0. A mode of the unloaded mechanism has the
-            ratio alpha/(2 w) + beta w/2; both are zeta at two frequencies f and g [Hz] with
-            alpha = 4 pi zeta f g/(f + g) and beta = zeta/(pi (f + g)).
+            ratio alpha/(2 w) + beta w/2; both are zeta at two frequencies f and g [Hz] with alpha = 4 pi zeta f g/(f +
+            g) and beta = zeta/(pi (f + g)).
         loss_factor: Loss factor eta of the elastic elements [-], one for all, or by name of an element, where "*" and
-            "?" stand for any characters, or by Material; of several that fit an element the last counts, and what no
-            one names has none. Structural damping does not depend on the frequency, which no differential equation
-            with real numbers has: taken is the viscous damping that dissipates as much in each mode, of ratio eta/2 of
-            the elements weighted by their share of the strain energy.
+            "?" stand for any characters, or by Material; of several that fit an element the last counts, and others
+            have none. Structural damping does not depend on the frequency, which no differential equation with real
+            numbers has: taken is the viscous damping that dissipates as much in each mode, of ratio eta/2 of the
+            elements weighted by their share of the strain energy.
         elements: Whether the damping of the elements stays beside it.
 
     Returns:
-        Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero, too;
-        what is added is in no stress output.
+        Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero, too; what
+        is added is in no stress output.
 
     Raises:
         ValueError: Nothing is given, a number that is negative or not finite, more ratios than modes, frequencies that

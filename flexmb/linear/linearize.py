@@ -242,8 +242,7 @@ class Linearization(ByName, AboutState, Result, Record):
             number: Which, from 0; from the end where negative.
 
         Raises:
-            ValueError: This is the linearisation of one state.
-            IndexError: There are not so many times.
+            ValueError, IndexError: This is the linearisation of one state; there are not so many times.
         """
         if self.large or self.matrices.M0.ndim == 2:
             raise ValueError("This linearisation is that of one state: it has no times to choose from.")
@@ -256,10 +255,9 @@ class Linearization(ByName, AboutState, Result, Record):
 
     @property
     def condition(self) -> float:
-        """Condition number of the stiffness, each degree of freedom in a unit of its own that makes its stiffness one.
+        """Condition number of the stiffness, in units that make each freedom's own stiffness one; infinite if singular.
 
-        The derivatives of the equilibrium, and of all that follows from it, are solutions with this matrix: they lose
-        as many digits as it has. Infinite where the stiffness is singular.
+        The derivatives of the equilibrium, and of all that follows from it, lose as many digits as it has.
 
         Source:
             Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
@@ -293,14 +291,7 @@ class Linearization(ByName, AboutState, Result, Record):
 
 
 class Stressed(NamedTuple):
-    """What stress is computed from, of one state or of several in front.
-
-    Attributes:
-        x: Nodal coordinates, (states, n_x) [m, rad, -].
-        sigma: Stress resultants, (states, n_e) [N, N m].
-        felt: Gravity and motion, which act along the elements.
-        e: Deformations, (states, n_e) [m, rad].
-    """
+    """Coordinates, stress resultants, gravity and motion, and deformations, of one state or of several in front."""
 
     x: Float[Array, "*states n_x"]
     sigma: Float[Array, "*states n_e"]
@@ -322,12 +313,7 @@ class ManyStates:
         raise NotImplementedError
 
     def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
-        """Linearised equations of motion about one state; the last unless given.
-
-        Args:
-            step: Number of the state, from 0.
-            time: Time of a state of a motion [s].
-        """
+        """Linearised equations of motion about one state, by its number or time [s]; the last unless given."""
         raise NotImplementedError
 
     def linearizations(self) -> Linearization:

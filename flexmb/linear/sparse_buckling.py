@@ -303,17 +303,14 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 def sparse_multipliers(
     model: Model, target: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-    """Load multipliers of smallest size by sparse factors, (count,) or fewer, and as of :func:`moved_by_loads`.
+    """Load multipliers of smallest size by a solver, (count,) or fewer, and as of :func:`moved_by_loads`.
 
-    Args:
-        target: Load factors of the equilibrium, or of another state that it is ``about``, of a path.
+    About the equilibrium under ``target``, or another state ``about`` with these loads. THEORY.md 7, eq. (7.4), with
+    multipliers in place of degrees of freedom; derivative eq. (7.19).
 
     Raises:
         ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.
         AnalysisError: singular_stiffness, not_converged, or unstable under the preload.
-
-    Source:
-        THEORY.md 7, eq. (7.4), with multipliers in place of degrees of freedom; derivative eq. (7.19).
     """
     asked = _about(model, target, count, about)
     found, moved = _load_multipliers(*asked, solver)

@@ -18,8 +18,7 @@ from ..math.linear_solver import SPARSE, LinearSolver
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
-from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, in_order, is_real, slowest
-from .stability import any_grows
+from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
 # What an iteration leaves of a pole's motion beside it; where it is more, another shift is tried.
 TRUE = 1e-9

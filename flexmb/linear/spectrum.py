@@ -50,6 +50,8 @@ REGULAR = 1e12
 APART = 1e-6
 # A value is real where its imaginary part is below this share of it.
 REAL = 1e-8
+# A pole grows whose real part is above this share of its size, unless that is round-off beside the largest.
+GROWS, NOTHING = 1e-9, 1e-12
 
 
 def shift_to_definite(
@@ -349,3 +351,25 @@ def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...],
     eye = np.eye(len(mass))
     null = eye[:, out] - eye[:, kept] @ solve(mass[np.ix_(kept, kept)], mass[np.ix_(kept, out)])
     return null @ solve(null.T @ stiffness @ null, null.T @ forces)
+
+
+def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
+    """Whether no motion about a state of stiffness K, damping C and mass M, of known numbers, grows.
+
+    By THEORY.md 7, eq. (7.3): no pole has a positive real part, or without damping all omega^2 are real and positive. A
+    motion without mass loses its stability where the determinant of the stiffness changes sign, which is not asked.
+
+    Raises:
+        AnalysisError: singular_stiffness.
+    """
+    if np.any(c):
+        return not any_grows(poles_of(k, c, m))
+    values, _ = general_spectrum(k, m)
+    values = values[np.isfinite(values)]
+    return bool(np.all(is_real(values) & (values.real > 0)))
+
+
+def any_grows(poles: Any, share: float = GROWS) -> bool:
+    """Whether some pole has a real part above a share of its size that is no round-off beside the largest."""
+    sizes = np.abs(poles)
+    return bool(np.any((np.real(poles) > share * sizes) & (sizes > NOTHING * np.max(sizes, initial=0.0))))

@@ -47,7 +47,7 @@ class SectionResultants(Result, Record):
     Attributes:
         values: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], in this
             order, (elements, places, 6). A planar element has local z across it in the plane and local y into the
-            plane: normal force, shear force along z and bending moment about y.
+            plane.
         places: From 0 at an element's first end to 1 at its last, (places,) [-].
         result: Code of RESULTS.
         names: Names of the elements, in the order of the model.

@@ -20,8 +20,7 @@ from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
-from ..linear.spectrum import general_spectrum, spectrum, to_frequency
-from ..linear.stability import without_growth
+from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
 from ..linear.stress import stress
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import extent_of
