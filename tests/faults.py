@@ -476,7 +476,7 @@ FAULTS = [
     Fault("fmu/runtime.c", "a != a || b != b ? NAN : a > b", "a > b", "fmu/test_translate.py -k primitive"),
     Fault("fmu/translate.py", "[new if self._is_own(new, block)", "[new if True", "fmu/test_translate.py -k primitive"),
     Fault("fmu/flatten.py", "refuse_callbacks(program.jaxpr)", "pass", "fmu/test_translate.py -k refused"),
-    Fault("fmu/nonlinear.py", "tries <= %(finer)d", "tries < 1", "fmu/test_translate.py -k space", slow=True),
+    Fault("fmu/plant_steps.c", "tries <= PLANT_FINER", "tries < 1", "fmu/test_translate.py -k space", slow=True),
     Fault("checks/mobility.py", 'in ("internal", "warping")', 'in ("warping",)', "checks/test_mobility.py -k leaf"),
     Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
@@ -4021,7 +4021,7 @@ FAULTS = [
         "initial=0.0) / 1e9)",
         "control/test_nonlinear_system.py -k turns",
     ),
-    Fault("fmu/nonlinear.py", "far > %(step)r ? ", "0 ? ", "fmu/test_translate.py -k turns"),
+    Fault("fmu/plant_steps.c", "far > PLANT_STEP ? ", "0 ? ", "fmu/test_translate.py -k turns"),
     Fault(
         "trajectory/inverse.py",
         "*goals) / STEP)",

@@ -1,6 +1,7 @@
 """The nonlinear mechanism as C: rates and outputs by time, state and inputs, as core.c calls them."""
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -19,40 +20,7 @@ from ..results import RESULTS
 from ..statics.equilibrium import warn_of_increment
 from .translate import Unit
 
-CALL = """\
-/* Rates and outputs; not 0 where the dependent coordinates are not found, or nothing finite comes out. */
-static int plant(const double *p, double t, const double *x, const double *u, double *xdot, double *y, double *memory,
-                 double *work)
-{
-    double *w = work, *from = w + %(w)d, *next = from + %(m)d, *at = next + %(m)d, gap = 1, far = 0;
-    int64_t *n = (int64_t *)(at + %(x)d);
-    (void)p;
-    /* In steps from where the degrees of freedom were, such that turns are counted; in more where that is not found. */
-    for (int i = 0; i < %(q)d; i++) {
-        from[i] = memory[DOF_AT[i]] - DOF_FROM[i];
-        double own = fabs(x[i] - from[i]) / DOF_SIZE[i];
-        if (!(own <= %(farthest)d * %(step)r)) return 1;
-        if (own > far) far = own;
-    }
-    int64_t steps = far > %(step)r ? (int64_t)ceil(far / %(step)r) : 1;
-    for (int tries = 0; !(gap < %(found)r) && tries <= %(finer)d && steps <= %(farthest)d; tries++, steps *= 4) {
-        memcpy(next, memory, %(m)d * sizeof *next);
-        for (int64_t k = 1; k <= steps; k++) {
-            for (int i = 0; i < %(q)d; i++) {
-                at[i] = from[i] + (x[i] - from[i]) * (double)k / (double)steps;
-                at[%(q)d + i] = 0;
-            }
-            plant_rates(&t, k < steps ? at : x, u, next, xdot, y, next, &gap, w, n);
-            if (!(gap < %(found)r)) break;
-        }
-    }
-    if (!(gap < %(found)r)) return 1;
-    for (int i = 0; i < %(x)d; i++)
-        if (!isfinite(xdot[i])) return 1;
-    memcpy(memory, next, %(m)d * sizeof *next);
-    return 0;
-}
-"""
+CALL = Path(__file__).with_name("plant_steps.c")
 
 
 class PlantSource(NamedTuple):
@@ -128,8 +96,10 @@ def plant(
         )
     )
     (w, n), m = done.work, memory.size
-    sizes = {"w": w, "m": m, "x": 2 * n_q, "q": n_q}
-    call = CALL % {**sizes, "found": FOUND, "step": STEP, "farthest": FARTHEST, "finer": FINER}
+    numbers = {"WORK": w, "MEMORY": m, "X": 2 * n_q, "Q": n_q}
+    numbers |= {"FOUND": FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
+    defined = "\n".join(f"#define PLANT_{name} {value!r}" for name, value in numbers.items())
+    call = f"{defined}\n{CALL.read_text(encoding='utf-8')}"
     names = tuple(model.q_labels)
     return PlantSource(
         "\n".join([unit.source(), table, call]),

@@ -1,5 +1,15 @@
 /* Functions that translated programs call; a file holds those that it needs. Each is told by the empty line before it. */
 
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#define F(i, n) for (int i = 0; i < (n); i++)
+#ifdef __GNUC__
+#define PART __attribute__((noinline))
+#else
+#define PART
+#endif
+
 static double fx_max(double a, double b) { return a != a || b != b ? NAN : a > b ? a : b; }
 
 static double fx_min(double a, double b) { return a != a || b != b ? NAN : a < b ? a : b; }

@@ -16,17 +16,6 @@ from .writer import Compound, Tables, Writer
 RUNTIME = Path(__file__).with_name("runtime.c")
 # A longer expression is written to memory, so that lines stay readable and compilers quick.
 OPERATIONS = 16
-HEAD = """\
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-#define F(i, n) for (int i = 0; i < (n); i++)
-#ifdef __GNUC__
-#define PART __attribute__((noinline))
-#else
-#define PART
-#endif
-"""
 
 
 class Translated(NamedTuple):
@@ -121,8 +110,9 @@ class Unit:
 
     def source(self) -> str:
         """The text of the file."""
-        code = "\n".join([*_runtime(self._helpers), *self._functions])
-        return f"{HEAD}\n{self._tables.completed(code)}"
+        head, *helpers = _runtime(self._helpers)
+        code = "\n".join([*helpers, *self._functions])
+        return f"{head}\n{self._tables.completed(code)}"
 
 
 def _kind(atom: Atom) -> str:
@@ -130,9 +120,10 @@ def _kind(atom: Atom) -> str:
 
 
 def _runtime(wanted: dict[str, None]) -> list[str]:
-    """Functions of ``runtime.c`` by name."""
-    found = []
-    for text in RUNTIME.read_text(encoding="utf-8").split("\n\n")[1:]:
+    """What ``runtime.c`` begins with, and its functions by name."""
+    _, head, *texts = RUNTIME.read_text(encoding="utf-8").split("\n\n")
+    found = [head + "\n"]
+    for text in texts:
         named = re.search(r"\b(fx_\w+)\(", text)
         if named and named[1] in wanted:
             found.append(text.strip() + "\n")

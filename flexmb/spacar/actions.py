@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..build.assemble import stack
+from ..build.builder import Builder
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
 from ..errors import clean
@@ -97,8 +98,7 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
     counted = sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6])
     if kind.element.fields and s.keyword == "ESTIFF" and counted == 1:
         raise Fault(f"{kind.keyword} counts shear in both directions or in none: give shear_z and shear_y, or neither")
-    r.once(s, p["element"])
-    r.lines.setdefault(p["element"], {})[s.keyword] = values
+    _keep(r, s, p, values)
 
 
 def section(r: Reading, s: Statement, p: Values) -> None:
@@ -110,8 +110,7 @@ def section(r: Reading, s: Statement, p: Values) -> None:
     if all(map(known, values)):
         for fault in rectangle(values).faults():
             raise Fault(f"has {fault.removesuffix(', or give nu')}")
-    r.once(s, p["element"])
-    r.lines.setdefault(p["element"], {})["SECTION"] = values
+    _keep(r, s, p, values)
 
 
 def clamp(r: Reading, s: Statement, p: Values) -> None:
@@ -122,8 +121,13 @@ def clamp(r: Reading, s: Statement, p: Values) -> None:
     for name in ("first", "last"):
         if p[name] > 1:
             raise Fault(f"{name} must be 1 for a clamped end or 0 for a free one, but is {p[name]}")
+    _keep(r, s, p, [p["first"], p["last"]])
+
+
+def _keep(r: Reading, s: Statement, p: Values, values: list[Any]) -> None:
+    """Keep the numbers of an element's line, which is given once."""
     r.once(s, p["element"])
-    r.lines.setdefault(p["element"], {})["CLAMP"] = [p["first"], p["last"]]
+    r.lines.setdefault(p["element"], {})[s.keyword] = values
 
 
 def _counted(names: tuple[str, ...]) -> str:
@@ -237,13 +241,17 @@ def force(r: Reading, s: Statement, p: Values) -> None:
 RATES_IDLE = "velocity and acceleration are for modes 1 to 6, which go through time; others do not use them"
 
 
+def start_of(builder: Builder, kind: str, of: int | str, number: int) -> Any:
+    """Value of a coordinate in the undeformed mechanism, from which a Builder counts; 0 for a deformation."""
+    return builder.nodes[str(of)].start[number - 1] if kind == "node" else 0.0
+
+
 def motion(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
     kind, of, component = target(p)
     r.require(of, component, kind, Role.PRESCRIBED)
     r.once(s, of, component)
-    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
-    r.builder.prescribe(str(of), component, p["value"] - start, kind=kind)
+    r.builder.prescribe(str(of), component, p["value"] - start_of(r.builder, kind, of, component), kind=kind)
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
     if any(not known(rate) or rate != 0 for rate in rates):
@@ -306,8 +314,7 @@ def expansion(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} takes no ALPHA: no temperature deforms it")
     if kind.sized:
         raise Fault(f"{kind.keyword} takes no ALPHA: alpha is the last number of its SECTION")
-    r.once(s, p["element"])
-    r.lines.setdefault(p["element"], {})["ALPHA"] = [p["value"]]
+    _keep(r, s, p, [p["value"]])
 
 
 def temperature(r: Reading, s: Statement, p: Values) -> None:
@@ -358,7 +365,7 @@ def start_value(r: Reading, s: Statement, p: Values) -> None:
     r.once(s, of, component)
     velocity = p.get("velocity", 0.0)
     r.settings.setdefault(s.keyword, []).append((of, component, p["value"], velocity))
-    start = r.builder.nodes[str(of)].start[component - 1] if kind == "node" else 0.0
+    start = start_of(r.builder, kind, of, component)
     r.builder.start(str(of), component, p["value"] - start, velocity, kind=kind)
 
 

@@ -24,14 +24,19 @@ from ..model.by_name import TURNS
 from ..model.roles import Role
 from . import outlines, trajectories
 from . import series as series
+from .actions import start_of
 from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, MOST, known
 from .read import SpacarModel
 from .signals import keyword_of
 from .written import WrittenLine, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
-_MASS = (planar.mass, spatial.mass)
-_INERTIA = (planar.inertia, spatial.inertia)
+# Elements that the lines of a node stand for, by their property.
+_LUMPED = {
+    "mass": (planar.mass, spatial.mass),
+    "inertia": (planar.inertia, spatial.inertia),
+    "moment": (spatial.moment,),
+}
 # Poisson's ratios are one up to round-off.
 EQUAL = 1e-12
 
@@ -305,11 +310,9 @@ class _Writer:
             lines += self._roles(self.element[name], m.roles, keywords, m.element)
         # One line each, since their order is that of q.
         for (kind, of), numbers in self._dofs():
-            if kind == "node":
-                lines += [line_of("DYNX", self.node[of], number) for number in numbers]
-            else:
-                numbers = series.shortened(self.shown[of].element, numbers)
-                lines += [line_of("DYNE", self.element[of], number) for number in numbers]
+            numbers = numbers if kind == "node" else series.shortened(self.shown[of].element, numbers)
+            letter, at = self._place(kind, of)
+            lines += [line_of(f"DYN{letter}", at, number) for number in numbers]
         return lines
 
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
@@ -342,7 +345,7 @@ class _Writer:
 
     def _dynamics(self) -> list[WrittenLine]:
         lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
-        lines += self._lumped() + self._moments()
+        lines += self._lumped()
         for increment, prefix in (("initial", ""), ("increment", "DEL")):
             lines += self._loads(self.builder.loads[increment], prefix)
         return lines + self._settings()
@@ -384,25 +387,21 @@ class _Writer:
         return lines
 
     def _lumped(self) -> list[WrittenLine]:
-        """Masses and rotary inertias; several on one node add up."""
-        totals: dict[str, Any] = {}
-        for m in self.hidden:
-            if m.element in (*_MASS, *_INERTIA):
-                (node,) = m.nodes
-                value = m.properties["mass" if m.element in _MASS else "inertia"]
-                totals[node] = totals.get(node, 0.0) + (np.asarray(value, float) if known(value) else value)
-                if m.element in _MASS and known(totals[node]) and totals[node] < 0:
-                    raise ModelError(f"Node '{node}' has a negative mass, which a SPACAR input file does not take.")
-        return [line_of("XM", self.node[n], *numbers_of(v)) for n, v in totals.items()]
-
-    def _moments(self) -> list[WrittenLine]:
-        """Moments about fixed axes; several on one node add up."""
+        """Masses, rotary inertias and moments about fixed axes; several on one node add up."""
         totals: dict[tuple[str, str], Any] = {}
         for m in self.hidden:
-            if m.element is spatial.moment:
+            names = [name for name, kinds in _LUMPED.items() if m.element in kinds]
+            if not names:
+                continue
+            value, key = m.properties[names[0]], ("XM", m.nodes[0])
+            if names == ["moment"]:
                 key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
-                totals[key] = totals.get(key, 0.0) + stack(numbers_of(m.properties["moment"]))
-        return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in totals.items()]
+                value = stack(numbers_of(value))
+            totals[key] = totals.get(key, 0.0) + (np.asarray(value, float) if known(value) else value)
+            if names == ["mass"] and known(totals[key]) and totals[key] < 0:
+                raise ModelError(f"Node '{m.nodes[0]}' has a negative mass, which a SPACAR input file does not take.")
+        moments_last = sorted(totals.items(), key=lambda item: item[0][0] != "XM")
+        return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in moments_last]
 
     def _loads(self, loads: dict[str, dict], prefix: str) -> list[WrittenLine]:
         lines = []
@@ -413,8 +412,7 @@ class _Writer:
             for of, values in _rows(loads.get(load, {})).items():
                 lines.append(line_of(keyword, self.element[of[1]], *_filled(values)))
         for (kind, of, number), value in loads.get("prescribed", {}).items():
-            start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
-            letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+            start, (letter, at) = start_of(self.builder, kind, of, number), self._place(kind, of)
             if prefix:
                 lines.append(line_of(f"DELINP{letter}", at, number, value))
             else:
@@ -428,6 +426,10 @@ class _Writer:
             lines.append(line_of("GRAVITY", *loads["gravity"]["all"]))
         return lines
 
+    def _place(self, kind: str, of: str) -> tuple[str, int]:
+        """Letter in the keywords about a node or an element, and its number."""
+        return ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+
     def _rates(self, letter: str, of: int, number: int) -> list[float]:
         given = self.settings.get(f"INPUT{letter}", [])
         rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
@@ -439,8 +441,7 @@ class _Writer:
             if keyword in self.settings:
                 lines.append(line_of(keyword, *self.settings[keyword].values()))
         for (kind, of, number), (value, velocity) in self.builder.starts.items():
-            start = self.builder.nodes[of].start[number - 1] if kind == "node" else 0.0
-            letter, at = ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+            start, (letter, at) = start_of(self.builder, kind, of, number), self._place(kind, of)
             lines.append(line_of(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
@@ -466,8 +467,7 @@ class _Writer:
                     raise _inexpressible(f"The {side} '{own.name}' {told}")
                 kind, of, number = own.key
                 component = number if own.axis is None else TURNS[own.axis]
-                numbers = self.node if kind == "node" else self.element
-                lines.append(line_of(keyword_of(side, kind, own.quantity), i, numbers[of], component))
+                lines.append(line_of(keyword_of(side, kind, own.quantity), i, self._place(kind, of)[1], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for own in self.settings.get(keyword, []):
