@@ -263,19 +263,11 @@ def check_number(
     most: float | None = None,
     fault: type[ValueError] = ValueError,
 ) -> Any:
-    """Return an argument that is a finite number within its range; the condition of a traced one is noted.
-
-    Args:
-        name: Name of the argument.
-        value: The argument.
-        above: See :class:`Range`.
-        least: See :class:`Range`.
-        most: See :class:`Range`.
-        fault: Error where the number is out of range.
+    """Return an argument that is a finite number within a :class:`Range`; the condition of a traced one is noted.
 
     Raises:
         TypeError: The value is no number.
-        ValueError: The number is not finite, or out of range.
+        ValueError: The number is not finite, or out of range; ``fault`` where given.
     """
     bounds = Range(above, least, most)
     check_real(f"Argument `{name}`", value, fault)

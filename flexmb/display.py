@@ -143,23 +143,14 @@ def short(value: Any) -> str:
 
 
 def listed(values: Any, unit: str = "") -> str:
-    """The first of some numbers or names.
-
-    Args:
-        values: Numbers, (n,), or names.
-    """
+    """The first of some numbers or names, (n,), with their unit."""
     found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
     return f"{', '.join(found)}{more} {unit}".strip() if found else "none"
 
 
 def among(names: Iterable[str], asked: str = "") -> str:
-    """Names for an error message, the nearest to a wrong one first where they are many, and how many are left out.
-
-    Args:
-        names: All that are right.
-        asked: The wrong one.
-    """
+    """Names for an error message, those most like a wrong one first where they are many, and how many are left out."""
     known = list(dict.fromkeys(map(str, names)))
     if asked and len(known) > NAMED:
         matcher = difflib.SequenceMatcher(b=str(asked), autojunk=False)
@@ -181,13 +172,7 @@ def span(values: Any, unit: str = "") -> str:
 
 
 def largest(values: Any, names: Sequence[Any], unit: str | Callable[[Any], str] = "", word: str = "at") -> str:
-    """The number of largest size, and whose it is.
-
-    Args:
-        values: Numbers, (n,), of which those that are not finite do not count.
-        unit: Unit of all of them, or that of one by its name.
-        word: What stands before the name.
-    """
+    """The finite number of largest size in (n,), with its unit and, after a word, its name."""
     values = np.asarray(values)
     sizes = np.where(np.isfinite(values), np.abs(values), -1.0)
     if np.max(sizes, initial=-1.0) < 0:
@@ -200,11 +185,7 @@ def largest(values: Any, names: Sequence[Any], unit: str | Callable[[Any], str] 
 
 
 def prefix_of(value: float) -> tuple[float, str]:
-    """The prefix of a unit that keeps a number short: what to divide by, and its letter.
-
-    Args:
-        value: The number.
-    """
+    """The prefix of a unit that keeps a number short: what to divide by, and its letter."""
     size = abs(value) if np.isfinite(value) and value else 1.0
     # Powers of ten themselves are not to lie below their prefix by round-off.
     thousands = int(np.clip(np.floor(np.log10(size) / 3 + 1e-9), -5, 4))
@@ -212,12 +193,7 @@ def prefix_of(value: float) -> tuple[float, str]:
 
 
 def measured(value: float, unit: str) -> str:
-    """A number with its unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa".
-
-    Args:
-        value: The number.
-        unit: Its unit, SI without a prefix.
-    """
+    """A number with its SI unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa"."""
     by, prefix = prefix_of(float(value))
     return f"{short(value / by)} {prefix}{unit}"
 
@@ -252,12 +228,7 @@ def course(states: States) -> str:
 
 
 def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[str, str]) -> Summary:
-    """Summary of modes, of whichever kind, which the first of them stand for in a small picture.
-
-    Args:
-        values: What is told of each mode beside what moves most in it.
-        rows: What is told of all of them.
-    """
+    """Summary of modes, with a value of each mode and rows on all; the first modes stand in a small picture."""
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
     # What lies within an element says nothing to a reader, but where nothing else moves.

@@ -15,14 +15,9 @@ LONGEST = 80
 
 
 def clean(text: Any) -> str:
-    """A user's text as a message may show it: one line, printable, and no longer than a reader needs.
+    """A user's text as a message may show it: one line, printable, cut in its middle where it is long.
 
-    Args:
-        text: A word, a name, or any value by its ``str``.
-
-    Returns:
-        The text without quotation marks around it. What a terminal would act on stands as its escape. A long text is
-        cut in its middle and followed by its length: a path ends with the name of its file.
+    The end stays, since a path ends with the name of its file. Escapes stand for what a terminal would act on.
     """
     try:
         text = str(text)
@@ -93,12 +88,7 @@ class IdleWarning(FlexmbWarning):
 
 
 def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
-    """Warn, at the line outside of the package that led here.
-
-    Args:
-        text: What is unusual, and what to do if it is not meant.
-        category: Of the warning, by which it can be ignored.
-    """
+    """Warn at the line outside of the package that led here; a category can be ignored."""
     listening = _HEARD.get()
     if listening is not None:
         said, but = listening
@@ -117,11 +107,7 @@ _HEARD: contextvars.ContextVar[_Heard | None] = contextvars.ContextVar("heard", 
 
 @contextlib.contextmanager
 def heard(*but: type[FlexmbWarning]) -> Iterator[list[str]]:
-    """Collect what the package warns of in this thread, to be told elsewhere; other warnings pass.
-
-    Args:
-        but: Categories that are left out.
-    """
+    """Collect what the package warns of in this thread, but for some categories; other warnings pass."""
     said: list[str] = []
     token = _HEARD.set((said, but))
     try:

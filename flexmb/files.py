@@ -29,13 +29,9 @@ STREAMS = ("/dev/stdin", "/dev/fd/")
 
 
 def read_whole(path: str | os.PathLike, largest: int = LARGEST_FILE) -> bytes:
-    """Return the content of a regular file, or of /dev/stdin and /dev/fd/N.
+    """Return the content of a regular file, or of /dev/stdin and /dev/fd/N, up to a number of bytes.
 
     A pipe would wait for its writer, and a device such as /dev/zero has no end.
-
-    Args:
-        path: The file; a link is followed.
-        largest: Bytes that it has at most.
 
     Raises:
         OSError: It cannot be read, is no regular file, or is larger (errno EFBIG).
@@ -123,16 +119,7 @@ def _target(path: str | os.PathLike) -> Path:
 
 
 def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
-    """Write named arrays as .npz or .mat.
-
-    Args:
-        path: Where; its ending says how.
-        arrays: By name.
-
-    Raises:
-        ValueError: Another ending.
-        OSError: The folder is missing or not writable.
-    """
+    """Write arrays by name as .npz or .mat, as the ending of the path says; raise ValueError for another ending."""
     content = io.BytesIO()
     if path.suffix == ".npz":
         # As numpy.savez, which has arguments whose names no array can bear.
@@ -150,16 +137,7 @@ def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
 
 
 def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str, Any]) -> None:
-    """Write named arrays as .npz or .mat, whole or not at all.
-
-    Args:
-        path: Where; its ending says how.
-        about: Texts and units, kept as JSON under "about".
-
-    Raises:
-        ValueError: Another ending, or an array named "about".
-        OSError: The folder is missing or not writable.
-    """
+    """Write arrays by name as .npz or .mat, and texts as JSON under "about", which no array may be called."""
     if "about" in arrays:
         raise ValueError("An array named 'about' cannot be saved beside what is said about all of them: rename it.")
     write_arrays(Path(path), {**arrays, "about": np.asarray(json.dumps(about))})

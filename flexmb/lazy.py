@@ -15,23 +15,14 @@ begun = time.time_ns()
 
 @functools.cache
 def offered(package: str) -> dict[str, str]:
-    """Names in a package's stub, and the module that each is taken from.
-
-    Args:
-        package: Its full name; its ``__init__.pyi`` has lines such as ``from .linear.modes import modes as modes``.
-    """
+    """Names in the stub of a package, such as ``from .modes import modes as modes``, and their modules."""
     stub = Path(str(importlib.import_module(package).__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
     lines = [line for line in ast.parse(stub).body if isinstance(line, ast.ImportFrom)]
     return {name.name: f"{package}.{line.module or ''}".rstrip(".") for line in lines for name in line.names}
 
 
 def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package; what it is made of is not listed.
-
-    Args:
-        package: Its full name.
-        rooms: Packages in it whose names answer here too, though they are not listed.
-    """
+    """``__getattr__`` and ``__dir__`` of a package; names of some rooms answer too, though they are not listed."""
 
     def load(name: str) -> Any:
         if name == "__all__":
@@ -54,11 +45,6 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
 
 
 def only(module: dict[str, Any], is_meant: Callable[[Any], bool]) -> tuple[list[str], Callable[[], list[str]]]:
-    """``__all__`` and ``__dir__`` of a module whose names are loaded with it: what users call, and no imports.
-
-    Args:
-        module: Its ``globals()``, at its end.
-        is_meant: Whether a value is for users; names that begin with an underscore are not.
-    """
+    """``__all__`` and ``__dir__`` of a module by its ``globals()``: public names of values for users."""
     found = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
     return found, lambda: found

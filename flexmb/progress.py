@@ -13,14 +13,7 @@ class Stopped(KeyboardInterrupt):
 def reporting(
     progress: Callable[..., None] | bool | None, what: str, total: int | None = None
 ) -> Iterator[Callable[..., None] | None]:
-    """What to call with the number done and more, while a computation runs.
-
-    Args:
-        progress: A function, which is handed on; True for a bar with the number done in front; None or False for
-            nothing.
-        what: Words before the bar.
-        total: How many there are, None where nobody knows.
-    """
+    """Yield what to call with the number done and more: the given function, a bar with words and a total, or None."""
     if progress is not True:
         yield progress or None
         return

@@ -233,15 +233,10 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 
 def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
-    """A traced answer, NaN with its derivatives where it failed, since nothing can be raised there.
+    """A traced answer, NaN with its derivatives by the numbers ``of`` where it failed: nothing can be raised there.
 
-    The answer stays as it is where codes are collected, and with ``throw=False``.
-
-    Args:
-        answer: Pytree of arrays; of a batch of codes, each with the batch as its first axis.
-        result: Code, () or a batch of them.
-        throw: What the caller was given.
-        of: Pytree of numbers by which it has derivatives although nothing may have come of them.
+    The answer stays as it is where codes are collected, and with ``throw=False``. Of a batch of codes, each array has
+    the batch as its first axis.
     """
     import jax.core
     import jax.numpy as jnp

@@ -142,12 +142,7 @@ class Mobility(Result):
 
 
 def shares(vector: np.ndarray, entries: Sequence[Entry]) -> list[Share]:
-    """Parts of a motion or a self-stress, largest first, without those that hardly take part.
-
-    Args:
-        vector: Of all coordinates or deformations, the largest 1 in size.
-        entries: Their names.
-    """
+    """Parts of a motion or a self-stress, whose largest is 1, the largest first, without those below ``SHOWN``."""
     order = np.argsort(-np.round(np.abs(vector) / ALIKE), kind="stable")
     shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
@@ -189,9 +184,6 @@ def _unit(columns: np.ndarray) -> np.ndarray:
 def constraints(model: Model) -> Constraints:
     """Scaled Jacobian of the deformations in the undeformed mechanism.
 
-    Args:
-        model: Mechanism, with concrete numbers.
-
     Raises:
         ModelError: A deformation does not vanish where it should, or has no finite derivative there.
     """
@@ -222,11 +214,7 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
 def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int]:
     """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
 
-    They are sparse where the constraints are.
-
-    Args:
-        model: Mechanism, with concrete numbers.
-        found: Its constraints, where they are known: they do not depend on roles.
+    They are sparse where the constraints are, which do not depend on roles.
     """
     found, topology = found or constraints(model), model.topology
     held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
@@ -305,12 +293,7 @@ def mobility(model: Model) -> Mobility:
 
 
 def mobility_of(model: Model, found: Constraints) -> Mobility:
-    """As :func:`mobility`, of constraints that are known.
-
-    Args:
-        model: Mechanism.
-        found: Its constraints.
-    """
+    """As :func:`mobility`, of constraints that are known."""
     matrix, held, free = _held_rows(model, found)
     rank, left, right = null_spaces(matrix)
     stress = found.self_stress(left, held)
@@ -319,15 +302,7 @@ def mobility_of(model: Model, found: Constraints) -> Mobility:
 
 
 def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tuple[str, int] | None, ...]:
-    """For each over-constraint the deformation to release, of those that may be.
-
-    Args:
-        model: Mechanism, checked or not.
-        candidates: Deformations that may be released, FIXED or DOF, as element and number.
-
-    Returns:
-        Element and number, or None where no candidate takes part.
-    """
+    """For each over-constraint the element and number to release among some, FIXED or DOF; None if none takes part."""
     matrix, held, _ = _held_rows(model, constraints(model))
     left = null_spaces(matrix)[1]
     rows = [i for i in held.tolist() if (model.labels.e[i].of, model.labels.e[i].component) in candidates]

@@ -130,12 +130,8 @@ def _supports(model: Model) -> tuple[list[tuple[str, str]], np.ndarray]:
 def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple[Release, ...], ...]:
     """Candidates for each over-constraint, those first whose release leaves the smallest self-stress.
 
-    Elastic deformations come first; joints and supports are looked at only where no elastic one takes part.
-
-    Args:
-        model: Mechanism.
-        constraints: Its constraints, as of :func:`flexmb.checks.mobility.constraints`.
-        stress: Orthonormal self-stresses in scaled rows, (n_e, over).
+    Elastic deformations come first; joints and supports are looked at only where no elastic one takes part. ``stress``
+    are orthonormal self-stresses in scaled rows, (n_e, over).
     """
     if not stress.shape[1]:
         return ()
@@ -163,13 +159,7 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
 
 
 def one_by_one(model: Model, rows: Sequence[int], stress: np.ndarray) -> Iterator[list[Release]]:
-    """Deformations that remove an over-constraint each, by their parts in the undeformed mechanism.
-
-    Args:
-        model: Mechanism.
-        rows: Deformations that may be released, indices in e.
-        stress: Orthonormal self-stresses in scaled rows, (n_e, over).
-    """
+    """Deformations among some rows that remove an over-constraint each, by their parts in the undeformed mechanism."""
     for order in _in_turn(stress[None, list(rows)], 0):
         entries = [(model.labels.e[rows[k]], part) for k, part, _ in order]
         yield [Release(entry.of, entry.component, part) for entry, part in entries]

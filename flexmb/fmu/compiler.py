@@ -35,11 +35,7 @@ def found_compiler() -> list[str] | None:
 
 
 def compiled(files: dict[str, bytes], main: str) -> tuple[bytes | None, str]:
-    """A shared library of C sources, the same bytes each time.
-
-    Args:
-        files: Contents by name.
-        main: Name of the one that is compiled and includes the others.
+    """A shared library of C sources by name, of which the main one includes the others; the same bytes each time.
 
     Returns:
         Contents of the library, and nothing; or None, and why there is none.

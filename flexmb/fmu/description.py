@@ -52,12 +52,7 @@ ROLES = {
 
 
 def placed(plant: Plant, settable: bool) -> list[Placed]:
-    """All variables of a unit in the order of their references, which is that of core.c.
-
-    Args:
-        plant: What the unit computes, with names that differ.
-        settable: Whether its matrices are parameters.
-    """
+    """All variables of a unit in the order of their references, that of core.c; matrices where they are settable."""
     parameters = list(plant.parameters)
     if plant.times is not None:
         parameters.append(Variable("substep", "s", plant.substep))
@@ -88,14 +83,9 @@ def _rate(unit: str) -> str:
 
 
 def check_names(plant: Plant, found: list[Placed]) -> None:
-    """Refuse an input or an output that has the name of another variable of the unit.
+    """Refuse an input or output with the name of another variable of the unit, or two states that share one.
 
-    Args:
-        plant: What the unit computes.
-        found: Its variables. FMI 2.0 lists the entries of arrays, "A[1,2]", and importers of FMI 3.0 show them so.
-
-    Raises:
-        ValueError: See above; or two states share a name.
+    FMI 2.0 lists the entries of arrays, "A[1,2]", and importers of FMI 3.0 show them so.
     """
     outputs = [one for one in found if one.kind == "output"]
     own = [one for one in found if one.kind == "input"] + outputs[: plant.n_own]
@@ -139,16 +129,7 @@ def _attributes(one: Placed, of: int) -> dict[str, str]:
 
 
 def description(plant: Plant, found: list[Placed], identifier: str, title: str, token: str, fmi: int) -> bytes:
-    """modelDescription.xml.
-
-    Args:
-        plant: What the unit computes.
-        found: Its variables; of FMI 2.0 scalars.
-        identifier: Name of its functions' file.
-        title: Name of the model.
-        token: By which its file of functions knows that both belong together.
-        fmi: 2 or 3.
-    """
+    """modelDescription.xml of a unit; the token is also in the file of its functions, ``identifier``."""
     root = ElementTree.Element(
         "fmiModelDescription",
         {

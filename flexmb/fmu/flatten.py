@@ -99,15 +99,7 @@ class FlatProgram(NamedTuple):
 
 
 def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
-    """Trace a function of arrays and open all that it calls.
-
-    Args:
-        function: Of arrays; gives an array or a tuple of them.
-        like: Arguments, or their shapes.
-
-    Raises:
-        ModelError: The function calls back to Python.
-    """
+    """Trace a function of arrays and open all that it calls; raise ModelError if that calls back to Python."""
     program = jax.make_jaxpr(function)(*(jax.typeof(one) for one in like))
     refuse_callbacks(program.jaxpr)
     opener = _Opener()
@@ -118,11 +110,7 @@ def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
 
 
 def read_by(equations: list[Equation], also: list[Atom]) -> list[Atom]:
-    """Values that equations or their bodies read, each once, in order.
-
-    Args:
-        also: Values read beside them.
-    """
+    """Values that equations or their bodies read, and some more, each once, in order."""
     found: dict[Atom, None] = {}
     for equation in equations:
         found.update(dict.fromkeys(equation.inputs))
@@ -353,11 +341,7 @@ def refuse_callbacks(jaxpr: Jaxpr) -> None:
 
 
 def origin_of(equations: Sequence[Any]) -> str:
-    """Where an equation was written, as text to go on with: " in law, springs.py:12"; empty if that is not known.
-
-    Args:
-        equations: It, then those that called it, the outermost first.
-    """
+    """Where the first equation was written, which the others called, as " in law, springs.py:12"; "" if not known."""
     traces = [getattr(one.source_info, "traceback", None) for one in [*equations[:1], *reversed(equations[1:])]]
     for frame in (frame for trace in traces if trace is not None for frame in trace.frames):
         parts = frame.file_name.replace("\\", "/").split("/")

@@ -159,12 +159,7 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
 
 
 def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
-    """SI units by the names of inputs, outputs and states of a mechanism, of those that are known.
-
-    Args:
-        model: Mechanism.
-        names: Of its states.
-    """
+    """SI units of a mechanism by the names of its inputs, outputs and states, of those that are known."""
     return {v.name: v.unit for found in _variables(model, names) for v in found if v.unit and v.name}
 
 
@@ -187,12 +182,7 @@ def nonlinear(
 def _variables(
     model: Model, states: Sequence[str], origin: np.ndarray | None = None, whence: str = ""
 ) -> tuple[tuple[Variable, ...], tuple[Variable, ...], tuple[Variable, ...]]:
-    """Inputs, outputs and states of a mechanism, with their units.
-
-    Args:
-        origin: Coordinates where displacements are zero, (n_x,) [m, rad, -].
-        whence: That state in words.
-    """
+    """Inputs, outputs and states with their units; displacements count from ``origin``, in words ``whence``."""
     units = {str(entry): unit_of(entry).replace("-", "") for entry in model.labels.x}
     units |= {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
 
@@ -267,15 +257,7 @@ def _checked(plant: Plant) -> Plant:
 
 
 def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -> Plant:
-    """The same with other states at the start.
-
-    Args:
-        plant: Any.
-        start: Values by the names of states, or all of them in order.
-
-    Raises:
-        ValueError: There is no such state, there are not as many, or they are no finite numbers.
-    """
+    """The plant with other states at the start, by name or all in order; raise ValueError for unknown or wrong ones."""
     if start is None:
         return plant
     names = [v.name for v in plant.states]
@@ -294,15 +276,7 @@ def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -
 
 
 def measured(plant: Plant, units: Mapping[str, str] | None) -> Plant:
-    """The same with units of inputs, outputs and states.
-
-    Args:
-        plant: Any.
-        units: By name.
-
-    Raises:
-        ValueError: There is no such name, or a unit is no text that a unit can be.
-    """
+    """The plant with units of inputs, outputs and states, by name; raise ValueError for a wrong name or unit."""
     kinds = {kind: getattr(plant, kind) for kind in ("inputs", "outputs", "states")}
     names = [v.name for found in kinds.values() for v in found]
     for name, unit in (units or {}).items():

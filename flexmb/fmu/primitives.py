@@ -46,11 +46,7 @@ def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
 
 
 def mapped(w: Writer, equation: Equation, values: list[Value], write: Callable[..., str]) -> list[Value]:
-    """An elementwise operation.
-
-    Args:
-        write: Expression from those of the operands.
-    """
+    """An elementwise operation, which writes its expression from those of the operands."""
     (out,) = equation.outputs
     operands = [spread(w, value, out.shape) for value in values]
     cost = 1 + sum(one.cost for one in operands)
@@ -260,13 +256,7 @@ def _transpose(w: Writer, equation: Equation, values: list[Value]) -> list[Value
 
 
 def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]) -> Value:
-    """A part of an array, from a place in steps.
-
-    Args:
-        starts: One for each axis.
-        steps: The same; they may be negative.
-        shape: Of the part.
-    """
+    """A part of an array, of a shape, from a place in steps along each axis, which may be negative."""
     if isinstance(x, ArrayView):
         strides = tuple(stride * step for stride, step in zip(x.strides, steps, strict=True))
         return ArrayView(x.pool, x.place(starts), strides, shape, x.dtype)

@@ -14,15 +14,7 @@ TABLE_FILE = "matrices.bin"
 
 
 def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> dict[str, bytes]:
-    """Contents of the files that are compiled, by name.
-
-    Args:
-        plant: What the unit computes.
-        found: Its variables, arrays whole.
-        token: See :func:`flexmb.fmu.description.description`.
-        fmi: 2 or 3.
-        settable: Whether the matrices are parameters; otherwise they are read from a file.
-    """
+    """Contents of the files that are compiled, by name; matrices that are not settable are read from a file."""
     kernel = ["nonlinear.c"] if plant.source else ["linear.c"]
     files = {name: (FOLDER / name).read_bytes() for name in ("core.c", "algebra.c", "fmi.c", *kernel, f"fmi{fmi}.c")}
     if plant.source:

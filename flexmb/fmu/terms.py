@@ -133,11 +133,7 @@ def linear(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
 
 
 def reshaped(view: ArrayView, shape: tuple[int, ...]) -> ArrayView | None:
-    """The same numbers in another shape; None where one stride an axis cannot say it.
-
-    Args:
-        shape: Wanted, of as many numbers.
-    """
+    """The same numbers in another shape; None where one stride an axis cannot say it."""
     if 0 in shape:
         return view._replace(shape=shape, strides=(0,) * len(shape))
     old = [(length, stride) for length, stride in zip(view.shape, view.strides, strict=True) if length != 1]

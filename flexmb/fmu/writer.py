@@ -260,11 +260,7 @@ class Writer:
 
 
 def counters(letter: str, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
-    """Loops over an array, and the index within them.
-
-    Args:
-        letter: How the counters are named; an axis of one entry has none.
-    """
+    """Loops over an array, and the index within them; an axis of one entry has no counter."""
     names = [f"{letter}{axis}" if length > 1 else "" for axis, length in enumerate(shape)]
     loops = "".join(f"F({name}, {length}) " for name, length in zip(names, shape, strict=True) if name)
     return loops, [variable(name) if name else Place() for name in names]

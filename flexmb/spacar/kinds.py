@@ -128,11 +128,7 @@ def has_number(kind: NodeKind) -> bool:
 
 
 def rectangle(sizes: list[float]) -> Rectangle:
-    """Section of a leaf spring.
-
-    Args:
-        sizes: Numbers of SECTION.
-    """
+    """Section of a leaf spring, by the numbers of SECTION."""
     width, thickness, *material = sizes
     return Rectangle(width, thickness, Material(**dict(zip(SIZES[2:], material, strict=False))))
 

@@ -26,22 +26,13 @@ class Way(NamedTuple):
 
 
 def role_of(builder: Builder, key: Key) -> Role:
-    """Role of a coordinate or deformation.
-
-    Args:
-        builder: The mechanism.
-        key: Which.
-    """
+    """Role of a coordinate or deformation."""
     kind, of, number = key
     return (builder.nodes if kind == "node" else builder.members)[of].roles[number - 1]
 
 
 def ways_of(settings: dict[str, Any]) -> dict[Key, Way]:
-    """Lines by what they lead.
-
-    Args:
-        settings: What the file says beside the mechanism.
-    """
+    """Lines of TRAJX and TRAJE in the settings of a file, by what they lead."""
     found: dict[Key, Way] = {}
     for keyword, kind in zip(WAYS, ("node", "element"), strict=True):
         for leg in sorted(settings.get(keyword, []), key=lambda leg: leg.start):
@@ -68,15 +59,9 @@ def _move(leg: Leg, start: float, end: float) -> Law:
 
 
 def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
-    """One law of several ways, with rest between them.
+    """One law of the displacement or deformation of several ways in the order of time, with rest between them.
 
-    Args:
-        legs: Lines in the order of time.
-        start: Where the first begins, from the undeformed mechanism [m, rad].
-        reference: The coordinate there, from which the values of the lines are counted [m, rad].
-
-    Returns:
-        Law of the displacement or deformation.
+    The first way begins at ``start``, from the undeformed mechanism; values of lines count from ``reference`` [m, rad].
     """
     breaks, pieces, at = [legs[0].start], [], start
     for leg in legs:
@@ -94,16 +79,9 @@ def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
 
 
 def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Role | None = None) -> dict[str, Law]:
-    """Laws of all that a file leads somewhere.
+    """Laws of all that a file leads somewhere, of one role where given, by names.
 
-    Args:
-        builder: The mechanism, whose roles and start values are those of the file.
-        labels: Names of the model that it builds.
-        settings: What the file says beside the mechanism.
-        only: Of what has this role alone.
-
-    Returns:
-        Laws of displacements from the undeformed mechanism and of deformations, by their names.
+    They are displacements from the undeformed mechanism, and deformations.
     """
     given, found = builder.loads["initial"].get("prescribed", {}), {}
     for key, way in ways_of(settings).items():

@@ -20,13 +20,9 @@ MANY_STEPS = 100
 
 
 def check(script: Script) -> None:
-    """Check a script whose fields have their form; what is unusual is added to its warnings.
+    """Check a script and raise ModelError with one line a fault; add what is unusual to its warnings.
 
-    Args:
-        script: Script; ``sets`` is filled in, and the options ``rls`` and ``transfer`` take the form they are used in.
-
-    Raises:
-        ModelError: One line a fault.
+    The script gets its ``sets``; the options ``rls`` and ``transfer`` take the form in which they are used.
     """
     faults = list(_connections(script)) or _rest(script)
     if faults:
@@ -45,11 +41,7 @@ def _rest(script: Script) -> list[str]:
 
 
 def acts(value: Any) -> bool:
-    """Whether a load is there: given and not zero, or not known to be zero.
-
-    Args:
-        value: Number or vector, or None.
-    """
+    """Whether a load is there: given and not zero, or not known to be zero."""
     return value is not None and (not is_concrete(value) or bool(np.any(np.asarray(value) != 0)))
 
 

@@ -227,12 +227,7 @@ def faults_of(given: Mapping[str, Any], part: str, label: str) -> Iterator[str]:
 
 
 def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
-    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1.
-
-    Args:
-        what: Name of them all, for the faults.
-        faults: What is wrong is added here.
-    """
+    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1; add faults."""
     if isinstance(given, StructArray | Mapping):
         pairs = list(given.items())
     elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
@@ -248,14 +243,7 @@ def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
 
 
 def read_fields(struct: Any, part: str, where: str, faults: list[str], idle: list[str]) -> dict[str, Any]:
-    """Fields that are given, in their forms.
-
-    Args:
-        part: "nprops", "eprops" or "opt".
-        where: Name of the structure, for the faults.
-        faults: What is wrong is added here.
-        idle: Names of fields without effect are added here.
-    """
+    """Fields of a structure of "nprops", "eprops" or "opt" in their forms; add faults and names of idle fields."""
     known, fields = FIELDS[part], {}
     if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
         faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {clean(repr(struct))}.")

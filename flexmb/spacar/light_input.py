@@ -92,21 +92,7 @@ def _parts(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> dic
 
 
 def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Script:
-    """Read what a script says; every field must be known and have its form.
-
-    Args:
-        nodes: Positions, (n, 3) [m]; or all of the script in one struct.
-        elements: Numbers of the nodes of each element, (m, 2).
-        nprops: Properties of nodes.
-        eprops: Properties of element sets.
-        opt: Options, or None.
-
-    Returns:
-        Script.
-
-    Raises:
-        ModelError: One line a fault.
-    """
+    """Read a script; every field must be known and have its form. Raise ModelError with one line a fault."""
     faults: list[str] = []
     nodes, elements, nprops, eprops, opt = _parts(nodes, elements, nprops, eprops, opt).values()
     positions, pairs = _rows(nodes), _rows(elements)

@@ -118,14 +118,9 @@ def _redundant(script: Script, releases: Releases, count: int) -> str:
 
 
 def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
-    """Builder of a script. DOFs are the deformations in flex, but for those released.
+    """Builder of a script. DOFs are the deformations in flex but those released, of the last beam of each element.
 
-    Args:
-        releases: Released deformations of the last beam of each element.
-        bare: Geometry and supports only, without any number that may be traced.
-
-    Returns:
-        Builder.
+    A bare one has geometry and supports only, without any number that may be traced.
     """
     b = Builder()
     for i in range(1, len(script.nodes) + 1):

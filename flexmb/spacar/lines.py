@@ -153,11 +153,7 @@ def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
 
 
 def statements(text: str, numbers: Mapping[str, Any] | None = None) -> Iterator[Statement]:
-    """Lines of a file that say something, each as it is asked for: of a file with faults few are needed.
-
-    Args:
-        numbers: What placeholders "{name}" stand for; without, a brace is a letter like others.
-    """
+    """Lines of a file that say something, one by one; without ``numbers`` for placeholders a brace is a letter."""
     for number, line in enumerate(_LINE.finditer(text), 1):
         raw = re.split("[%#;]", line[0], maxsplit=1)[0].strip()
         if raw:
@@ -187,11 +183,7 @@ def _groups(form: str) -> list[_Group]:
 
 
 def first_parameter(form: str) -> str:
-    """Name of the first parameter of a form, or nothing.
-
-    Args:
-        form: See :func:`parse`.
-    """
+    """Name of the first parameter of a form, or nothing."""
     return form.split()[0].strip("[]") if form else ""
 
 

@@ -26,12 +26,7 @@ ALIKE = 0.02
 
 
 def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
-    """Act on the lines among those that draw; what is acted on is no longer said to have no effect.
-
-    Args:
-        r: Reading, whose elements are declared.
-        blame: Called with a line and what is wrong with it.
-    """
+    """Act on the lines among those that draw, once elements are declared; they are no longer said to have no effect."""
     told: list[Statement] = []
     kept = list(r.drawn)
     for group in _groups(r.drawn):

@@ -39,11 +39,7 @@ def _dimension(element: Element) -> int:
 
 
 def meant(element: Element, number: int) -> tuple[int, ...]:
-    """Deformations that a number in a file stands for.
-
-    Args:
-        number: As the file gives it, from 1.
-    """
+    """Deformations that a number in a file stands for."""
     if number > closure(element):
         return (number,)
     parts = _PARTS[_dimension(element)][number - 1]
@@ -51,11 +47,7 @@ def meant(element: Element, number: int) -> tuple[int, ...]:
 
 
 def shortened(element: Element, numbers: list[int]) -> list[int]:
-    """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's.
-
-    Args:
-        numbers: Deformations, each once, from 1.
-    """
+    """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's."""
     found, left = [], list(numbers)
     beam = range(1, closure(element) + 1)
     while left:
@@ -66,11 +58,7 @@ def shortened(element: Element, numbers: list[int]) -> list[int]:
 
 
 def arranged(element: Element, numbers: list[int]) -> list[int]:
-    """Deformations in an order in which :func:`shortened` finds the whole fields.
-
-    Args:
-        numbers: Deformations, each once, from 1.
-    """
+    """Deformations in an order in which :func:`shortened` finds the whole fields."""
     order = [n for k in range(1, closure(element) + 1) for n in meant(element, k)]
     return sorted(numbers, key=lambda n: order.index(n) if n in order else 0)
 

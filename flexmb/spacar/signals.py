@@ -33,13 +33,7 @@ EULER = {
 
 
 def keyword_of(side: str, kind: str, quantity: str) -> str:
-    """Keyword of an input or output.
-
-    Args:
-        side: "input" or "output".
-        kind: "node" or "element".
-        quantity: What it is of.
-    """
+    """Keyword of an input or output of a quantity of a node or an element."""
     # A moment is the force on a rotation.
     wanted = "force" if quantity == "moment" else quantity
     return next(keyword for keyword, own in QUANTITIES[side, kind].items() if own == wanted)

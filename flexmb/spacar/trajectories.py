@@ -73,12 +73,7 @@ def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
 
 
 def check(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
-    """What lines about trajectories say of each other.
-
-    Args:
-        r: The reading, whose lines have all been acted on.
-        blame: Takes the line, the text and the name of what the line is about.
-    """
+    """Blame lines about trajectories for what they say of each other, once all have been acted on."""
     for keyword, rates in zip(WAYS, ("INPUTX", "INPUTE"), strict=True):
         about = "node" if keyword == "TRAJX" else "element"
         for of, component, _, *given in r.settings.get(rates, []):

@@ -68,11 +68,7 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
 def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[WrittenLine | str]:
     """Lines of the file of a mechanism; those without numbers are texts.
 
-    Args:
-        builder: Mechanism.
-        settings: What is not part of it, as of :class:`SpacarModel`.
-        like: Where numbers of the mechanism are traced the same one with concrete numbers, which has been written:
-            what depends on values is decided by these.
+    Of traced numbers, ``like`` is the same mechanism with concrete numbers, by which what depends on values is decided.
 
     Raises:
         ModelError: Something that the format cannot express, by name.
@@ -92,11 +88,7 @@ def _numbered(names: list[str]) -> dict[str, int]:
 
 
 def told_in_no_element(node: str) -> str:
-    """What is said of a node that no element joins.
-
-    Args:
-        node: Its name.
-    """
+    """Message of a node that no element joins."""
     return f"Node '{node}' is in no element, so a SPACAR input file cannot have it."
 
 
