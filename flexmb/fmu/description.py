@@ -181,14 +181,9 @@ def _told(plant: Plant) -> str:
 
 
 def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
-    small = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true"}
-    if fmi == 2:
-        small = {
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": "true",
-        }
-        small |= {"canNotUseMemoryManagementFunctions": "true"}
+    state, plural = ("state", "") if fmi == 2 else ("State", "s")
+    abilities = [f"canGetAndSetFMU{state}", f"canSerializeFMU{state}", f"providesDirectionalDerivative{plural}"]
+    small = dict.fromkeys([*abilities, *["canNotUseMemoryManagementFunctions"] * (fmi == 2)], "true")
     not_needed = {"completedIntegratorStepNotNeeded": "true"} if fmi == 2 else {}
     of_kinds = {"ModelExchange": not_needed, "CoSimulation": {"canHandleVariableCommunicationStepSize": "true"}}
     for kind, own in of_kinds.items():
@@ -210,28 +205,21 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
     known += of("state")
     nominal = range(plant.n_own, plant.n_own + plant.n_nominal)
     structure = ElementTree.SubElement(root, "ModelStructure")
-
-    def unknown(parent: ElementTree.Element, tag: str, one: Placed, depends_on: list[Placed] | None = None):
-        number = places[one.reference]
-        attributes = {"index" if fmi == 2 else "valueReference": number}
-        if depends_on is not None:
-            attributes["dependencies"] = " ".join(places[k.reference] for k in depends_on)
-        ElementTree.SubElement(parent, tag, attributes)
-
-    def group(name: str):
-        return ElementTree.SubElement(structure, name) if fmi == 2 else structure
-
     outputs, rates = of("output"), of("rate")
-    parent = group("Outputs")
-    for i, one in enumerate(outputs):
-        # Nominal inputs and outputs are functions of time alone.
-        unknown(parent, "Unknown" if fmi == 2 else "Output", one, of("time") if i in nominal else known)
-    parent = group("Derivatives")
-    for one in rates:
-        unknown(parent, "Unknown" if fmi == 2 else "ContinuousStateDerivative", one)
-    parent = group("InitialUnknowns")
-    for one in sorted([*outputs, *rates], key=lambda one: one.reference):
-        unknown(parent, "Unknown" if fmi == 2 else "InitialUnknown", one)
+    # Nominal inputs and outputs are functions of time alone.
+    of_outputs = [(one, of("time") if i in nominal else known) for i, one in enumerate(outputs)]
+    unknowns = sorted([*outputs, *rates], key=lambda one: one.reference)
+    for group, tag, entries in (
+        ("Outputs", "Output", of_outputs),
+        ("Derivatives", "ContinuousStateDerivative", [(one, None) for one in rates]),
+        ("InitialUnknowns", "InitialUnknown", [(one, None) for one in unknowns]),
+    ):
+        parent = ElementTree.SubElement(structure, group) if fmi == 2 else structure
+        for one, depends_on in entries:
+            attributes = {"index" if fmi == 2 else "valueReference": places[one.reference]}
+            if depends_on is not None:
+                attributes["dependencies"] = " ".join(places[k.reference] for k in depends_on)
+            ElementTree.SubElement(parent, "Unknown" if fmi == 2 else tag, attributes)
 
 
 def build_description(identifier: str) -> bytes:
