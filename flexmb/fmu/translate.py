@@ -83,10 +83,10 @@ class Unit:
             w.add(f"(void){given};")
             if 0 not in atom.shape:
                 w.store(view._replace(pool=given, start=Place()), view)
-        before, w.statements = w.statements, []
-        emitter.run(program.block.equations)
+        with w.writing([]) as middle:
+            emitter.run(program.block.equations)
         # The middle alone is divided among functions, which do not know the arguments.
-        w.statements = [*before, Compound([("{", w.statements)], "}")]
+        w.add(Compound([("{", middle)], "}"))
         results = []
         for given, atom in zip(outputs, program.block.outputs, strict=True):
             value = emitter.at[atom]
@@ -185,14 +185,9 @@ class _Emitter:
 
     def _body(self, block: Body) -> list:
         """Statements of a body."""
-        outside, self.w.statements = self.w.statements, []
-        self.run(block.equations)
-        inside, self.w.statements = self.w.statements, outside
+        with self.w.writing([]) as inside:
+            self.run(block.equations)
         return inside
-
-    def _carried(self, values: list[Value]) -> list[ArrayView]:
-        """What a loop changes, in buffers of its own."""
-        return [self.w.copied(value) for value in values]
 
     def _renewed(self, block: Body, atoms: list[Atom], carried: list[ArrayView]) -> None:
         """Hand the results of a round to the next, all at once."""
@@ -212,7 +207,7 @@ class _Emitter:
     def _scan(self, equation: Equation, values: list[Value]) -> list[Value]:
         (block,), params = equation.blocks, equation.params
         length, carry = params["length"], params["num_carry"]
-        carried = self._carried(values[:carry])
+        carried = [self.w.copied(value) for value in values[:carry]]
         stacks = [self.w.new(atom.shape, atom.dtype) for atom in equation.outputs[carry:]]
         if not length:
             return [*carried, *stacks]
@@ -223,11 +218,10 @@ class _Emitter:
         for atom, value in zip(block.inputs[carry:], values[carry:], strict=True):
             self.at[atom] = _row(self.w.stored(value), row)
         inside = self._body(block)
-        outside, self.w.statements = self.w.statements, inside
-        for atom, stack in zip(block.outputs[carry:], stacks, strict=True):
-            self.w.store(self.at[atom], _row(stack, row))
-        self._renewed(block, block.outputs[:carry], carried)
-        self.w.statements = outside
+        with self.w.writing(inside):
+            for atom, stack in zip(block.outputs[carry:], stacks, strict=True):
+                self.w.store(self.at[atom], _row(stack, row))
+            self._renewed(block, block.outputs[:carry], carried)
         i = counter.at([])
         # The counter is named at the end, so that its place is not given away before.
         self.w.add(Compound([(f"for ({i} = 0; {i} < {length}; {i}++) {{", inside)], f"}} /* {i} */"))
@@ -235,15 +229,14 @@ class _Emitter:
 
     def _while(self, equation: Equation, values: list[Value]) -> list[Value]:
         unfinished, block = equation.blocks
-        carried = self._carried(values)
+        carried = [self.w.copied(value) for value in values]
         for each in (unfinished, block):
             self.at.update(zip(each.inputs, carried, strict=True))
         asked = self._body(unfinished)
         answer = self.at[unfinished.outputs[0]].at([])
         inside = self._body(block)
-        outside, self.w.statements = self.w.statements, inside
-        self._renewed(block, block.outputs, carried)
-        self.w.statements = outside
+        with self.w.writing(inside):
+            self._renewed(block, block.outputs, carried)
         self.w.add(Compound([("for (;;) {", asked), (f"if (!{answer}) break;", inside)], "}"))
         return list(carried)
 
@@ -253,10 +246,9 @@ class _Emitter:
         sections = []
         for i, block in enumerate(equation.blocks):
             inside = self._body(block)
-            outside, self.w.statements = self.w.statements, inside
-            for atom, to in zip(block.outputs, found, strict=True):
-                self.w.store(self.at[atom], to)
-            self.w.statements = outside
+            with self.w.writing(inside):
+                for atom, to in zip(block.outputs, found, strict=True):
+                    self.w.store(self.at[atom], to)
             # What is beyond the last branch takes the last, and what is below the first takes the first.
             ask = "" if i == len(equation.blocks) - 1 else f"if ({which} <= {i}) "
             sections.append((f"{'} else ' if i else ''}{ask}{{", inside))

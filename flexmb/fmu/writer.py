@@ -1,5 +1,6 @@
 """Statements of C, the workspace that they share, and how both become the text of a file."""
 
+import contextlib
 import re
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -135,6 +136,13 @@ class Writer:
     def add(self, statement: Statement) -> None:
         """Go on by a statement."""
         self.statements.append(statement)
+
+    @contextlib.contextmanager
+    def writing(self, statements: list[Statement]) -> Iterator[list[Statement]]:
+        """Go on in another list of statements."""
+        outside, self.statements = self.statements, statements
+        yield statements
+        self.statements = outside
 
     def helper(self, name: str) -> str:
         """The name of a function of ``runtime.c``, which the file then holds."""
