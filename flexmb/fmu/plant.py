@@ -95,9 +95,6 @@ def named_apart(plant: Plant) -> Plant:
     """Return the plant with the names of a unit: where an input and an output share one, both say what they are.
 
     States are named "state q", nominal inputs and outputs "nominal u", absolute positions "absolute y".
-
-    Raises:
-        ValueError: A name is empty or has characters that an FMU does not take.
     """
     shared = {v.name for v in plant.inputs} & {v.name for v in plant.outputs}
 
@@ -135,11 +132,7 @@ def _unit(model: Model, s: Signal) -> str:
 
 
 def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Plant:
-    """Linear plant of a mechanism about its equilibrium, or of its linearisation.
-
-    Raises:
-        ModelError: It names no inputs or no outputs; and what :func:`flexmb.control.state_matrices` raises.
-    """
+    """Linear plant of a mechanism about its equilibrium, or of its linearisation."""
     about: Any = model
     if isinstance(model, Model):
         few = modes is not None or bandwidth is not None
@@ -166,11 +159,7 @@ def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
 def nonlinear(
     model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> Plant:
-    """Nonlinear plant of a mechanism, translated to C; it starts as the builder says, or undeformed and at rest.
-
-    Raises:
-        ModelError: As :func:`flexmb.fmu.nonlinear.plant`.
-    """
+    """Nonlinear plant of a mechanism, translated to C; it starts as the builder says, or undeformed and at rest."""
     found = translated(model, loads=loads, motion=motion)
     inputs, outputs, states = _variables(model, found.states, np.asarray(model.parameters.reference), UNDEFORMED)
     memory = np.asarray(found.memory).tolist()
@@ -197,11 +186,7 @@ def _variables(
 
 
 def of_state_space(system: Any) -> Plant:
-    """Linear plant of a ``control.StateSpace``, which has names and no units.
-
-    Raises:
-        ValueError: It is sampled, or has no states.
-    """
+    """Linear plant of a ``control.StateSpace``, which has names and no units; raise ValueError for a sampled one."""
     if system.dt:
         told = "" if system.dt is True else f" (dt = {system.dt:g} s)"
         raise ValueError(

@@ -176,12 +176,7 @@ class _Numbered:
 
 
 class LightNode(_Numbered):
-    """Results of a node; without the last axis for one step.
-
-    Attributes:
-        number: Number of the node.
-        name: Its name in the Builder.
-    """
+    """Results of a node; without the last axis for one step."""
 
     @property
     def name(self) -> str:
@@ -250,12 +245,7 @@ class LightNode(_Numbered):
 
 
 class LightElement(_Numbered):
-    """Results of an element; without the last axis for one step.
-
-    Attributes:
-        number: Number of the element.
-        names: Names of its beams in the Builder.
-    """
+    """Results of an element; without the last axis for one step."""
 
     @property
     def names(self) -> list[str]:
@@ -303,12 +293,7 @@ class LightElement(_Numbered):
 
 
 class LightStep:
-    """Results of one load step.
-
-    Attributes:
-        number: Number of the step, from 1.
-        lin: Its linearisation.
-    """
+    """Results of one load step, with its linearisation ``lin``."""
 
     def __init__(self, light: LightResults, number: int):
         if not 1 <= number <= len(light.linearizations):
@@ -317,19 +302,11 @@ class LightStep:
         self.lin = light.linearizations[number - 1]
 
     def node(self, number: int) -> LightNode:
-        """Results of a node at this step.
-
-        Args:
-            number: Number of the node, from 1.
-        """
+        """Results of a node, by its number from 1, at this step."""
         return LightNode(self._light, number, self.number - 1)
 
     def element(self, number: int) -> LightElement:
-        """Results of an element at this step.
-
-        Args:
-            number: Number of the element, from 1.
-        """
+        """Results of an element, by its number from 1, at this step."""
         return LightElement(self._light, number, self.number - 1)
 
     @property
