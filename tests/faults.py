@@ -3409,7 +3409,7 @@ FAULTS = [
         "message=message, stale=False, **self._good)",
         "workbench/test_live.py -k keeps_the_last",
     ),
-    Fault("workbench/scene.py", "-1.0 if before @ shape < 0 else 1.0", "1.0", "workbench/test_scene.py -k side"),
+    Fault("workbench/stage.py", "-1.0 if before @ shape < 0 else 1.0", "1.0", "workbench/test_stage.py -k side"),
     Fault("workbench/counts.py", "over=0,\n", "over=1,\n", "workbench/test_counts.py -k tutorial"),
     Fault("workbench/preview.py", "now - self._last < PACE", "False", "workbench/test_preview.py"),
     Fault("workbench/merged.py", "if len(positions) == 1 and", "if", "workbench/test_merged.py"),

@@ -10,9 +10,9 @@ from typing import Any
 from ..errors import clean
 from .document import Document, EditError
 from .filing import opened
-from .history import History, recover, unreadable
 from .places import Storage, left_place, new_place, place_of
 from .session import Session
+from .undo import History, recover, unreadable
 
 
 class TakenError(OSError):

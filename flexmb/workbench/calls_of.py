@@ -16,7 +16,6 @@ from ..elements.element import Element
 from ..errors import clean
 from .fields import ENDS_IN_WORDS, Call, calls
 
-EMPTY = inspect.Parameter.empty
 # Entries of a symmetric matrix as the Builder takes them.
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 

@@ -14,8 +14,6 @@ from ..elements.element import Element
 FIELDS = {2: (1, -1), 3: (1, -1, -1, 1, 1, -1)}
 # Initial curvature of a beam in series: twist, about y, about z.
 CURVATURE = {2: (-1,), 3: (-1, -1, 1)}
-# Two values agree to this, of the largest of them.
-ALIKE = 1e-9
 
 
 def scalars_of(member: Member) -> dict[str, np.ndarray]:

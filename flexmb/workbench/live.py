@@ -14,7 +14,7 @@ from .advice import advice, mass_advice
 from .building import build
 from .counts import Count, count, quick_numbers
 from .live_answers import Answers, Wants
-from .scene import Scenes
+from .stage import Scenes
 from .ways import Ways
 
 Tell = Callable[[dict[str, Any]], None]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..files import write_whole
-from .history import is_locked, journal_folder, journals, new_journal
+from .undo import is_locked, journal_folder, journals, new_journal
 
 
 class Storage(NamedTuple):

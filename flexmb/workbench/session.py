@@ -17,7 +17,6 @@ from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
 from .filing import exported, lost_in
-from .history import History
 from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
@@ -25,12 +24,11 @@ from .open_file import OpenFile
 from .places import Storage
 from .preview import Shown
 from .targets import meet
+from .undo import History
 from .wants import label_of
 
 # How long a design that is pinned waits for its answers [s].
 LONGEST_WAIT = 5.0
-# Designs on the way to a target are shown no faster than this [s], with so many digits.
-PACE, DIGITS = 0.1, 6
 
 
 class Refused(Exception):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import flexmb as fm
 from flexmb.workbench.building import build, numbers_of, positions
 from flexmb.workbench.document import Document, EditError, apply
-from flexmb.workbench.history import History
+from flexmb.workbench.undo import History
 
 
 def edited(document, *ops):

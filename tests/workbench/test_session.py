@@ -441,7 +441,7 @@ def test_a_journal_that_cannot_be_written_refuses_the_edit(opened, monkeypatch):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("flexmb.workbench.history.os.fsync", full)
+        patch.setattr("flexmb.workbench.undo.os.fsync", full)
         with pytest.raises(ValueError, match="Nothing is changed: the journal"):
             session.ask("edit", {"ops": [thing("node", "C", position=["0", "1"])]})
     assert session.history.document is before

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from flexmb.workbench import watch as module
-from flexmb.workbench.watch import Watch
+from flexmb.workbench.open_file import Watch
 
 pytestmark = pytest.mark.timeout(30)
 

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from flexmb.workbench.document import Document, EditError
-from flexmb.workbench.history import History, journals, new_journal, recover
+from flexmb.workbench.undo import History, journals, new_journal, recover
 
 
 def node(x="0"):
@@ -89,7 +89,7 @@ def test_what_is_no_journal_is_told(tmp_path):
 def test_a_killed_process_leaves_its_journal_and_a_living_one_is_not_offered(tmp_path):
     code = (
         "import sys, time\n"
-        "from flexmb.workbench.history import History, new_journal\n"
+        "from flexmb.workbench.undo import History, new_journal\n"
         f"history = History(journal=new_journal({str(tmp_path)!r}))\n"
         "history.edit([{'op': 'add', 'thing': {'call': 'node', 'args': {'position': ['0', '0']}}}])\n"
         "for k in range(1000000):\n"

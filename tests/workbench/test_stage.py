@@ -11,7 +11,7 @@ import flexmb as fm
 from flexmb.viewer.page import page_data
 from flexmb.workbench.counts import count
 from flexmb.workbench.live_answers import Answers, Wants
-from flexmb.workbench.scene import Scenes
+from flexmb.workbench.stage import Scenes
 
 
 def answers(**wants) -> Answers:
