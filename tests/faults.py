@@ -1934,9 +1934,9 @@ FAULTS = [
         "statics/test_stable.py::test_straight_columns",
     ),
     Fault(
-        "statics/search.py",
-        "(still | (s.steps.tries > 0))",
-        "(s.steps.tries >= 0)",
+        "statics/newton_search.py",
+        "(still | (steps.tries > 0))",
+        "(steps.tries >= 0)",
         "statics/test_stable.py -k columns",
     ),
     Fault(
@@ -2040,9 +2040,9 @@ FAULTS = [
         "motion/test_start.py -k as_a_whole",
     ),
     Fault(
-        "statics/sparse.py",
-        "jnp.any(estimated != 0), a, b)",
-        "jnp.any(estimated < -1e300), a, b)",
+        "statics/newton_search.py",
+        "jnp.any(found.estimated != 0)",
+        "jnp.any(found.estimated < -1e300)",
         "statics/test_sparse.py -k inside_compiled",
     ),
     Fault(
@@ -2065,7 +2065,7 @@ FAULTS = [
         "mechanics/test_laws.py -k reactions",
     ),
     Fault(
-        "statics/solve.py",
+        "statics/newton_search.py",
         "end.softness > 1 / CRITICAL",
         "end.softness < 0",
         "statics/test_refusals.py -k bifurcation",
@@ -2077,8 +2077,8 @@ FAULTS = [
         "linear/test_linearize.py -k beyond",
     ),
     Fault(
-        "statics/solve.py",
-        "result=jnp.where(failed, _why(at, change), s.result)",
+        "statics/newton_search.py",
+        "result=jnp.where(failed, found.failure, s.result)",
         "result=jnp.where(failed, s.result, s.result)",
         "linear/test_linearize.py -k without_raising",
     ),
@@ -2158,8 +2158,8 @@ FAULTS = [
     ),
     Fault(
         "paths/imperfection.py",
-        "[nothing, -found.e[held]]",
-        "[nothing, 0 * found.e[held]]",
+        "[nothing, -e[held]]",
+        "[nothing, 0 * e[held]]",
         "paths/test_sparse_path.py -k begins_bent",
         slow=True,
     ),
@@ -2226,7 +2226,7 @@ FAULTS = [
         "mechanics/test_temperature.py -k heat",
     ),
     Fault(
-        "statics/solve.py",
+        "statics/newton_search.py",
         "loads.temperature)[fixed])",
         "0 * loads.temperature)[fixed])",
         "mechanics/test_temperature.py -k free_element",
@@ -2756,14 +2756,8 @@ FAULTS = [
     # Paths, modes and load multipliers of large mechanisms by sparse matrices.
     Fault(
         "paths/sparse_walk.py",
-        "        found[self.held] = point.near[self.held]\n",
-        "",
-        "paths/test_sparse_path.py -k driven_and",
-    ),
-    Fault(
-        "paths/sparse_walk.py",
-        "balancing[self.held] = point.strained[self.held]",
-        "balancing[self.held] = 0.0",
+        "self.e), held, multipliers)",
+        "self.e), held, 0.0)",
         "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
@@ -2926,22 +2920,16 @@ FAULTS = [
     ),
     Fault("paths/limit.py", "(rate * last > 0) & (turn > 0)", "turn >= 0", "paths/test_sparse_limit.py"),
     Fault(
-        "paths/sparse_limit.py",
-        "(-jnp.asarray(found.left) @ change",
-        "(jnp.asarray(found.left) @ change",
+        "paths/limit.py",
+        "return -left_null_vector(",
+        "return left_null_vector(",
         "paths/test_sparse_limit.py",
     ),
+    Fault("paths/limit.py", "1.0, jnp.nan)", "1.0, 1.0)", "paths/test_sparse_limit.py"),
     Fault(
-        "paths/sparse_limit.py",
-        "with one_thread(), jax.core.eval_context():",
-        "with one_thread():",
-        "paths/test_sparse_limit.py",
-    ),
-    Fault("paths/sparse_limit.py", "if good else np.nan", "if True else np.nan", "paths/test_sparse_limit.py"),
-    Fault(
-        "paths/sparse_limit.py",
-        "if good and new.tangent.load > 0:",
-        "if good and new.tangent.load > -2:",
+        "paths/limit.py",
+        "passed = good & (new.tangent.load <= 0)",
+        "passed = good & (new.tangent.load <= -2)",
         "paths/test_sparse_limit.py",
     ),
     Fault(
@@ -3442,8 +3430,8 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_walk.py",
-        "by_load + by_following",
-        "by_load - by_following",
+        "rising = rising + along(",
+        "rising = rising - along(",
         "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
@@ -3811,9 +3799,14 @@ FAULTS = [
         "if steps[at] < max(JUMP,",
         "motion/test_sudden.py -k to_be_named",
     ),
-    Fault("statics/solve.py", "bad = bad & ~loose", "pass", "statics/test_stable.py -k double_pendulum"),
+    Fault("statics/newton_search.py", "bad = bad & ~loose", "pass", "statics/test_stable.py -k double_pendulum"),
     Fault("build/plain_beams.py", "np.radians(15.0)", "np.radians(1.0)", "build/test_plain_beams.py -k along_an_arc"),
-    Fault("statics/solve.py", "topology.n_q > 0 and not moved", "True", "statics/test_refusals.py -k crank"),
+    Fault(
+        "statics/newton_search.py",
+        "form.unknowns(topology)[0] > 0 and not moved",
+        "True",
+        "statics/test_refusals.py -k crank",
+    ),
     Fault(
         "control/stability.py",
         "seen = np.concatenate([poles, closed])",
@@ -4075,19 +4068,16 @@ FAULTS = [
     ),
     Fault("linear/buckling.py", "is_concrete((answer[0], moved)):", "False:", "linear/test_buckling.py -k far_before"),
     Fault(
-        "statics/solve.py", "still & idle & jnp.all(", "still & False & jnp.all(", "statics/test_sparse.py -k zero_asks"
+        "statics/newton_search.py",
+        "still & idle & jnp.all(",
+        "still & False & jnp.all(",
+        "statics/test_sparse.py -k zero_asks",
     ),
     Fault(
-        "statics/solve.py",
-        "idle & jnp.all(s.trial == parameters.reference)",
+        "statics/newton_search.py",
+        "idle & jnp.all(x == parameters.reference)",
         "idle",
         "statics/test_stroke.py -k goes_back",
-    ),
-    Fault(
-        "statics/search.py",
-        "still & is_idle(topology, parameters, target)",
-        "still & False",
-        "statics/test_sparse.py -k zero_asks",
     ),
     Fault(
         "math/sparse.py",

@@ -29,7 +29,8 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness, load_factors_of
-from ..statics.solve import held_values, solve_state
+from ..statics.newton_search import held_values
+from ..statics.solve import solve_state
 from .about import Where, few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, linearize, linearized_by_elements
 from .shapes import Shapes

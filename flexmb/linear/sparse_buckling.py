@@ -25,7 +25,7 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from ..statics.solve import held_values
+from ..statics.newton_search import held_values
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
 from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization

@@ -150,7 +150,7 @@ def begin_path(
     else:
         x, near, result = parameters.reference, zero_near(topology), jnp.zeros((), jnp.int32)
     at = state(topology, parameters, ramp.at(zero), x, near)
-    point = Point(x, near, at.e, zero)
+    point = Point(x, near, at.e, zero, jnp.zeros(0))
     regular = at.transfer.regular
     result = jnp.where((result == RESULTS.successful) & ~regular, RESULTS.singular_configuration, result)
     rising = Plane(jnp.zeros(topology.n_x), jnp.array(1.0))

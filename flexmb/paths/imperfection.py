@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -11,6 +12,7 @@ from ..arguments import check_number, check_whole, shown
 from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..linear.buckling import Buckling, buckling
+from ..math.element_matrices import Whole
 from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.centreline import curves_of
@@ -22,7 +24,7 @@ from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure
-from ..statics.tangent import assemble, unknowns
+from ..statics.tangent import at_state, unknowns
 from .stepper import scales_increment
 
 # Displacements of points are measured by a motion of this share of the extent, forth and back.
@@ -94,17 +96,17 @@ def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     sizes, x, zero = np.asarray(sizes_of(topology, parameters)), np.array(x), np.zeros(topology.n_e)
     metric, nothing = scipy.sparse.diags_array(1 / sizes[free] ** 2), np.zeros(len(free))
     for _ in range(CORRECTIONS):
-        found = assemble(topology, parameters, LoadFactors(0.0, 0.0), x, zero, zero)
+        elements, e = at_state(topology, parameters, LoadFactors(0.0, 0.0), *jax.device_put((x, zero, zero)))
         if len(held) == 0:
-            return x, found.e
-        rows = found.whole.constraints
+            return x, np.asarray(e)
+        e, rows = np.asarray(e), Whole(jax.tree.map(np.asarray, elements)).constraints
         factors = SparseFactors(scipy.sparse.block_array([[metric, rows.T], [rows, None]]))
         if not factors.regular:
             raise AnalysisError(RESULTS.singular_configuration.name, RESULTS.singular_configuration.message)
-        change = factors.solve(np.concatenate([nothing, -found.e[held]]))[: len(free)]
+        change = factors.solve(np.concatenate([nothing, -e[held]]))[: len(free)]
         x[free] += change
         if np.max(np.abs(change) / sizes[free]) < TOLERANCE:
-            return x, found.e
+            return x, e
     raise AnalysisError(RESULTS.out_of_reach.name, RESULTS.out_of_reach.message)
 
 

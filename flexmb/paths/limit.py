@@ -1,6 +1,7 @@
 """Limit load: the first limit point of a path alone, with the derivative of its load."""
 
-from typing import Any, NamedTuple
+import functools
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -9,6 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import check_number, check_whole
 from ..compilation.compile import unguarded
+from ..math.derivative import jvp_of_varied
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import sizes_of
 from ..mechanics.residual import reduced_response, state
@@ -16,17 +18,21 @@ from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from ..statics.choice import by_sparse
+from ..statics.choice import by_sparse, named
 from ..statics.equilibrium import check_stiffness
 from ..statics.solve import change_of_equations
+from ..statics.sparse import Balanced, found_equilibrium, lacking_at
 from .critical import begin_path, null_vectors
-from .sparse_limit import NumbersTraced, sparse_limit_load
+from .sparse_walk import SPARSE_PATH, left_null_vector
 from .stepper import (
+    DENSE_PATH,
     LARGEST_MOTION,
     NO_LOAD,
     SHORTER,
     SMALLEST_STEP,
     Direction,
+    PathForm,
+    Plane,
     Point,
     Ramp,
     Scale,
@@ -35,20 +41,24 @@ from .stepper import (
     next_length,
     normal_to,
     ramp_of,
+    scale_of,
     step_along,
+    unit,
 )
 
 # Of the load's rate along the path, at most one, so much is none: the load is stationary there, and has all its digits
 # long before, while its derivative is off by as much as the place is.
 STATIONARY = 1e-13
+# A path whose rate of the load is no smaller than this between the states that are nearest to each other jumps there.
+TURNED = 1e-6
 # Turns of a superlinear method between two states on either side.
 TURNS = 20
 
 
 class _Limit(NamedTuple):
     load: Float[Array, ""]
-    x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"]
+    point: Point
+    plane: Plane
     result: Int[Array, ""]
 
 
@@ -62,6 +72,7 @@ class _Approach(NamedTuple):
 
 
 def _walk_past_limit(
+    form: PathForm,
     topology: Topology,
     parameters: Parameters,
     ramp: Ramp,
@@ -77,7 +88,7 @@ def _walk_past_limit(
         motion = jnp.max(jnp.abs(w.tangent.x) / scale.sizes, initial=0.0)
         most = jnp.maximum(first, 0.1 * jnp.abs(w.point.load))
         step = jnp.minimum(w.step, jnp.minimum(LARGEST_MOTION / motion, most / jnp.abs(w.tangent.load)))
-        new = step_along(topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
+        new = step_along(form, topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
         good = can_be_taken(new.converged, new.cosine)
         passed = good & (new.tangent.load <= 0)
         on = good & ~passed
@@ -96,22 +107,49 @@ def _walk_past_limit(
     return jax.lax.while_loop(lambda w: ~w.passed & ~w.failed & (w.steps < max_steps), turn, start)
 
 
+def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
+    """Ramp, point, unit tangent, scale and code of RESULTS where a path begins."""
+    if not in_coordinates:
+        ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
+        return ramp, point, tangent, scale, result
+    ramp = ramp_of(topology, parameters)
+    at = found_equilibrium(topology, parameters, ramp.base)
+    point = Point(at.x, at.near, at.near, jnp.array(0.0), at.multipliers)
+    still = Direction(0 * at.x, 0 * at.near, jnp.array(0.0), 0 * at.multipliers)
+    sizes = sizes_of(topology, parameters)
+    rising = Plane(0 * at.x, jnp.array(1.0))
+    alike = Scale(sizes, jnp.ones_like(sizes))
+    new = step_along(SPARSE_PATH, topology, parameters, ramp, alike, point, still, jnp.array(0.0), rising)
+    scale = scale_of(topology, parameters, new.tangent)
+    # A hanging body has no stiffness without stress.
+    why = jnp.where(new.failure == RESULTS.out_of_memory, new.failure, RESULTS.singular_stiffness)
+    found = (at.result == RESULTS.successful) | (at.result == RESULTS.critical_state)
+    result = jnp.where(found, jnp.where(new.converged, RESULTS.successful, why), at.result)
+    return ramp, point, unit(scale, new.tangent), scale, result
+
+
 def _find_limit(
-    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
+    topology: Topology,
+    parameters: Parameters,
+    first: Float[Array, ""],
+    max_steps: Int[Array, ""],
+    in_coordinates: bool,
 ) -> _Limit:
-    ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
-    walk = _walk_past_limit(topology, parameters, ramp, scale, point, tangent, first, max_steps)
+    form = SPARSE_PATH if in_coordinates else DENSE_PATH
+    ramp, point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
+    most = jnp.where(result == RESULTS.successful, max_steps, 0)
+    walk = _walk_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
     plane = normal_to(scale, walk.tangent)
 
     def unfinished(bracket: tuple[Any, ...]):
         *_, rate, turn, _ = bracket
-        return (turn < TURNS) & (jnp.abs(rate) > STATIONARY)
+        return walk.passed & (turn < TURNS) & (jnp.abs(rate) > STATIONARY)
 
     def narrower(bracket: tuple[Any, ...]):
         low, low_rate, high, high_rate, last, turn, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
-        new = step_along(topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
+        new = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
         rate = new.tangent.load
         rising = rate > 0
         # The value of an end that stays once more is halved, so that both ends approach (Illinois).
@@ -126,60 +164,104 @@ def _find_limit(
             new.point,
         )
 
-    end = step_along(topology, parameters, ramp, scale, walk.point, walk.tangent, walk.step, plane)
+    end = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, walk.step, plane)
     rate = end.tangent.load
     bracket = (jnp.array(0.0), walk.tangent.load, walk.step, rate, rate, jnp.zeros((), jnp.int32), end.point)
-    found = jax.lax.while_loop(unfinished, narrower, bracket)[-1]
-    why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, result, RESULTS.max_steps))
+    *_, rate, _, found = jax.lax.while_loop(unfinished, narrower, bracket)
+    # Where no state is found between, the path jumps.
+    passed = jnp.where(jnp.abs(rate) < TURNED, RESULTS.successful, RESULTS.not_converged)
+    why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, passed, RESULTS.max_steps))
     why = jnp.where(jnp.abs(found.load) < NO_LOAD, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
-    return _Limit(found.load, found.x, found.near, result.astype(jnp.int32))
+    return _Limit(found.load, found, plane, result.astype(jnp.int32))
 
 
-@jax.custom_jvp
+@functools.partial(jax.custom_jvp, nondiff_argnums=(4,))
 def _find_limit_once(
-    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]
+    topology: Topology,
+    parameters: Parameters,
+    first: Float[Array, ""],
+    max_steps: Int[Array, ""],
+    in_coordinates: bool,
 ) -> _Limit:
-    return _find_limit(topology, parameters, first, max_steps)
+    return _find_limit(topology, parameters, first, max_steps, in_coordinates)
 
 
 @_find_limit_once.defjvp
-def _no_second_derivative(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _no_second_derivative(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     raise NotImplementedError("The limit load can be differentiated once; its second derivative is not there.")
 
 
-@jax.custom_jvp
-def _limit_load(topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""]):
-    found = _find_limit(topology, parameters, first, max_steps)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(4,))
+def _limit_load(
+    topology: Topology,
+    parameters: Parameters,
+    first: Float[Array, ""],
+    max_steps: Int[Array, ""],
+    in_coordinates: bool,
+):
+    found = _find_limit(topology, parameters, first, max_steps, in_coordinates)
     return found.load, found.result
 
 
-def _limit_load_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
-    topology, parameters, first, max_steps = primals
-    found = _find_limit_once(topology, parameters, first, max_steps)
-    ramp = ramp_of(topology, parameters)
-    target = ramp.at(found.load)
-    at = state(topology, parameters, target, found.x, found.near)
+    found = _find_limit_once(*primals, in_coordinates)
+    changed = _change_in_coordinates if in_coordinates else _change_in_freedoms
+    no_change: Any = np.zeros((), jax.dtypes.float0)
+    return (found.load, found.result), (changed(*primals[:2], found, tangents[1]), no_change)
 
+
+def _change_in_freedoms(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
+    ramp, (x, near, *_) = ramp_of(topology, parameters), found.point
+    target = ramp.at(found.load)
+    at = state(topology, parameters, target, x, near)
     still = jax.tree.map(jnp.zeros_like, target)
-    changes = change_of_equations(topology, at, found.near, (parameters, target), (tangents[1], still))
+    changes = change_of_equations(topology, at, near, (parameters, target), (tangents, still))
     _, by_parameter = reduced_response(topology, at, *changes)
     _, by_load = load_response(topology, parameters, ramp, at)
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
     _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
-    change = -(psi @ by_parameter) / (psi @ by_load)
-    no_change: Any = np.zeros((), jax.dtypes.float0)
-    return (found.load, found.result), (change, no_change)
+    return -(psi @ by_parameter) / (psi @ by_load)
+
+
+def _change_in_coordinates(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
+    """As above; of the equations bordered by the plane of the last step the left vector has psi^T dr/d(load) = 1."""
+    ramp, point = ramp_of(topology, parameters), found.point
+    zero: Any = jnp.zeros((), jnp.int32)
+    at = Balanced(point.x, point.multipliers, point.near, zero, zero)
+
+    def lacking(parameters: Parameters):
+        return lacking_at(topology, parameters, ramp.at(found.load), point.near, at)
+
+    _, change = jvp_of_varied(lacking, (parameters,), (tangents,))
+    return -left_null_vector(topology, parameters, ramp, point, found.plane) @ change
 
 
 _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
-_compiled_limit_load = kernel(_limit_load)
+
+
+@kernel
+def _compiled_limit_load(
+    topology: Topology,
+    parameters: Parameters,
+    first: Float[Array, ""],
+    max_steps: Int[Array, ""],
+    *,
+    in_coordinates: bool,
+):
+    return _limit_load(topology, parameters, first, max_steps, in_coordinates)
 
 
 @unguarded
 def limit_load(
-    model: Model, *, step: float = 0.1, max_steps: int = 200, sparse: bool | None = None, throw: bool = True
+    model: Model,
+    *,
+    step: float = 0.1,
+    max_steps: int = 200,
+    sparse: bool | None = None,
+    solver: Literal["dense", "sparse"] | None = None,
+    throw: bool = True,
 ) -> Float[Array, ""]:
     """Load factor at the first limit point of the path from the unloaded mechanism.
 
@@ -189,8 +271,9 @@ def limit_load(
         model: Mechanism with loads; differentiable once in ``model.parameters``.
         step: First step of the load factor, () [-].
         max_steps: Steps to try.
-        sparse: By sparse factors in all coordinates, of a model that needs no degrees of freedom, outside ``jax.jit``.
-            Chosen by size unless given.
+        sparse: True is ``solver="sparse"``, False ``solver="dense"``.
+        solver: "sparse" for sparse factors in all coordinates, of a model that needs no degrees of freedom, or "dense";
+            None: by size.
         throw: Raise where no limit point is found; otherwise the answer is NaN.
 
     Returns:
@@ -199,29 +282,17 @@ def limit_load(
     Raises:
         AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration;
             singular_stiffness, where it begins without stiffness.
-        TypeError: ``sparse`` is given under ``jax.jit``, ``jax.vmap`` or for second derivatives.
+        NotImplementedError: A second derivative is asked for.
+        ValueError: ``sparse`` contradicts ``solver``.
 
     Source:
         At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium holds no displacement.
     """
     model = as_model(model, "limit_load")
-    large = by_sparse(model, sparse)
+    large = by_sparse(model, sparse, named(solver))
     check_number("step", step, above=0)
-    most = check_whole("max_steps", max_steps, 1)
-    if large:
-        try:
-            load, result = sparse_limit_load(model, float(step), most)
-        except NumbersTraced:
-            if sparse:
-                raise TypeError(
-                    "By sparse factors fm.limit_load takes known numbers, and first derivatives of them, outside"
-                    " jax.jit and jax.vmap: leave these or `sparse` out."
-                ) from None
-        else:
-            check_stiffness(model, result, throw)
-            return load
-    as_determined(model, "limit_load")
-    first, turns = jnp.asarray(step, float), jnp.asarray(most, jnp.int32)
-    load, result = _compiled_limit_load(model.topology, model.parameters, first, turns)
+    first, turns = jnp.asarray(step, float), jnp.asarray(check_whole("max_steps", max_steps, 1), jnp.int32)
+    model = model if large else as_determined(model, "limit_load")
+    load, result = _compiled_limit_load(model.topology, model.parameters, first, turns, in_coordinates=large)
     check_stiffness(model, result, throw)
     return load * jnp.where(result == RESULTS.successful, 1.0, jnp.nan)

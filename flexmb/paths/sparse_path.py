@@ -147,7 +147,6 @@ def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critic
     topology, parameters = equations.parts
     points = [s.point for s in steps]
     x, e = np.stack([point.x for point in points]), np.stack([point.strained for point in points])
-    e[:, equations.held] = np.stack([point.near[equations.held] for point in points])
     sigma = np.stack([equations.sigma(ramp, point) for point in points])
     felt, reactions, external = zip(
         *(

@@ -1,212 +1,226 @@
 """The walk of large mechanisms: steps in all coordinates and one multiplier a constraint, by sparse factors."""
 
-from typing import Any, NamedTuple
+import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compilation.compile import jit
+from ..compilation.host import call_host
+from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.bordered import Bordered
+from ..math.element_matrices import ElementMatrices, Whole
+from ..math.indices import put
 from ..math.linear import uneven
-from ..math.sparse import SparseFactors
-from ..mechanics.deformation import deformations
+from ..math.sparse import on_host_thread
+from ..mechanics.blocks import kernel
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE
-from ..statics.solve import held_values
-from ..statics.sparse import balanced
-from ..statics.tangent import Assembled, assemble, elastic_stress, unknowns
+from ..statics.newton_search import held_values
+from ..statics.sparse import along, balanced
+from ..statics.tangent import Assembled, elastic_stress, element_matrices, unknowns
 from .sparse_critical import critical_values_of, shifted, value_of_determinant
-from .stepper import Direction, Plane, Point, Ramp, Scale, length_of, product, ramp_of, scale_of, unit
-from .walk import Step
-
-# The factors of the last correction serve for the next one too if what that leaves will be this share of the tolerance.
-LEFT = 0.1
+from .stepper import Direction, Move, PathForm, Plane, Point, Ramp, Scale, ramp_of, step_along
+from .walk import Step, begin_at
 
 
-@jit
-def _at_load(
+class _SparseEquations:
+    """See :class:`flexmb.paths.stepper.PathEquations`; unknowns are coordinates that move, and multipliers."""
+
+    def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
+        free, fast, held = unknowns(topology)
+        x, near, strained, load, multipliers = point
+        n_x, n_e = topology.n_x, topology.n_e
+
+        def at_load(load: Float[Array, ""]):
+            factors = ramp.at(load)
+            stress = elastic_stress(topology, parameters, factors, strained)
+            return stress, *held_values(topology, parameters, factors), nodal_forces(topology, parameters, factors, x)
+
+        found, rates = jax.jvp(at_load, (load,), (jnp.ones(()),))
+        (stress, wanted_x, wanted_e, force), (by_stress, moving, growing, by_force) = found, rates
+        sigma = put(stress, held, multipliers)
+        factors = ramp.at(load)
+        self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma)
+        rows = self.last.constraints
+        transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in rows]
+        balancing = put(elastic_stress(topology, parameters, factors, self.e), held, multipliers)
+        lacking = force - along(n_x, transposed, balancing)
+        rising = along(n_x, transposed, put(by_stress, held, 0.0)) - by_force
+        excess, by_excess = wanted_e - self.e, -growing
+        self.onto, self.following = (put(jnp.zeros(n_x), fast, own[fast]) for own in (wanted_x - x, moving))
+        if topology.x.prescribed.shape[0]:
+            lacking = lacking - along(n_x, self.last.stiffness, self.onto)
+            excess = excess - along(n_e, rows, self.onto)
+            rising = rising + along(n_x, self.last.stiffness, self.following)
+            by_excess = by_excess + along(n_e, rows, self.following)
+        self._right = jnp.concatenate([lacking[free], excess[held]])
+        self.by_load = jnp.concatenate([rising[free], by_excess[held]])
+        self._free, self._held = free, held
+
+    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        return along(self.e.shape[0], self.last.constraints, change)
+
+    def bordering(self, plane: Plane) -> tuple[Array, Array, Array, Array]:
+        """Column, row and corner of the border, and the stiffness that is added."""
+        row = jnp.concatenate([plane.x[self._free], jnp.zeros(len(self._held))])
+        corner = plane.load + plane.x @ self.following
+        return self.by_load, row, corner, jnp.asarray(plane.stiffness, float)
+
+    def move(self, factored: ElementMatrices, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+        size, n = self._right.shape[0], self._free.shape[0]
+        shapes = tuple(jax.ShapeDtypeStruct(*of) for of in (((size,), float), ((), float), ((), np.int32)))
+        host = functools.partial(on_host_thread, _move)
+        right = share * self._right
+        z, load, failure = call_host(host, shapes, factored, *self.bordering(plane), right, -distance, idle)
+        return Move(put(jnp.zeros(self.onto.shape), self._free, z[:n]), z[n:], load, failure)
+
+
+SPARSE_PATH = PathForm(_SparseEquations, reuses=True)
+
+
+def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> Bordered:
+    """Factors of the bordered equations; NumPy and SciPy alone."""
+    whole = Whole(elements)
+    tangent = whole.at()
+    if stiffness:
+        factored = shifted(tangent, float(stiffness), elements.sizes[elements.free])
+    else:
+        factored = whole.factors(tangent)
+    return Bordered(tangent, factored, column, row, float(corner))
+
+
+def _move(
+    elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any, right: Any, last: Any, idle: Any
+):
+    """Solution of the bordered equations and a code of RESULTS; NumPy and SciPy alone."""
+    why = RESULTS.successful
+    if not idle:
+        why = RESULTS.singular_configuration
+        try:
+            bordered = _bordered(elements, column, row, corner, stiffness)
+            if bordered.regular:
+                z, load = bordered.solve(right, float(last))
+                return z, np.array(load), np.array(RESULTS.successful, np.int32)
+        except AnalysisError as fault:
+            why = RESULTS[fault.code]
+    return np.full_like(right, np.nan), np.array(np.nan), np.array(why, np.int32)
+
+
+def _left(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> tuple[np.ndarray]:
+    bordered = _bordered(elements, column, row, corner, stiffness)
+    return (bordered.left() if bordered.regular else np.full_like(column, np.nan),)
+
+
+def left_null_vector(
+    topology: Topology, parameters: Parameters, ramp: Ramp, point: Point, plane: Plane
+) -> Float[Array, "r"]:
+    """Of [y, w] with [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector.
+
+    Args:
+        plane: Across the path.
+    """
+    scale = Scale(sizes_of(topology, parameters), jnp.ones(topology.n_x))
+    at = _SparseEquations(topology, parameters, ramp, scale, point)
+    like = (jax.ShapeDtypeStruct(at.by_load.shape, float),)
+    known = jax.lax.stop_gradient((at.last, *at.bordering(plane)))
+    return call_host(functools.partial(on_host_thread, _left), like, *known)[0]
+
+
+@kernel
+def _step(
     topology: Topology,
     parameters: Parameters,
-    factors: LoadFactors,
-    rate: LoadFactors,
-    x: Float[Array, "n_x"],
-    strained: Float[Array, "n_e"],
+    ramp: Ramp,
+    scale: Scale,
+    begin: Point,
+    direction: Direction,
+    length: Float[Array, ""],
+    plane: Plane,
 ):
-    """Stress, and what is held, x and e; their change with the load factor at a constant state, and nodal forces'."""
-
-    def at(load: Float[Array, ""]):
-        own = LoadFactors(factors.initial + load * rate.initial, factors.increment + load * rate.increment)
-        stress = elastic_stress(topology, parameters, own, strained)
-        return stress, *held_values(topology, parameters, own), nodal_forces(topology, parameters, own, x)
-
-    (stress, wanted_x, wanted_e, _), rates = jax.jvp(at, (jnp.zeros(()),), (jnp.ones(()),))
-    return stress, wanted_x, wanted_e, *rates
+    return step_along(SPARSE_PATH, topology, parameters, ramp, scale, begin, direction, length, plane)
 
 
-@jit
-def _deformations(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    return deformations(topology, parameters, x, near)
-
-
-def _point(x: Any, near: Any, strained: Any, load: Any) -> Point:
-    """A point of arrays of NumPy."""
-    return Point(x, near, strained, load)
-
-
-def _toward(x: Any, strained: Any, load: Any) -> Direction:
-    """A direction of arrays of NumPy."""
-    own: Any = np.array(load)
-    return Direction(x, strained, own)
-
-
-def _failed(point: Point) -> Step:
-    """What stands for the first step of a walk that cannot begin."""
-    told: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
-    return Step(point, _toward(0 * point.x, 0 * point.strained, 0.0), *told)
-
-
-class _Tangent(NamedTuple):
-    """Equations at a state, and their derivatives.
-
-    Attributes:
-        at: Matrices there.
-        by_load: Derivative of the equations by the load factor, (n + h,).
-        following: Change with the load factor of the coordinates that do not move by themselves, (n_fast,).
-        right: What the equations lack, (n + h,).
-        shift: How far those coordinates are from where they belong, (n_fast,).
-    """
-
-    at: Assembled
-    by_load: np.ndarray
-    following: np.ndarray
-    right: np.ndarray
-    shift: np.ndarray
+@kernel
+def _at(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
+    """Element matrices at a state, derivatives by the load factor of the equations and of coordinates that follow."""
+    at = _SparseEquations(topology, parameters, ramp, scale, point)
+    return at.last, at.by_load, at.following
 
 
 class SparseEquations:
-    """Equations in all coordinates, for a walk as :class:`flexmb.paths.walk.Equations`.
-
-    Of the held deformations ``strained`` of a point holds the multipliers: they have no stress of their own.
+    """Equations in all coordinates, for a walk as :class:`flexmb.paths.walk.WalkEquations`.
 
     Attributes:
         model: Mechanism.
         parts: Its topology and its parameters.
         free: Coordinates that move.
-        fast: Coordinates that do not.
         held: Deformations that are held.
         sizes: What coordinates are measured against.
         unsymmetric: Whether the tangent is not symmetric, of loads or laws without a potential.
     """
 
-    def __init__(self, model: Model, critical: bool = True):
-        """Prepare the walk.
-
-        Args:
-            model: Mechanism.
-            critical: Whether critical values are found.
-        """
+    def __init__(self, model: Model):
         self.model, self.parts = model, (model.topology, model.parameters)
-        self._tells = critical
         self.unsymmetric = lacks_potential(model.topology)
-        self.free, self.fast, self.held = (np.asarray(i) for i in unknowns(model.topology))
+        self.free, _, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
         # Near to the motions of the critical values that were found last.
         self._soft = np.zeros(len(self.free))
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
-        """State at load factor zero, and the direction in which the path leaves it."""
+        """See :class:`flexmb.paths.walk.WalkEquations`."""
         topology, parameters = self.parts
         ramp: Any = jax.device_get(ramp_of(topology, parameters))
-        sizes: Any = self.sizes
-        x, near, multipliers, code = np.asarray(parameters.reference), np.zeros(topology.n_e), 0.0, RESULTS.successful
+        code, none = RESULTS.singular_stiffness, np.zeros(topology.n_e)
+        state: Any = np.asarray(parameters.reference), none, none, np.zeros(()), np.zeros(len(self.held))
+        start = Point(*state)
         try:
-            start = balanced(topology, parameters, ramp_of(topology, parameters).base)
-            x, multipliers = np.asarray(start.x), np.asarray(start.multipliers)
-            near = np.asarray(_deformations(topology, parameters, x, start.near))
+            at = balanced(topology, parameters, ramp_of(topology, parameters).base)
+            state = (*jax.device_get((at.x, at.near, at.near)), np.zeros(()), np.asarray(at.multipliers))
+            start = Point(*state)
+            found = begin_at(self, ramp, start)
+            if found is not None:
+                return found
         except AnalysisError as fault:
             code = RESULTS[fault.code]
-        strained = near.copy()
-        strained[self.held] = multipliers
-        point = _point(x, near, strained, np.zeros(()))
-        if code != RESULTS.successful:
-            return ramp, Scale(sizes, sizes), _failed(point), code
-        tangent = self._tangent(ramp, point)
-        rising: Any = np.zeros(topology.n_x), np.ones(())
-        factored = tangent.at.factors()
-        bordered = self._bordered(tangent, factored, Plane(*rising))
-        if not bordered.regular:
-            # A hanging body has no stiffness without stress.
-            return ramp, Scale(sizes, sizes), _failed(point), RESULTS.singular_stiffness
-        ahead = self._direction(tangent, bordered)
-        scale: Any = jax.tree.map(np.asarray, scale_of(topology, parameters, jax.device_put(ahead)))
-        values, below = self._critical(tangent.at, factored)
-        told: Any = values, np.array(True), np.array(True), np.ones(()), np.array(0), np.array(below)
-        return ramp, scale, Step(point, unit(scale, ahead), *told), code
+        # A hanging body has no stiffness without stress.
+        still = Direction(0 * start.x, 0 * start.strained, 0 * start.load, 0 * start.multipliers)
+        told: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
+        sizes: Any = self.sizes
+        return ramp, Scale(sizes, sizes), Step(start, still, *told), code
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
-        """One step: predictor along a direction, then Newton's method in the plane through the predicted point."""
-        length = float(length)
-        start = Point(
-            begin.x + length * direction.x,
-            begin.near,
-            begin.strained + length * direction.strained,
-            begin.load + length * direction.load,
-        )
-        point, tries, regular, done = self._corrected(ramp, start, plane)
-        if not done:
-            return _failed(point)._replace(regular=np.array(regular), corrections=np.array(tries))
-        tangent = self._tangent(ramp, point)
-        factored = tangent.at.factors()
-        bordered = self._bordered(tangent, factored, plane)
-        ahead = self._direction(tangent, bordered)
-        if not (bordered.regular and np.isfinite(length_of(scale, ahead))):
-            return _failed(point)._replace(regular=np.array(False), corrections=np.array(tries))
-        ahead = unit(scale, ahead)
-        values, below = self._critical(tangent.at, factored)
-        cosine = np.array(product(scale, direction, ahead))
-        told: Any = values, np.array(True), np.array(True), cosine, np.array(tries), np.array(below)
-        return Step(point, ahead, *told)
-
-    def _corrected(self, ramp: Ramp, start: Point, plane: Plane) -> tuple[Point, int, bool, bool]:
-        """Point in a plane, corrections made, whether the equations were regular, and whether it was found."""
-        point, before, bordered, leaves = start, np.inf, None, np.inf
-        for tries in range(ACROSS_PATH.most):
-            tangent = self._tangent(ramp, point)
-            if bordered is None or not leaves < LEFT * STEP_TOLERANCE:
-                bordered = self._bordered(tangent, tangent.at.factors(), plane)
-                if not bordered.regular:
-                    return point, tries, False, False
-            distance = plane.x @ (point.x - start.x) + plane.load * (point.load - start.load)
-            z, load = bordered.solve(tangent.right, -float(distance + plane.x[self.fast] @ tangent.shift))
-            change = self._change(tangent.shift + load * tangent.following, z)
-            size = np.maximum(np.max(np.abs(change) / self.sizes, initial=0.0), abs(load))
-            if bool(ACROSS_PATH.astray(size, before, tries)):
-                return point, tries, True, False
-            near = tangent.at.e + tangent.at.deformed(change)
-            strained = near.copy()
-            strained[self.held] = point.strained[self.held] + z[len(self.free) :]
-            point = Point(point.x + change, near, strained, point.load + load)
-            if size < STEP_TOLERANCE or bool(ACROSS_PATH.slow(size, before) and size <= ACROSS_PATH.round_off):
-                return point, tries + 1, True, True
-            # Newton's method leaves c size^2 of a correction, and factors that are one correction old c size of that.
-            leaves, before = (size / before**2) ** 2 * size**3 if np.isfinite(before) else np.inf, size
-        return point, ACROSS_PATH.most, True, False
+        """See :class:`flexmb.paths.walk.WalkEquations`."""
+        new: Any = jax.device_get(_step(*self.parts, ramp, scale, begin, direction, length, plane))
+        if new.failure == RESULTS.out_of_memory:
+            raise AnalysisError(RESULTS.out_of_memory.name, RESULTS.out_of_memory.message)
+        values, below, regular = np.zeros(0), 0, np.asarray(new.failure == RESULTS.successful)
+        if new.converged:
+            with one_thread():
+                find = value_of_determinant if self.unsymmetric else critical_values_of
+                values, below, self._soft = on_host_thread(_critical, find, new.at, self._soft)
+        told: Any = values, new.converged, regular, new.cosine, new.corrections, np.array(below)
+        return Step(new.point, new.tangent, *told)
 
     def null(
         self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
     ) -> tuple[Direction, Direction]:
-        """Motion that meets no stiffness, and the direction normal to it that follows a rising load."""
-        tangent = self._tangent(ramp, point)
+        """See :class:`flexmb.paths.walk.WalkEquations`."""
+        elements, by_load, following = jax.device_get(_at(*self.parts, ramp, scale, point))
+        return on_host_thread(self._null, elements, by_load, following, float(shift), beside)
+
+    def _null(self, elements: ElementMatrices, by_load: Any, following: Any, shift: float, beside: Direction):
+        at = Assembled(elements)
         n, rest, sizes = len(self.free), np.zeros(len(self.held)), self.sizes[self.free]
-        factors = shifted(tangent.at.tangent, float(shift), sizes)
+        factors = shifted(at.tangent, shift, sizes)
         other, weight = beside.x[self.free], 1 / sizes**2
 
         def normalised(v: np.ndarray):
@@ -215,6 +229,10 @@ class SparseEquations:
             motion = v / sizes
             largest = np.max(np.abs(motion))
             return v / motion[int(np.argmax(np.abs(motion) > (1 - 1e-6) * largest))]
+
+        def direction(change: np.ndarray, multipliers: np.ndarray, load: float) -> Direction:
+            found: Any = change, at.deformed(change), np.array(load), multipliers
+            return Direction(*found)
 
         phi, m = uneven(n, 1) * sizes, rest
         psi = phi
@@ -225,89 +243,23 @@ class SparseEquations:
                 psi = normalised(factors.solve(np.concatenate([weight * psi, rest]), transposed=True)[:n])
         # Regular with both, however nearly right and left null vector are normal to each other.
         row, column = (np.concatenate([weight * v, rest]) for v in (phi, psi if self.unsymmetric else phi))
-        bordered = Bordered(tangent.at.tangent, tangent.at.factors(), column, row, 0.0)
-        along, _ = bordered.solve(-tangent.by_load, 0.0)
-        still = self._change(np.zeros(len(self.fast)), phi)
-        loaded = self._change(tangent.following, along)
-        return self._toward(tangent, still, 0 * m, 0.0), self._toward(tangent, loaded, along[n:], 1.0)
-
-    def left(self, ramp: Ramp, point: Point, plane: Plane) -> Float[np.ndarray, "r"]:
-        """Of [y, w] with [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector.
-
-        Args:
-            plane: Across the path.
-        """
-        tangent = self._tangent(ramp, point)
-        return self._bordered(tangent, tangent.at.factors(), plane).left()
+        solved, _ = Bordered(at.tangent, at.factors(), column, row, 0.0).solve(-by_load, 0.0)
+        still, loaded = np.zeros(len(self.sizes)), np.array(following)
+        still[self.free], loaded[self.free] = phi, solved[:n]
+        return direction(still, 0 * m, 0.0), direction(loaded, solved[n:], 1.0)
 
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers among them [N, N m]."""
-        found = np.array(
-            elastic_stress(*self.parts, as_arrays(ramp.at(point.load)), jax.device_put(self._strained(point)))
-        )
-        found[self.held] = point.strained[self.held]
+        factors = as_arrays(ramp.at(point.load))
+        found = np.array(elastic_stress(*self.parts, factors, jax.device_put(point.strained)))
+        found[self.held] = point.multipliers
         return found
 
-    def _strained(self, point: Point) -> np.ndarray:
-        """Deformations that the stress is of, where elements couple held ones with others too, (n_e,) [m, rad]."""
-        found = np.array(point.strained)
-        found[self.held] = point.near[self.held]
-        return found
 
-    def _tangent(self, ramp: Ramp, point: Point) -> _Tangent:
-        """Equations and their derivatives at a state."""
-        factors, rate = as_arrays(ramp.at(point.load)), as_arrays(ramp.rate)
-        found = _at_load(*self.parts, factors, rate, jax.device_put(point.x), jax.device_put(self._strained(point)))
-        sigma, wanted_x, wanted_e, by_stress, moving, growing, by_force = (np.array(one) for one in found)
-        sigma[self.held], by_stress[self.held] = point.strained[self.held], 0.0
-        at = assemble(*self.parts, factors, point.x, point.near, sigma)
-        following, shift = moving[self.fast], wanted_x[self.fast] - point.x[self.fast]
-        balancing = at.sigma.copy()
-        balancing[self.held] = point.strained[self.held]
-        lacking, rising = at.force - at.pulled(balancing), at.pulled(by_stress) - by_force
-        right = np.concatenate([lacking[self.free], wanted_e[self.held] - at.e[self.held]])
-        by_load = np.concatenate([rising[self.free], -growing[self.held]])
-        moved = np.stack([shift, following], axis=1)
-        if np.any(moved):
-            motions = np.zeros((len(self.sizes), 2))
-            motions[self.fast] = moved
-            by_shift, by_following = at.forces_of(motions).T
-            right, by_load = right - by_shift, by_load + by_following
-        return _Tangent(at, by_load, following, right, shift)
-
-    def _change(self, fast: np.ndarray, solved: np.ndarray) -> np.ndarray:
-        """Change of all coordinates, from that of those that do not move by themselves and what was solved for."""
-        change = np.zeros(len(self.sizes))
-        change[self.free], change[self.fast] = solved[: len(self.free)], fast
-        return change
-
-    def _bordered(self, t: _Tangent, factored: SparseFactors, plane: Plane) -> Bordered:
-        """Equations for a change of the free coordinates, the multipliers and the load factor, with a plane."""
-        row = np.concatenate([plane.x[self.free], np.zeros(len(self.held))])
-        corner = float(plane.load) + float(plane.x[self.fast] @ t.following)
-        if plane.stiffness:
-            factored = shifted(t.at.tangent, float(plane.stiffness), self.sizes[self.free])
-        return Bordered(t.at.tangent, factored, t.by_load, row, corner)
-
-    def _direction(self, t: _Tangent, bordered: Bordered) -> Direction:
-        """Tangent of the path on the side of the plane's normal, not of unit length."""
-        z, load = bordered.solve(np.zeros_like(t.right), 1.0)
-        return self._toward(t, self._change(load * t.following, z), z[len(self.free) :], load)
-
-    def _toward(self, t: _Tangent, change: np.ndarray, multipliers: np.ndarray, load: float) -> Direction:
-        """Direction of a change of the coordinates, deformations to first order."""
-        strained = t.at.deformed(change)
-        strained[self.held] = multipliers
-        return _toward(change, strained, load)
-
-    def _critical(self, at: Assembled, factored: SparseFactors) -> tuple[np.ndarray, int]:
-        """Critical values nearest to zero, ascending, and how many more are negative."""
-        if not self._tells:
-            return np.zeros(0), 0
-        find = value_of_determinant if self.unsymmetric else critical_values_of
-        found = find(at.tangent, factored, self.sizes[self.free], self._soft, at)
-        self._soft = found.start
-        return found.values, found.below
+def _critical(find: Any, elements: ElementMatrices, start: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:
+    """Critical values nearest to zero, ascending, how many more are negative, and where to begin with the next."""
+    at = Assembled(elements)
+    return find(at.tangent, at.factors(), elements.sizes[elements.free], start, at)[:3]
 
 
 def as_arrays(given: LoadFactors) -> LoadFactors:

@@ -1,23 +1,25 @@
 """Steps along an equilibrium path: predictor along the tangent, Newton's corrector in the plane across it."""
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import library_of
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, iterate, reduced_response, state
+from ..mechanics.residual import State, iterate, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..results import RESULTS
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number
-from ..statics.solve import held_values
+from ..statics.newton_search import held_values
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
 SMALLEST_COSINE = 0.9
@@ -34,6 +36,8 @@ FEW_CORRECTIONS = 4
 STRAIGHT = 0.98
 # Motion that weighs as much as the whole load in the length of the path, at least (extents, radians).
 SMALLEST_SCALE = 0.05
+# Factors of the last correction serve for the next one too if what that leaves will be this share of the tolerance.
+LEFT = 0.1
 
 
 class Ramp(NamedTuple):
@@ -54,20 +58,30 @@ class Ramp(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A state on the path: coordinates, deformations that count turns, those that give the stress, load factor."""
+    """A state on the path.
+
+    Attributes:
+        x: Nodal coordinates, (n_x,) [m, rad, -].
+        near: Deformations that angles are counted from, (n_e,) [m, rad].
+        strained: Deformations that give the stress, (n_e,) [m, rad].
+        load: Load factor, () [-].
+        multipliers: Stress resultants of the held deformations where they are unknowns, (h,) [N, N m]; otherwise (0,).
+    """
 
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
     strained: Float[Array, "n_e"]
     load: Float[Array, ""]
+    multipliers: Float[Array, "h"]
 
 
 class Direction(NamedTuple):
-    """Change of a point: coordinates, deformations, load factor."""
+    """Change of a point: coordinates, deformations, load factor, multipliers."""
 
     x: Float[Array, "n_x"]
     strained: Float[Array, "n_e"]
     load: Float[Array, ""]
+    multipliers: Float[Array, "h"]
 
 
 class Plane(NamedTuple):
@@ -98,17 +112,85 @@ class Scale(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """A step: where it ends, unit tangent and static equations there, and how it was found.
+    """A step: where it ends, and how it was found.
 
-    ``cosine`` is that of the angle between the direction of the step and the tangent at its end.
+    Attributes:
+        point: Its end.
+        tangent: Unit tangent of the path there.
+        at: What the form of matrices keeps of the equations there.
+        converged: Whether the corrector converged.
+        cosine: Of the angle between the direction of the step and the tangent at its end.
+        corrections: Newton iterations.
+        failure: Code of RESULTS where the equations were not regular on the way.
     """
 
     point: Point
     tangent: Direction
-    at: State
+    at: Any
     converged: Bool[Array, ""]
     cosine: Float[Array, ""]
     corrections: Array
+    failure: Int[Array, ""]
+
+
+class Move(NamedTuple):
+    """Solution of the equations of a turn, bordered with the plane of the corrector.
+
+    Attributes:
+        x: Change of the coordinates with the unknowns, (n_x,) [m, rad, -].
+        multipliers: Change of the multipliers, (h,) [N, N m].
+        load: Change of the load factor, () [-].
+        failure: Code of RESULTS where the equations are not regular.
+    """
+
+    x: Float[Array, "n_x"]
+    multipliers: Float[Array, "h"]
+    load: Float[Array, ""]
+    failure: Int[Array, ""]
+
+
+class PathEquations(Protocol):
+    """Equations of equilibrium at a point of a path, linearised.
+
+    Attributes:
+        last: What is kept of them, and factored, a pytree of arrays.
+        e: Deformations, (n_e,) [m, rad].
+        onto: Change of the coordinates that is decided already, (n_x,) [m, rad, -].
+        following: Change of the coordinates with the load factor where the unknowns do not change, (n_x,).
+    """
+
+    last: Any
+    e: Any
+    onto: Any
+    following: Any
+
+    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        """Change of the deformations with the coordinates, to first order."""
+        ...
+
+    def move(self, factored: Any, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+        """Solve [K, r_load; plane] (dz, dload) = (-share r, -distance).
+
+        Args:
+            factored: What is factored in place of ``last``.
+            plane: Plane across the path.
+            share: Of the residual.
+            distance: From the plane.
+            idle: Whether no answer is needed.
+        """
+        ...
+
+
+class PathForm(NamedTuple):
+    """A form of matrices for steps along a path.
+
+    Attributes:
+        equations: PathEquations of topology, parameters, ramp, scale and point.
+        reuses: Whether factors of the last correction may serve for the next.
+    """
+
+    equations: Callable[..., PathEquations]
+    reuses: bool
 
 
 def can_be_taken(converged: Any, cosine: Number) -> Any:
@@ -192,7 +274,7 @@ def direction_of(at: State, dx: Float[Array, "n_x"], load: Float[Array, ""]) -> 
         dx: Change of x, (n_x,) [m, rad, -].
         load: Change of the load factor, () [-].
     """
-    return Direction(dx, at.jacobian @ dx, load)
+    return Direction(dx, at.jacobian @ dx, load, jnp.zeros(0))
 
 
 def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State, plane: Plane) -> Direction:
@@ -225,7 +307,7 @@ def normal_to(scale: Scale, d: Direction) -> Plane:
 def unit(scale: Scale, d: Direction) -> Direction:
     """Direction of unit length."""
     size = length_of(scale, d)
-    return Direction(d.x / size, d.strained / size, d.load / size)
+    return Direction(*(change / size for change in d))
 
 
 def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
@@ -241,18 +323,47 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
     return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
 
 
+class _DenseEquations:
+    """See :class:`PathEquations`; unknowns are the degrees of freedom."""
+
+    def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
+        x, near, strained, load, _ = point
+        factors = ramp.at(load)
+        wanted = held_values(topology, parameters, factors)
+        at, self.onto, self._residual = iterate(topology, parameters, factors, x, near, strained, wanted)
+        self.following, self._by_load = load_response(topology, parameters, ramp, at)
+        self.last, self.e, self._sizes = at, at.e, scale.sizes
+
+    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        return self.last.jacobian @ change
+
+    def move(self, factored: State, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+        z = factored.transfer.DFx / self._sizes[:, None]
+        residual = jnp.where(share == 0, 0.0, self._residual)
+        added = plane.stiffness * (z.T @ z)
+        dq, load = _bordered_solve(factored, self.following, self._by_load, plane, residual, distance, added)
+        failure = jnp.where(factored.transfer.regular, RESULTS.successful, RESULTS.singular_configuration)
+        return Move(factored.transfer.DFx @ dq, jnp.zeros(0), load, failure)
+
+
+DENSE_PATH = PathForm(_DenseEquations, reuses=False)
+
+
 class _Correcting(NamedTuple):
     point: Point
     before: Float[Array, ""]
+    leaves: Float[Array, ""]
     tries: Array
     done: Bool[Array, ""]
     bad: Bool[Array, ""]
-    at: State
+    at: Any
     tangent: Direction
     finished: Bool[Array, ""]
+    failure: Int[Array, ""]
 
 
 def step_along(
+    form: PathForm,
     topology: Topology,
     parameters: Parameters,
     ramp: Ramp,
@@ -268,6 +379,7 @@ def step_along(
     loop evaluates the state that was found: outside the loop its equations would be compiled once more.
 
     Args:
+        form: Form of matrices.
         begin: Where the step begins.
         direction: Where to.
         step: How much of it, () [-].
@@ -280,45 +392,49 @@ def step_along(
         The tangent bordered with the plane's normal is regular where K has rank n_q - 1 and the load is not in its
         range: at limit points.
     """
-    tracks = topology.counts_turns
     predicted = Point(
         begin.x + step * direction.x,
         begin.near,
         begin.strained + step * direction.strained,
         begin.load + step * direction.load,
+        begin.multipliers + step * direction.multipliers,
     )
 
     def turn(c: _Correcting) -> _Correcting:
-        x, near, strained, load = c.point
-        factors = ramp.at(load)
-        wanted = held_values(topology, parameters, factors)
-        at, particular, residual = iterate(topology, parameters, factors, x, near, strained, wanted)
-        onto, by_load = load_response(topology, parameters, ramp, at)
+        x, _, _, load, multipliers = c.point
+        at = form.equations(topology, parameters, ramp, scale, c.point)
         # The last turn asks for the tangent alone.
         last = c.done | c.bad
-        distance = plane.x @ (x - predicted.x + particular) + plane.load * (load - predicted.load)
-        residual, distance = jnp.where(last, 0.0, residual), jnp.where(last, -1.0, distance)
-        z = at.transfer.DFx / scale.sizes[:, None]
-        dq, dload = _bordered_solve(at, onto, by_load, plane, residual, distance, plane.stiffness * (z.T @ z))
-        along = onto * dload + at.transfer.DFx @ dq
-        change = particular + along
-        size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(dload))
-        bad = ACROSS_PATH.astray(size, c.before, c.tries) | ~at.transfer.regular
-        trial = x + change
-        near = deformations(topology, parameters, trial, at.e) if tracks else at.e
-        point = Point(trial, near, at.e + at.jacobian @ change, load + dload)
+        distance = plane.x @ (x - predicted.x + at.onto) + plane.load * (load - predicted.load)
+        factored = at.last
+        if form.reuses:
+            again = ~last & (c.leaves < LEFT * STEP_TOLERANCE)
+            factored = jax.tree.map(lambda a, b: jnp.where(again, a, b), c.at, at.last)
+        share, distance = jnp.where(last, 0.0, 1.0), jnp.where(last, -1.0, distance)
+        move = at.move(factored, plane, share, distance, c.bad)
+        along = at.following * move.load + move.x
+        change = at.onto + along
+        size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(move.load))
+        failure = jnp.where(c.failure == RESULTS.successful, move.failure, c.failure).astype(jnp.int32)
+        bad = ACROSS_PATH.astray(size, c.before, c.tries) | (failure != RESULTS.successful)
+        trial, strained = x + change, at.e + at.deformed(change)
+        near = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
+        point = Point(trial, near, strained, load + move.load, multipliers + move.multipliers)
         done = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
-        new = _Correcting(point, size, c.tries + 1, done & ~bad, bad, at, direction_of(at, along, dload), last)
-        kept = c._replace(at=at, tangent=new.tangent, finished=last)
+        # Newton's method leaves c size^2 of a correction, and factors that are one correction old c size of that.
+        leaves = jnp.where(jnp.isfinite(c.before), (size / c.before**2) ** 2 * size**3, jnp.inf)
+        tangent = Direction(along, at.deformed(along), move.load, move.multipliers)
+        new = _Correcting(point, size, leaves, c.tries + 1, done & ~bad, bad, factored, tangent, last, failure)
+        kept = c._replace(at=factored, tangent=tangent, finished=last, failure=failure)
         return jax.tree.map(lambda a, b: jnp.where(last, a, b), kept, new)
 
-    no = jnp.array(False)
-    point, none = predicted, jnp.zeros((), jnp.int32)
-    nothing = jax.eval_shape(lambda x, near: state(topology, parameters, ramp.at(point.load), x, near), *point[:2])
+    no, none, infinite = jnp.array(False), jnp.zeros((), jnp.int32), jnp.array(jnp.inf)
+    nothing = jax.eval_shape(lambda point: form.equations(topology, parameters, ramp, scale, point).last, predicted)
     nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)
-    start = _Correcting(predicted, jnp.array(jnp.inf), none, no, no, nothing, direction, no)
+    start = _Correcting(predicted, infinite, infinite, none, no, no, nothing, direction, no, none)
     end = jax.lax.while_loop(lambda c: ~c.finished, turn, start)
-    point, at = end.point, end.at
     tangent = unit(scale, end.tangent)
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
-    return Stepped(point, tangent, at, end.done & finite, product(scale, direction, tangent), end.tries)
+    converged = end.done & finite & (end.failure == RESULTS.successful)
+    cosine = product(scale, direction, tangent)
+    return Stepped(end.point, tangent, end.at, converged, cosine, end.tries, end.failure)

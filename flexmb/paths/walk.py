@@ -18,6 +18,7 @@ from ..model.topology import Topology
 from ..results import RESULTS
 from .critical import CriticalPoint, begin_path, critical_values, null_vectors
 from .stepper import (
+    DENSE_PATH,
     LARGEST_MOTION,
     SHORTER,
     SMALLEST_COSINE,
@@ -153,9 +154,9 @@ def _advance(
     length: Float[Array, ""],
     plane: Plane,
 ):
-    new = step_along(topology, parameters, ramp, scale, begin, direction, length, plane)
+    new = step_along(DENSE_PATH, topology, parameters, ramp, scale, begin, direction, length, plane)
     values = critical_values(topology, new.at, scale.sizes)
-    regular = new.at.transfer.regular
+    regular = new.failure == RESULTS.successful
     none = jnp.zeros((), jnp.int32)
     return Step(new.point, new.tangent, values, new.converged, regular, new.cosine, new.corrections, none)
 
@@ -201,6 +202,28 @@ class WalkEquations(Protocol):
         ...
 
 
+def begin_at(equations: Any, ramp: Ramp, point: Point) -> tuple[Ramp, Scale, Step, Any] | None:
+    """What :meth:`WalkEquations.begin` finds at a known state, by a step of no length; None where it finds nothing.
+
+    Args:
+        equations: With ``parts``, the topology and the parameters.
+        ramp: Load factors along the path.
+        point: State at load factor zero.
+    """
+    topology, parameters = equations.parts
+    given: Any = [np.asarray(a, float) for a in (0.0, 1.0, sizes_of(topology, parameters))]
+    none, one, sizes = given
+    still: Any = Direction(0 * point.x, 0 * point.strained, none, 0 * point.multipliers)
+    rising: Any = Plane(0 * point.x, one)
+    alike: Any = Scale(sizes, sizes**0)
+    step = equations.advance(ramp, alike, point, still, none, rising)
+    if not step.converged or not step.regular:
+        return None
+    scale = scale_of(topology, parameters, step.tangent)
+    step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
+    return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
+
+
 class DenseEquations:
     """Equations in the degrees of freedom, by dense matrices in compiled code."""
 
@@ -209,28 +232,16 @@ class DenseEquations:
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
         """See :class:`WalkEquations`."""
-        return self._from_undeformed() or jax.device_get(_begin(*self.parts))
-
-    def _from_undeformed(self) -> tuple[Ramp, Scale, Step, Any] | None:
-        """What :meth:`begin` finds, by the compiled code of a step, which is of no length; None where it finds none."""
         topology, parameters = self.parts
-        if not begins_undeformed(topology, parameters):
-            return None
-        ramp, x = jax.device_get((ramp_of(topology, parameters), parameters.reference))
-        zero: Any = np.zeros(topology.n_e)
-        none: Any = np.zeros(())
-        one: Any = np.ones(())
-        sizes: Any = np.asarray(sizes_of(topology, parameters))
-        still = Direction(np.zeros_like(x), zero, none)
-        rising = Plane(np.zeros_like(x), one)
-        alike = Scale(sizes, sizes**0)
-        step = self.advance(ramp, alike, Point(x, zero, zero, none), still, none, rising)
-        if not step.converged or not step.regular:
-            return None
-        scale = scale_of(topology, parameters, step.tangent)
-        point = step.point._replace(x=x, near=zero, load=none)
-        step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
-        return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
+        if begins_undeformed(topology, parameters):
+            # By the compiled code of a step.
+            zero: Any = np.zeros(topology.n_e)
+            empty: Any = np.zeros(0)
+            ramp, x = jax.device_get((ramp_of(topology, parameters), parameters.reference))
+            found = begin_at(self, ramp, Point(x, zero, zero, zero.sum(), empty))
+            if found is not None:
+                return found
+        return jax.device_get(_begin(*self.parts))
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
         """See :class:`WalkEquations`."""
@@ -423,7 +434,7 @@ class Walker:
 
     def chord(self, begin: Point, end: Point) -> tuple[Direction, float]:
         """Direction from one state to another, and the distance."""
-        way = Direction(end.x - begin.x, end.strained - begin.strained, end.load - begin.load)
+        way = Direction(*(getattr(end, name) - getattr(begin, name) for name in Direction._fields))
         size = length_of(self.scale, way)
         return jax.tree.map(lambda a: a / (size if size > 0 else 1.0), way), float(size)
 
@@ -445,7 +456,8 @@ class Walker:
             arriving = size * getattr(high.tangent, name) - (b - a)
             return straight(a, b) + share * (1 - share) * ((1 - share) * leaving - share * arriving)
 
-        return Point(bent("x"), straight(low.point.near, high.point.near), bent("strained"), bent("load"))
+        near = straight(low.point.near, high.point.near)
+        return Point(bent("x"), near, bent("strained"), bent("load"), bent("multipliers"))
 
     def between(self, low: _Trial, high: _Trial) -> Zero:
         """Zero between two states close by."""

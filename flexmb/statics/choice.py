@@ -22,3 +22,14 @@ def solver_for(model: Model, sparse: bool | None, solver: Any = None) -> LinearS
 def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
     """Whether a model is solved in all coordinates; arguments as of :func:`solver_for`."""
     return solver_for(model, sparse, solver) != DENSE
+
+
+def named(solver: Any) -> Any:
+    """The same, for a function that takes no :class:`LinearSolver` but the two of this package.
+
+    Raises:
+        TypeError: It is another one.
+    """
+    if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
+        raise TypeError('Argument `solver` must be "sparse" or "dense" here: fm.equilibrium takes other solvers too.')
+    return solver

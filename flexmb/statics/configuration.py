@@ -22,7 +22,7 @@ from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan, told
-from .solve import held_values
+from .newton_search import held_values
 
 # What is given goes from its undeformed value in steps of this share of the mechanism's extent, or radians.
 STEP = 0.2

@@ -1,6 +1,7 @@
 """Static equilibrium of a mechanism under its loads."""
 
-from typing import Any, ClassVar
+import functools
+from typing import Any, ClassVar, Literal
 
 import jax
 import numpy as np
@@ -13,6 +14,7 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
 from ..math.element_matrices import Whole
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
@@ -25,7 +27,7 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, or_nan, told
-from .choice import by_sparse
+from .choice import solver_for
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
@@ -141,6 +143,7 @@ def equilibrium(
     load_factor: float = 1.0,
     increment: float | None = None,
     sparse: bool | None = None,
+    solver: Literal["dense", "sparse"] | LinearSolver | None = None,
     throw: bool = True,
 ) -> Equilibrium:
     """Static equilibrium under the constant loads.
@@ -153,8 +156,10 @@ def equilibrium(
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero unless given.
-        sparse: Whether by sparse factors in all coordinates, which need no degrees of freedom
-            (``Builder.build(check=False)``), or by dense matrices; None: as the mechanism is large, or a long chain.
+        sparse: True is ``solver="sparse"``, False ``solver="dense"``.
+        solver: "sparse" for sparse factors in all coordinates, which need no degrees of freedom
+            (``Builder.build(check=False)``), "dense" for dense matrices, or a
+            :class:`flexmb.math.linear_solver.LinearSolver`; None: as the mechanism is large, or a long chain.
         throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
             look at ``result`` before using a derivative.
 
@@ -163,7 +168,7 @@ def equilibrium(
 
     Raises:
         AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try.
-        ValueError: A factor is not finite, or there are no incremental loads.
+        ValueError: A factor is not finite, there are no incremental loads, or ``sparse`` contradicts ``solver``.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (of
@@ -174,14 +179,17 @@ def equilibrium(
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
     """
     model = as_model(model, "equilibrium")
-    sparse = by_sparse(model, sparse) or (sparse is None and is_concrete(model) and is_long_chain(model.topology))
-    model = model if sparse else as_determined(model, "equilibrium")
+    chosen, free = solver_for(model, sparse, solver), sparse is None and solver is None
+    if free and is_concrete(model) and is_long_chain(model.topology):
+        chosen = SPARSE
+    in_coordinates = chosen != DENSE
+    model = model if in_coordinates else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
-    solve: Any = sparse_equilibrium if sparse else _equilibrium
+    solve: Any = functools.partial(sparse_equilibrium, solver=chosen) if in_coordinates else _equilibrium
     found, looked_at = solve(model.topology, model.parameters, target)
     solved = Equilibrium(*found, labels=model.labels)
     about = ""
-    if not sparse and is_concrete(reached := undifferentiated(looked_at[-1])):
+    if not in_coordinates and is_concrete(reached := undifferentiated(looked_at[-1])):
         about = f"Load steps reached {factors_told(model, reached)}."
     check_stiffness(model, solved.result, throw, about)
     if known := is_concrete((model, solved, looked_at)):
@@ -189,14 +197,14 @@ def equilibrium(
     solved = or_nan(solved, solved.result, throw)
     if known and int(solved.result) == RESULTS.successful:
         warn_of_coarse(model, solved.e)
-        if sparse and looked_at:
+        if in_coordinates and looked_at:
             warn_of_unstable(model)
-        elif not sparse:
+        elif not in_coordinates:
             stiffness, structural, to_x, _ = looked_at
             motions = unstable_motions(stiffness, structural, not lacks_potential(model.topology))
             if motions.shape[1]:
                 warn_of_unstable(model, np.asarray(to_x) @ motions)
-    elif throw and not sparse:
+    elif throw and not in_coordinates:
         stiffness, structural, *_ = looked_at
         collect_unstable([stiffness], structural, not lacks_potential(model.topology))
     return solved
@@ -252,7 +260,7 @@ def without_stiffness(model: Model) -> str:
 
 def _loose_of_large(model: Model) -> np.ndarray:
     """The motion that meets least stiffness, (n_x, 1), or none where it meets some; by sparse factors."""
-    whole = Whole(undeformed_elements(model.topology, model.parameters))
+    whole = Whole(jax.tree.map(np.asarray, undeformed_elements(model.topology, model.parameters)))
     motion = unresisted(whole.at(), whole.n)
     stiffness = whole.at()[: whole.n, : whole.n]
     if motion is None:

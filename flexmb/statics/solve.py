@@ -1,5 +1,6 @@
-"""Solution of the static equations: Newton's method on the constraint manifold, with load steps that adapt."""
+"""Equilibrium in the degrees of freedom, by dense matrices, and its derivatives."""
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -8,52 +9,55 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..math.derivative import jvp_of_varied
-from ..math.indices import accumulate, put
-from ..math.linear import diagonal_of, factorise, uneven
-from ..mechanics.deformation import deformation_jacobian, deformations, zero_near
-from ..mechanics.extent import sizes_of
+from ..math.indices import put
+from ..math.linear import diagonal_of, factorise
+from ..mechanics.deformation import deformation_jacobian, zero_near
 from ..mechanics.inertia import weight
-from ..mechanics.loads import LoadFactors, has_loads, is_idle, nodal_forces, scaled_loads
+from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
-from ..mechanics.stress_resultants import (
-    element_stiffness,
-    free_deformations,
-    is_nonlinear_at_rest,
-    stress_resultants,
-    thermal_deformations,
-)
+from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .newton import LoadStep, first_load_step
-
-# Round-off of a deformation, beside what the whole mechanism's extent would make of it.
-ROUND_OFF = 1e-13
-# An equilibrium is critical where its stiffness K is, in some motion, below this share of the structural stiffness K0.
-# At a limit point the share falls with the root of the distance: a change of the load by some 1e-9 of itself doubles
-# the derivative there. At a bifurcation it is the distance itself. Free of units, and 1 without load however slender a
-# leaf spring is.
-CRITICAL = 1e-4
-# Where nothing is elastic, as of a pendulum, corrections are shortened to this size, and there are so many at most.
-LOOSE_CORRECTION, MOST_LOOSE = 0.5, 30
+from .newton_search import ROUND_OFF, Begin, Correction, Form, Iterate, held_values, search
+from .newton_search import undeformed as undeformed_of
 
 
-class Begin(NamedTuple):
-    """Where Newton's method begins: the undeformed mechanism, or an equilibrium under other loads.
+class _Turn:
+    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are the degrees of freedom."""
 
-    Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations there, (n_e,) [m, rad].
-        strained: Deformations less those that are free of stress, as the iteration carries them, (n_e,) [m, rad].
-        soft: Motion in which the state is softest, (n_q,) [m, rad].
-        factors: Load factors there.
-    """
+    def __init__(self, topology: Topology, parameters: Parameters, factors: LoadFactors, trial: Iterate, wanted: Any):
+        x, near, strained, _ = trial
+        at, self._onto, self._residual = iterate(topology, parameters, factors, x, near, strained, wanted)
+        self.last, self.e, self._k0 = at, at.e, at.K0
 
-    x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"]
-    strained: Float[Array, "n_e"]
-    soft: Float[Array, "n_q"]
-    factors: LoadFactors
+    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        return self.last.jacobian @ change
+
+    def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+        at = self.last
+        error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
+        largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
+        return jnp.all(jnp.abs(self._residual) <= largest)
+
+    def stiffnesses(self) -> Float[Array, "n_q"]:
+        return diagonal_of(self._k0)
+
+    def energy(self, motion: Float[Array, "n_q"]) -> Float[Array, ""]:
+        return motion @ self._k0 @ motion
+
+    def corrected(self, soft: Float[Array, "n_q"]) -> Correction:
+        at, k0 = self.last, self._k0
+        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-self._residual, k0 @ soft], axis=1)).T
+        change = self._onto + at.transfer.DFx @ dq
+        singular = ~jnp.all(jnp.isfinite(change))
+        why = jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged)
+        why = jnp.where(at.transfer.regular, why, RESULTS.singular_configuration)
+        return Correction(change, softer, jnp.zeros(0), why)
+
+
+FREEDOMS = Form(_Turn, lambda topology: (topology.n_q, 0), looks_at_end=True, knows_stress=True)
+undeformed = functools.partial(undeformed_of, FREEDOMS)
 
 
 class _Solved(NamedTuple):
@@ -64,190 +68,10 @@ class _Solved(NamedTuple):
     result: Int[Array, ""]
 
 
-def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
-    """Coordinates and deformations with the PRESCRIBED ones at their values, the others as undeformed.
-
-    FIXED deformations are those of temperature: a rigid element expands.
-
-    Returns:
-        x, (n_x,) [m, rad, -], and e, (n_e,) [m, rad].
-    """
-    loads = scaled_loads(parameters, factors)
-    x, e = parameters.reference, jnp.zeros(topology.n_e)
-    if loads.x is not None:
-        x = accumulate(x, topology.x.prescribed, loads.x)
-    if loads.temperature is not None:
-        fixed = topology.e.fixed
-        e = put(e, fixed, thermal_deformations(topology, parameters, loads.temperature)[fixed])
-    if loads.e is not None:
-        e = put(e, topology.e.prescribed, loads.e)
-    return x, e
-
-
-class _Search(NamedTuple):
-    at: State
-    finishing: Bool[Array, ""]
-    finished: Bool[Array, ""]
-    x: Float[Array, "n_x"]
-    near: Float[Array, "n_e"]
-    trial: Float[Array, "n_x"]
-    trial_near: Float[Array, "n_e"]
-    strained: Float[Array, "n_e"]
-    trial_strained: Float[Array, "n_e"]
-    steps: LoadStep
-    soft: Float[Array, "n_q"]
-    softness: Float[Array, ""]
-    iterations: Int[Array, ""]
-    result: Int[Array, ""]
-
-
-def _uneven(k0: Float[Array, "n_q n_q"]) -> Float[Array, "n_q"]:
-    """A motion to which no mode of a symmetric mechanism is orthogonal, its energy spread over soft and stiff ones."""
-    diagonal = diagonal_of(k0)
-    return uneven(k0.shape[0], 1, jnp) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
-
-
-def _of_unit_energy(soft: Float[Array, "n_q"], k0: Float[Array, "n_q n_q"]) -> tuple[Array, Array]:
-    """A motion of unit energy, uneven where one has none, and the energy that it has by the same stiffness."""
-    energy = soft @ k0 @ soft
-    kept = (energy > 0) & jnp.isfinite(energy)
-    soft = jnp.where(kept, soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), _uneven(k0))
-    return soft, soft @ k0 @ soft
-
-
-def undeformed(topology: Topology, parameters: Parameters) -> Begin:
-    """The beginning without loads."""
-    none, zero = zero_near(topology), jnp.array(0.0)
-    return Begin(parameters.reference, none, none, jnp.zeros(topology.n_q), LoadFactors(zero, zero))
-
-
-def _search(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
-    """Equilibrium by one loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
-
-    Deformations and their stress are carried as numbers of their own, see ``iterate``; where elements are free of
-    stress at others than zero, what is carried is the difference: a leaf spring that is warmed would otherwise begin
-    with the stress of one between rigid walls, beyond buckling. The last turn evaluates the state that was found and
-    leaves it as it is: outside the loop its equations would be compiled once more.
-
-    Beside the Newton iteration runs the power method for the largest 1/mu of K v = mu K0 v, one step a turn with the
-    factors at hand: from below, whether the state is critical.
-    """
-    sizes = sizes_of(topology, parameters)
-    tracks = topology.counts_turns
-    loaded = has_loads(topology, parameters)
-    idle, laws = is_idle(topology, parameters, target), is_nonlinear_at_rest(topology)
-    # What is moved goes by steps, of which a pendulum's fall has no need.
-    moved = topology.x.prescribed.shape[0] + topology.e.prescribed.shape[0] > 0
-    falls = topology.n_q > 0 and not moved and parameters.loads.temperature is None
-
-    def turn(s: _Search) -> _Search:
-        going, steps = ~s.finishing, s.steps
-        load = jnp.where(going, steps.load, 1.0)
-        # At the end exactly the target.
-        factors = LoadFactors(*((1 - load) * a + load * b for a, b in zip(begin.factors, target, strict=True)))
-        wanted = held_values(topology, parameters, factors)
-        free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
-        strained = s.trial_strained if free is None else s.trial_strained + free
-        at, onto, residual = iterate(topology, parameters, factors, s.trial, s.trial_near, strained, wanted)
-        k0 = at.K0
-        soft, energy = _of_unit_energy(s.soft, k0)
-        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-residual, k0 @ soft], axis=1)).T
-        change = onto + at.transfer.DFx @ dq
-        # Undeformed, where loads are zero and laws pull nothing, no stiffness is asked for.
-        still = s.iterations == 0
-        if loaded:
-            still = still & idle & jnp.all(s.trial == parameters.reference)
-        if not loaded or laws:
-            still = still & _is_round_off(at, residual, sizes)
-        change = jnp.where(still, 0.0, change)
-        size = jnp.max(jnp.abs(change) / sizes)
-        bad = going & steps.astray(size)
-        if falls:
-            # Where nothing is elastic a smaller load makes no smaller correction. Tried once, at the whole load.
-            loose = ~jnp.any(diagonal_of(k0) > 0) & jnp.isfinite(size) & (steps.tries < MOST_LOOSE)
-            loose = loose & (steps.reached == 0) & (steps.step == 1)
-            change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
-            bad = bad & ~loose
-        done = going & steps.near_enough(size) & ~bad
-        trial = s.trial + change
-        # The turn of an angle follows the iterate, whose steps are below half a turn.
-        near = deformations(topology, parameters, trial, at.e) if tracks else at.e
-        strained = at.e + at.jacobian @ change
-        strained = strained if free is None else strained - free
-        following, failed = steps.after(size, done, bad)
-        # Zero where nothing is stiff without load: that alone is no critical state.
-        softness = jnp.where(still, 0.0, jnp.sqrt(softer @ k0 @ softer / jnp.where(energy > 0, energy, 1.0)))
-
-        def choose(if_bad: Array, if_done: Array, otherwise: Array):
-            return jnp.where(bad, if_bad, jnp.where(done, if_done, otherwise))
-
-        return _Search(
-            at=at,
-            finishing=failed | (done & (load >= 1.0)),
-            finished=s.finishing,
-            x=jnp.where(done, trial, s.x),
-            near=jnp.where(done, near, s.near),
-            trial=choose(s.x, trial, trial),
-            trial_near=choose(s.near, near, near),
-            strained=jnp.where(done, strained, s.strained),
-            trial_strained=choose(s.strained, strained, strained),
-            steps=following,
-            soft=softer,
-            softness=jnp.where(going, softness, s.softness),
-            iterations=s.iterations + going.astype(jnp.int32),
-            result=jnp.where(failed, _why(at, change), s.result).astype(jnp.int32),
-        )
-
-    start = _start(topology, parameters, target, begin)
-    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
-    critical = (end.result == RESULTS.successful) & (end.softness > 1 / CRITICAL)
-    result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
-    share = jnp.where(end.result == RESULTS.successful, 1.0, end.steps.reached)
-    factors = LoadFactors(*((1 - share) * a + share * b for a, b in zip(begin.factors, target, strict=True)))
-    reached = Begin(end.x, end.near, end.strained, end.soft, factors)
-    return _Solved(end.at, end.near, reached, end.iterations, result)
-
-
-def _start(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Search:
-    """The search before its first turn."""
-    x0, near0 = begin.x, begin.near
-    zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
-    nothing = jax.eval_shape(lambda x, near: state(topology, parameters, target, x, near), x0, near0)
-    return _Search(
-        at=jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing),
-        finishing=no,
-        finished=no,
-        x=x0,
-        near=near0,
-        trial=x0,
-        trial_near=near0,
-        strained=begin.strained,
-        trial_strained=begin.strained,
-        steps=first_load_step(),
-        soft=begin.soft,
-        softness=jnp.array(0.0),
-        iterations=zero,
-        result=zero,
-    )
-
-
-def _why(at: State, change: Float[Array, "n_x"]) -> Int[Array, ""]:
-    """Code of a search that failed."""
-    singular = ~jnp.all(jnp.isfinite(change))
-    why = jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged)
-    return jnp.where(at.transfer.regular, why, RESULTS.singular_configuration)
-
-
-def _is_round_off(at: State, residual: Float[Array, "n_q"], sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
-    """Whether nothing but round-off of the deformations is out of balance."""
-    error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
-    largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
-    return jnp.all(jnp.abs(residual) <= largest)
-
-
 @jax.custom_jvp
 def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
-    return _search(topology, parameters, target, begin)
+    at, reached, iterations, result = search(FREEDOMS, topology, parameters, target, begin)
+    return _Solved(at, reached.at.near, reached, iterations, result)
 
 
 def change_of_equations(

@@ -1,8 +1,6 @@
-"""Equilibrium of large mechanisms: all coordinates, one multiplier for each constraint, sparse factors.
+"""Equilibrium of large mechanisms: all coordinates, one multiplier for each constraint, factors of the host.
 
-Element matrices are computed by compiled code, added up and factored on the host. One turn of Newton's method is
-written once; turns follow each other on the host where numbers are known, inside compiled code where they are traced:
-there a call of the host answers the linear equations.
+Element matrices are computed by compiled code, which calls the host for the solution of its linear equations.
 """
 
 import contextlib
@@ -12,7 +10,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..arguments import is_concrete
 from ..compilation.host import call_host
@@ -20,19 +18,19 @@ from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, product, refined
 from ..math.derivative import jvp_of_varied
-from ..math.element_matrices import ElementMatrices, Whole
+from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.indices import put
+from ..math.linear_solver import SPARSE, LinearSolver
 from ..math.sparse import SparseFactors, on_host_thread
-from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformations
+from ..mechanics.blocks import kernel, scatter_vector
+from ..mechanics.deformation import deformations, zero_near
 from ..mechanics.inertia import Felt, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collect, collects, or_nan
-from .search import Search, corrected, linear_equations, start
-from .solve import held_values
+from .newton_search import ROUND_OFF, Correction, Form, Iterate, Solved, held_values, search, undeformed
 from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
@@ -60,18 +58,25 @@ class Balanced(NamedTuple):
     unstable: Any = False
 
 
-def _answer(elements: ElementMatrices, right: Any, *, transposed: bool = False, better: bool = True):
-    """Solution of the linear equations on the host, and what they are: a code of RESULTS; NumPy and SciPy alone.
+def _answer(
+    elements: ElementMatrices,
+    right: Any,
+    *,
+    transposed: bool = False,
+    better: bool = True,
+    solver: LinearSolver = SPARSE,
+):
+    """Solution of the linear equations on the host, and a code of RESULTS; NumPy and SciPy alone.
 
     Args:
         elements: Element matrices.
         right: (n + h,) or (n + h, k).
         transposed: Whether of the transposed equations.
-        better: Whether the solution is refined by the elements' matrices; a correction is not, which a next one mends.
+        better: Whether the solution is refined by the elements' matrices; a next correction mends one that is not.
+        solver: What factors them.
     """
     try:
-        whole = Whole(elements)
-        factors = whole.factors(whole.at())
+        factors = solver.factored(elements)
         if factors.regular:
             if not better:
                 found = factors.solve(right, transposed)
@@ -81,7 +86,7 @@ def _answer(elements: ElementMatrices, right: Any, *, transposed: bool = False, 
                     lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
                 ).reshape(right.shape)
             return found, np.array(RESULTS.successful, np.int32)
-        why = RESULTS.singular_stiffness if whole.independent() else RESULTS.singular_configuration
+        why = RESULTS.singular_stiffness if Whole(elements).independent() else RESULTS.singular_configuration
     except AnalysisError as fault:
         why = RESULTS[fault.code]
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
@@ -104,80 +109,151 @@ def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Floa
     return factors.solve(np.concatenate([right[:n], np.zeros(len(right) - n)]))[n:]
 
 
-def _turned(elements: ElementMatrices, right: Float[np.ndarray, "r 2"], multipliers: Float[np.ndarray, "h"]):
+def _turned(
+    elements: ElementMatrices,
+    right: Float[np.ndarray, "r 2"],
+    multipliers: Float[np.ndarray, "h"],
+    *,
+    solver: LinearSolver,
+):
     """Solution of the linear equations of a turn, a code of RESULTS, and multipliers to try it with in place of none.
 
     What hangs has its stiffness from multipliers, of which nothing is known where a load begins.
     """
-    z, code = _answer(elements, right, better=False)
+    z, code = _answer(elements, right, better=False, solver=solver)
     hangs = code == RESULTS.singular_stiffness and len(multipliers) and not np.any(multipliers)
     return z, code, _estimated(elements, right[:, 0]) if hangs else np.zeros(len(multipliers))
 
 
-def _traced_turn(elements: ElementMatrices, right: Float[Array, "r 2"], multipliers: Float[Array, "h"]):
-    """The same inside compiled code."""
-    shapes = tuple(
-        jax.ShapeDtypeStruct(shape, kind)
-        for shape, kind in ((right.shape, float), ((), np.int32), (multipliers.shape, float))
-    )
-    turned = functools.partial(on_host_thread, _turned)
-    return call_host(turned, shapes, elements, right, multipliers)
-
-
-def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: bool):
+def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: Any):
     """The same inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
     return call_host(functools.partial(on_host_thread, functools.partial(_answer, **how)), shapes, elements, right)
 
 
+@kernel
 def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMatrices:
-    """Element matrices where Newton's method begins without loads, arrays of NumPy."""
-    begin = start(topology, parameters)
-    return jax.tree.map(np.asarray, linear_equations(topology, parameters, LoadFactors(0.0, 0.0), begin)[0].elements)
+    """Element matrices of the undeformed mechanism without loads."""
+    factors, none = LoadFactors(0.0, 0.0), zero_near(topology)
+    sigma = put(elastic_stress(topology, parameters, factors, none), topology.e.held, 0.0)
+    return element_matrices(topology, parameters, factors, parameters.reference, none, sigma, none)[0]
 
 
-def _found(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium by Newton's method on coordinates and multipliers."""
-    known, symmetric = is_concrete((topology, parameters, target)), not lacks_potential(topology)
-    s, unstable = start(topology, parameters), False
+def along(size: int, pieces: Pieces, v: Float[Array, "n"]) -> Array:
+    """Sum of element matrices times a vector of the whole."""
+    return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", own, v[c])) for r, c, own in pieces])
+
+
+class _Turn:
+    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are coordinates that move, and multipliers."""
+
+    def __init__(
+        self,
+        topology: Topology,
+        parameters: Parameters,
+        factors: LoadFactors,
+        trial: Iterate,
+        wanted: Any,
+        solver: LinearSolver,
+    ):
+        (free, fast, held), (wanted_x, wanted_e) = unknowns(topology), wanted
+        n_x, n_e = topology.n_x, topology.n_e
+        x, near, strained, self._multipliers = trial
+        self._solver = solver
+
+        def stress(e: Float[Array, "n_e"]):
+            return elastic_stress(topology, parameters, factors, e)
+
+        sigma = put(stress(strained), held, self._multipliers)
+        found, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
+        # The host computes no elastic energies of a turn.
+        self._elements, self.last = found, found._replace(elastic=[])
+        self._transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in found.constraints]
+        self._shift = put(jnp.zeros(n_x), fast, wanted_x[fast] - x[fast])
+        # The stress of x to first order from the stress of what is carried.
+        self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
+        pulled = along(n_x, self._transposed, put(sum(self._stress_change(self.e - strained)), held, 0.0))
+        lacking = nodal_forces(topology, parameters, factors, x) - pulled
+        self._lacking = (lacking - along(n_x, found.stiffness, self._shift))[free]
+        self._excess = (wanted_e - self.e - along(n_e, found.constraints, self._shift))[held]
+
+    def _moved(self, motion: Float[Array, "n"]) -> Float[Array, "n_x"]:
+        return put(jnp.zeros(self._shift.shape), self._elements.free, motion)
+
+    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        return along(self.e.shape[0], self._elements.constraints, change)
+
+    def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+        absolute = [(r, c, jnp.abs(d)) for r, c, d in self._elements.constraints]
+        error = ROUND_OFF * along(self.e.shape[0], absolute, sizes)
+        largest = jnp.abs(self._stress_change(error)[1])
+        pulled = along(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self._transposed], largest)
+        return jnp.all(jnp.abs(self._lacking) <= pulled[self._elements.free])
+
+    def stiffnesses(self) -> Float[Array, "n"]:
+        diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in self._elements.structural]
+        return scatter_vector(self._shift.shape[0], diagonals)[self._elements.free]
+
+    def energy(self, motion: Float[Array, "n"]) -> Float[Array, ""]:
+        changed = self.deformed(self._moved(motion))
+        return changed @ along(changed.shape[0], self._elements.elastic, changed)
+
+    def corrected(self, soft: Float[Array, "n"]) -> Correction:
+        n, none = len(soft), jnp.zeros_like(self._excess)
+        bending = along(self._shift.shape[0], self._elements.structural, self._moved(soft))[self._elements.free]
+        columns = [jnp.concatenate([self._lacking, self._excess]), jnp.concatenate([bending, none])]
+        like = [(n + len(none), 2), float], [(), np.int32], [none.shape, float]
+        shapes = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in like)
+        host = functools.partial(on_host_thread, functools.partial(_turned, solver=self._solver))
+        right = jnp.stack(columns, axis=1)
+        z, code, estimated = call_host(host, shapes, self.last, right, self._multipliers)
+        why = jnp.where(code == RESULTS.successful, RESULTS.not_converged, code)
+        return Correction(self._shift + self._moved(z[:n, 0]), z[:n, 1], z[n:, 0], why, estimated)
+
+
+def _numbers_of_unknowns(topology: Topology) -> tuple[int, int]:
+    return topology.x.free.shape[0], topology.e.held.shape[0]
+
+
+@kernel
+def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *, solver: LinearSolver) -> Solved:
+    turn = functools.partial(_Turn, solver=solver)
+    form = Form(turn, _numbers_of_unknowns, looks_at_end=False, knows_stress=False)
+    return search(form, topology, parameters, target, undeformed(form, topology, parameters))
+
+
+def found_equilibrium(
+    topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
+) -> Balanced:
+    """Equilibrium by Newton's method on coordinates and multipliers, whose derivatives are not those of the state."""
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
-        s = s._replace(finished=True)
-    if known:
-        while not s.finished:
-            linear, still = linear_equations(topology, parameters, target, s)
-            elements, right = jax.tree.map(np.asarray, (linear.elements, linear.right))
-            z, code, estimated = _turned(elements, right, np.asarray(s.trial.multipliers))
-            if np.any(estimated):
-                s = s._replace(trial=s.trial._replace(multipliers=jnp.asarray(estimated)))
-                continue
-            s = corrected(topology, parameters, target, s, linear, z, code, still)
-            # The last correction is too small to change a sign.
-            unstable = bool(s.finished) and pivots_tell_unstable(elements, symmetric)
-    else:
-
-        def turn(s: Search) -> Search:
-            linear, still = linear_equations(topology, parameters, target, s)
-            z, code, estimated = _traced_turn(linear.elements, linear.right, s.trial.multipliers)
-            again = s._replace(trial=s.trial._replace(multipliers=estimated), iterations=s.iterations + 1)
-            onward = corrected(topology, parameters, target, s, linear, z, code, still)
-            return jax.tree.map(lambda a, b: jnp.where(jnp.any(estimated != 0), a, b), again, onward)
-
-        s = jax.lax.while_loop(lambda s: ~s.finished, turn, s)
-    balance = Balanced(s.done.x, s.done.multipliers, s.done.near, s.iterations, s.result, s.done.strained)
-    if unstable and symmetric:
-        elements = _tangent(topology, parameters, target, balance.near, balance)
-        unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
-    return balance._replace(unstable=unstable)
+        none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
+        multipliers = jnp.zeros(topology.e.held.shape[0])
+        return Balanced(jnp.asarray(parameters.reference, float), multipliers, none, zero, zero, none)
+    elements, reached, iterations, result = _searched(topology, parameters, target, solver=solver)
+    x, near, strained, multipliers = reached.at
+    balance = Balanced(x, multipliers, near, iterations, result, strained)
+    if is_concrete((topology, parameters, target)):
+        # The last correction is too small to change a sign.
+        symmetric = not lacks_potential(topology)
+        unstable = pivots_tell_unstable(jax.tree.map(np.asarray, elements), symmetric)
+        if unstable and symmetric:
+            elements = _tangent(topology, parameters, target, near, balance)
+            unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
+        return balance._replace(unstable=unstable)
+    return balance
 
 
 # Its derivative is one solution with factors of the tangent at the state.
-_differentiable = jax.custom_jvp(_found)
+_differentiable = jax.custom_jvp(found_equilibrium, nondiff_argnums=(3,))
 
 
-def _balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
+def _balanced(
+    topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
+) -> Balanced:
     # For numbers the rule of derivatives would take longer to pass by than a chain of fifty beams to balance.
     known = is_concrete((topology, parameters, target))
-    return _found(topology, parameters, target) if known else _differentiable(topology, parameters, target)
+    return (found_equilibrium if known else _differentiable)(topology, parameters, target, solver)
 
 
 @kernel
@@ -208,6 +284,7 @@ def solution_at(
     near: Float[Array, "n_e"],
     at: Balanced,
     right: Float[Array, "r"],
+    solver: LinearSolver = SPARSE,
 ) -> tuple[Array, Array]:
     """Solution of the equations linearised about a state, with one right-hand side, and a code of RESULTS.
 
@@ -215,10 +292,11 @@ def solution_at(
         near: Deformations there, (n_e,) [m, rad].
         at: The state, known.
         right: Forces and deformations, in which alone it is differentiable, (n + h,).
+        solver: What factors them.
     """
     elements = _tangent(topology, parameters, factors, near, at)
     if is_concrete((elements, right)):
-        found, code = _answer(*jax.tree.map(np.asarray, (elements, right)))
+        found, code = _answer(*jax.tree.map(np.asarray, (elements, right)), solver=solver)
         return jax.device_put((found, code))
 
     fixed: Any = jax.lax.stop_gradient(elements)
@@ -227,16 +305,16 @@ def solution_at(
         return product(elements, z[:, None])[:, 0]
 
     def solve(transposed: bool):
-        return lambda _, right: _traced_answer(fixed, right, transposed=transposed)
+        return lambda _, right: _traced_answer(fixed, right, transposed=transposed, solver=solver)
 
     return jax.lax.custom_linear_solve(matvec, right, solve(False), solve(True), has_aux=True)
 
 
 @_differentiable.defjvp
-def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
+def _balance_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors = primals
     # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
-    solved = _differentiable(topology, parameters, factors)
+    solved = _differentiable(topology, parameters, factors, solver)
     near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, _ = unknowns(topology)
 
@@ -245,7 +323,7 @@ def _balance_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    z, code = solution_at(topology, parameters, factors, near, solved, -change)
+    z, code = solution_at(topology, parameters, factors, near, solved, -change, solver)
     check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
@@ -279,17 +357,20 @@ def refuse_what_is_not_sparse(topology: Topology) -> None:
 
 
 @one_thread()
-def sparse_equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors) -> tuple[tuple[Any, ...], Any]:
-    """Static equilibrium by sparse factors.
+def sparse_equilibrium(
+    topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
+) -> tuple[tuple[Any, ...], Any]:
+    """Static equilibrium in all coordinates.
 
     Args:
         topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
+        solver: What factors the linear equations.
 
     Returns:
         What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, external,
         iterations, result; and whether it is known to be unstable.
     """
-    at = _balanced(topology, parameters, target)
+    at = _balanced(topology, parameters, target, solver)
     _collect_unstable(topology, parameters, target, at)
     return (*_quantities(topology, parameters, target, at), at.iterations, at.result), at.unstable
 

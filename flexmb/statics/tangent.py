@@ -3,16 +3,13 @@
 Element matrices are multiplied element by element where they are computed, so that the host only adds up.
 """
 
-from typing import Any
-
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import computed
 from ..compilation.compile import jit
-from ..math.by_deformations import deformed, energies_between, forces_of, pulled
+from ..math.by_deformations import deformed, energies_between, forces_of
 from ..math.element_matrices import ElementMatrices, Pieces, Whole, by_coordinates
 from ..math.indices import accumulate, put
 from ..math.sparse import SparseFactors
@@ -20,7 +17,7 @@ from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
 from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import weight_pieces
-from ..mechanics.loads import LoadFactors, load_pieces, nodal_forces, scaled_loads
+from ..mechanics.loads import LoadFactors, load_pieces, scaled_loads
 from ..mechanics.stress_resultants import (
     is_nonlinear,
     nonlinear_stress,
@@ -128,7 +125,7 @@ def element_matrices(
 
 
 @jit
-def _at_state(
+def at_state(
     topology: Topology,
     parameters: Parameters,
     factors: LoadFactors,
@@ -136,27 +133,21 @@ def _at_state(
     near: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ):
-    """Element matrices for the host, with deformations, the stress that they have there, and nodal forces."""
-    found, e = element_matrices(topology, parameters, factors, x, near, sigma)
-    stress = put(elastic_stress(topology, parameters, factors, e), topology.e.held, 0.0)
-    return found, e, stress, nodal_forces(topology, parameters, factors, x)
+    """As :func:`element_matrices`, compiled by itself."""
+    return element_matrices(topology, parameters, factors, x, near, sigma)
 
 
 class Assembled:
-    """Tangent of the equilibrium, and what belongs to it, on the host.
+    """Tangent of the equilibrium, on the host.
 
     Attributes:
         whole: Its matrices.
         tangent: Derivative by the coordinates that move and the multipliers.
-        e: Deformations, (n_e,) [m, rad].
-        sigma: Stress resultants without the multipliers, (n_e,) [N, N m].
-        force: Nodal forces of the loads, (n_x,) [N, N m].
     """
 
-    def __init__(self, elements: ElementMatrices, e: Any, sigma: Any, force: Any):
+    def __init__(self, elements: ElementMatrices):
         self.whole = Whole(elements)
         self.tangent = self.whole.at()
-        self.e, self.sigma, self.force = e, sigma, force
 
     def factors(self) -> SparseFactors:
         """Factors of the tangent, in an order of elimination that is found once for the mechanism."""
@@ -165,10 +156,6 @@ class Assembled:
     def deformed(self, motion: np.ndarray) -> np.ndarray:
         """Deformations of a motion of all coordinates, (n_e,)."""
         return deformed(self.whole.elements, motion[:, None])[:, 0]
-
-    def pulled(self, sigma: np.ndarray) -> np.ndarray:
-        """Forces of stress resultants on all coordinates, (n_x,)."""
-        return pulled(self.whole.elements, sigma[:, None])[:, 0]
 
     def forces_of(self, motions: np.ndarray) -> np.ndarray:
         """What motions of all coordinates, (n_x, k), change in the equations, (n + h, k)."""
@@ -187,16 +174,3 @@ class Assembled:
         found = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
         found[self.whole.elements.free] = motions
         return found
-
-
-def assemble(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    x: Float[Array | np.ndarray, "n_x"],
-    near: Float[Array | np.ndarray, "n_e"],
-    sigma: Float[Array | np.ndarray, "n_e"],
-) -> Assembled:
-    """Tangent of the equilibrium at a state with stress resultants ``sigma``, on the host."""
-    found = _at_state(topology, parameters, factors, *jax.device_put((x, near, sigma)))
-    return Assembled(*jax.tree.map(np.asarray, found))
