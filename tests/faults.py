@@ -2755,9 +2755,9 @@ FAULTS = [
     Fault("motion/motion.py", "applied + reactions", "reactions", "motion/test_drive.py -k at_once"),
     # Paths, modes and load multipliers of large mechanisms by sparse matrices.
     Fault(
-        "paths/sparse_walk.py",
-        "self.e), held, multipliers)",
-        "self.e), held, 0.0)",
+        "statics/sparse.py",
+        "self.e - strained)), held, self._multipliers)",
+        "self.e - strained)), held, 0.0)",
         "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(
@@ -3430,8 +3430,8 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_walk.py",
-        "rising = rising + along(",
-        "rising = rising - along(",
+        "by_state + turn.forces_of",
+        "by_state - turn.forces_of",
         "paths/test_sparse_path.py -k driven_and",
     ),
     Fault(

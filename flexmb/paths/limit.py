@@ -51,6 +51,8 @@ from .stepper import (
 STATIONARY = 1e-13
 # A path whose rate of the load is no smaller than this between the states that are nearest to each other jumps there.
 TURNED = 1e-6
+# The place is known where it changes by no more than this share of the step.
+SETTLED = 1e-12
 # Turns of a superlinear method between two states on either side.
 TURNS = 20
 
@@ -142,11 +144,12 @@ def _find_limit(
     plane = normal_to(scale, walk.tangent)
 
     def unfinished(bracket: tuple[Any, ...]):
-        *_, rate, turn, _ = bracket
-        return walk.passed & (turn < TURNS) & (jnp.abs(rate) > STATIONARY)
+        *_, rate, _, moved, turn, _ = bracket
+        near = (jnp.abs(rate) <= STATIONARY) | (moved <= SETTLED * walk.step)
+        return walk.passed & (turn < TURNS) & ~near
 
     def narrower(bracket: tuple[Any, ...]):
-        low, low_rate, high, high_rate, last, turn, _ = bracket
+        low, low_rate, high, high_rate, last, place, _, turn, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
         new = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
@@ -160,14 +163,16 @@ def _find_limit(
             jnp.where(rising, high, middle),
             jnp.where(rising, again * high_rate, rate),
             rate,
+            middle,
+            jnp.abs(middle - place),
             turn + 1,
             new.point,
         )
 
     end = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, walk.step, plane)
-    rate = end.tangent.load
-    bracket = (jnp.array(0.0), walk.tangent.load, walk.step, rate, rate, jnp.zeros((), jnp.int32), end.point)
-    *_, rate, _, found = jax.lax.while_loop(unfinished, narrower, bracket)
+    rate, zero, none = end.tangent.load, jnp.array(0.0), jnp.zeros((), jnp.int32)
+    bracket = (zero, walk.tangent.load, walk.step, rate, rate, walk.step, jnp.array(jnp.inf), none, end.point)
+    *_, rate, _, _, _, found = jax.lax.while_loop(unfinished, narrower, bracket)
     # Where no state is found between, the path jumps.
     passed = jnp.where(jnp.abs(rate) < TURNED, RESULTS.successful, RESULTS.not_converged)
     why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, passed, RESULTS.max_steps))
@@ -176,15 +181,7 @@ def _find_limit(
     return _Limit(found.load, found, plane, result.astype(jnp.int32))
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(4,))
-def _find_limit_once(
-    topology: Topology,
-    parameters: Parameters,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
-    in_coordinates: bool,
-) -> _Limit:
-    return _find_limit(topology, parameters, first, max_steps, in_coordinates)
+_find_limit_once = jax.custom_jvp(_find_limit, nondiff_argnums=(4,))
 
 
 @_find_limit_once.defjvp
@@ -192,24 +189,19 @@ def _no_second_derivative(in_coordinates: bool, primals: tuple[Any, ...], tangen
     raise NotImplementedError("The limit load can be differentiated once; its second derivative is not there.")
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(4,))
-def _limit_load(
-    topology: Topology,
-    parameters: Parameters,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
-    in_coordinates: bool,
-):
-    found = _find_limit(topology, parameters, first, max_steps, in_coordinates)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
+def _limit_load(given: tuple[Any, ...], in_coordinates: bool):
+    found = _find_limit(*given, in_coordinates)
     return found.load, found.result
 
 
 def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
-    found = _find_limit_once(*primals, in_coordinates)
+    ((topology, parameters, *numbers),), ((_, changes, *_),) = primals, tangents
+    found = _find_limit_once(topology, parameters, *numbers, in_coordinates)
     changed = _change_in_coordinates if in_coordinates else _change_in_freedoms
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return (found.load, found.result), (changed(*primals[:2], found, tangents[1]), no_change)
+    return (found.load, found.result), (changed(topology, parameters, found, changes), no_change)
 
 
 def _change_in_freedoms(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
@@ -242,15 +234,8 @@ _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
 
 
 @kernel
-def _compiled_limit_load(
-    topology: Topology,
-    parameters: Parameters,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
-    *,
-    in_coordinates: bool,
-):
-    return _limit_load(topology, parameters, first, max_steps, in_coordinates)
+def _compiled_limit_load(topology: Topology, parameters: Parameters, *numbers: Array, in_coordinates: bool):
+    return _limit_load((topology, parameters, *numbers), in_coordinates)
 
 
 @unguarded

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_flag, check_number, check_whole, is_concrete, shown
+from ..arguments import check_number, check_whole, is_concrete, shown
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
@@ -22,6 +22,7 @@ from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, ma
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
 from ..linear.stress import stress
+from ..math.linear_solver import DENSE, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import extent_of
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -32,7 +33,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
 from ..results import RESULTS
-from ..statics.choice import by_sparse
+from ..statics.choice import by_sparse, named
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness
 from .critical import CriticalPoint
@@ -193,6 +194,7 @@ def path(
     model: Model,
     *,
     sparse: Literal[True],
+    solver: Literal["sparse"] | None = None,
     max_steps: int = 200,
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
@@ -206,6 +208,7 @@ def path(
     model: Model,
     *,
     sparse: Literal[False],
+    solver: Literal["dense"] | None = None,
     max_steps: int = 200,
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
@@ -219,6 +222,7 @@ def path(
     model: Model,
     *,
     sparse: bool | None = None,
+    solver: Literal["dense", "sparse"] | None = None,
     max_steps: int = 200,
     step: float = 0.1,
     stop: Mapping[str, float] | None = None,
@@ -238,6 +242,7 @@ def path(
     imperfection: Mapping[int, float] | None = None,
     progress: Callable[[int, float], None] | bool = False,
     sparse: bool | None = None,
+    solver: Literal["dense", "sparse"] | None = None,
     throw: bool = True,
 ) -> Path | SparsePath:
     """Equilibrium path over the load factor from 0 to 1, past limit points.
@@ -263,9 +268,10 @@ def path(
             without start values give ``initial``.
         progress: True for a bar, or a function called with the number of states and the load factor before each step.
             An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
-        sparse: By sparse factors in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. Chosen by size unless given. The result is a SparsePath, which has no matrices
-            and of the eigenvalues those nearest to zero; about its states questions are asked as about those of a Path.
+        sparse: True is ``solver="sparse"``, False ``solver="dense"``.
+        solver: "sparse" for sparse factors in all coordinates, of a model that needs no degrees of freedom, or "dense";
+            None: by size. By sparse factors the result is a SparsePath, which has no matrices and of the eigenvalues
+            those nearest to zero. It answers questions about its states as a Path does.
         throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
 
     Returns:
@@ -294,13 +300,12 @@ def path(
         bifurcation.
     """
     model = as_model(model, "path")
-    if sparse is not None:
-        check_flag("sparse", sparse)
-    if sparse is None:
+    chosen = asked_solver(sparse, named(solver))
+    if chosen is None:
         # What an imperfection is made of, buckling modes, needs a potential.
         large = by_sparse(model, None) if imperfection is None else is_large(model)
     else:
-        large = bool(sparse)
+        large = chosen != DENSE
     check_number("step", step)
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
@@ -312,7 +317,7 @@ def path(
     if large:
         with one_thread():
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
-            found = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=sparse is None)
+            found = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=chosen is None)
         if found is not None:
             return _checked(*found, stop, to_switch, asked, throw)
     model = as_determined(model, "path")

@@ -23,67 +23,54 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from ..statics.newton_search import held_values
-from ..statics.sparse import along, balanced
-from ..statics.tangent import Assembled, elastic_stress, element_matrices, unknowns
+from ..statics.newton_search import Iterate, held_values
+from ..statics.sparse import TurnInCoordinates, along, balanced
+from ..statics.tangent import Assembled, elastic_stress, unknowns
 from .sparse_critical import critical_values_of, shifted, value_of_determinant
 from .stepper import Direction, Move, PathForm, Plane, Point, Ramp, Scale, ramp_of, step_along
 from .walk import Step, begin_at
 
 
-class _SparseEquations:
-    """See :class:`flexmb.paths.stepper.PathEquations`; unknowns are coordinates that move, and multipliers."""
+class InCoordinates:
+    """See :class:`flexmb.paths.stepper.PathEquations`; unknowns are coordinates that move, and multipliers.
+
+    Attributes:
+        by_load: Derivative of the equations by the load factor, (n + h,).
+    """
 
     def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
-        free, fast, held = unknowns(topology)
-        x, near, strained, load, multipliers = point
-        n_x, n_e = topology.n_x, topology.n_e
+        (free, fast, held), x, strained = unknowns(topology), point.x, point.strained
 
         def at_load(load: Float[Array, ""]):
             factors = ramp.at(load)
             stress = elastic_stress(topology, parameters, factors, strained)
-            return stress, *held_values(topology, parameters, factors), nodal_forces(topology, parameters, factors, x)
+            return *held_values(topology, parameters, factors), stress, nodal_forces(topology, parameters, factors, x)
 
-        found, rates = jax.jvp(at_load, (load,), (jnp.ones(()),))
-        (stress, wanted_x, wanted_e, force), (by_stress, moving, growing, by_force) = found, rates
-        sigma = put(stress, held, multipliers)
-        factors = ramp.at(load)
-        self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma)
-        rows = self.last.constraints
-        transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in rows]
-        balancing = put(elastic_stress(topology, parameters, factors, self.e), held, multipliers)
-        lacking = force - along(n_x, transposed, balancing)
-        rising = along(n_x, transposed, put(by_stress, held, 0.0)) - by_force
-        excess, by_excess = wanted_e - self.e, -growing
-        self.onto, self.following = (put(jnp.zeros(n_x), fast, own[fast]) for own in (wanted_x - x, moving))
-        if topology.x.prescribed.shape[0]:
-            lacking = lacking - along(n_x, self.last.stiffness, self.onto)
-            excess = excess - along(n_e, rows, self.onto)
-            rising = rising + along(n_x, self.last.stiffness, self.following)
-            by_excess = by_excess + along(n_e, rows, self.following)
-        self._right = jnp.concatenate([lacking[free], excess[held]])
-        self.by_load = jnp.concatenate([rising[free], by_excess[held]])
-        self._free, self._held = free, held
-
-    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
-        return along(self.e.shape[0], self.last.constraints, change)
+        (*wanted, _, _), (moving, growing, by_stress, by_force) = jax.jvp(at_load, (point.load,), (jnp.ones(()),))
+        trial = Iterate(x, point.near, strained, point.multipliers)
+        self._turn = turn = TurnInCoordinates(topology, parameters, ramp.at(point.load), trial, wanted)
+        self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
+        self.following = put(jnp.zeros(topology.n_x), fast, moving[fast])
+        rising = along(topology.n_x, turn.transposed, put(by_stress, held, 0.0)) - by_force
+        by_state = jnp.concatenate([rising[free], -growing[held]])
+        self.by_load = by_state + turn.forces_of(self.following)
 
     def bordering(self, plane: Plane) -> tuple[Array, Array, Array, Array]:
         """Column, row and corner of the border, and the stiffness that is added."""
-        row = jnp.concatenate([plane.x[self._free], jnp.zeros(len(self._held))])
+        row = jnp.concatenate([plane.x[self.last.free], jnp.zeros(len(self.last.held))])
         corner = plane.load + plane.x @ self.following
         return self.by_load, row, corner, jnp.asarray(plane.stiffness, float)
 
     def move(self, factored: ElementMatrices, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
-        size, n = self._right.shape[0], self._free.shape[0]
-        shapes = tuple(jax.ShapeDtypeStruct(*of) for of in (((size,), float), ((), float), ((), np.int32)))
+        """See :class:`flexmb.paths.stepper.PathEquations`."""
+        right, n = share * self._turn.right, self.last.unknowns[0]
+        shapes = tuple(jax.ShapeDtypeStruct(*of) for of in ((right.shape, float), ((), float), ((), np.int32)))
         host = functools.partial(on_host_thread, _move)
-        right = share * self._right
         z, load, failure = call_host(host, shapes, factored, *self.bordering(plane), right, -distance, idle)
-        return Move(put(jnp.zeros(self.onto.shape), self._free, z[:n]), z[n:], load, failure)
+        return Move(self._turn.spread(z[:n]), z[n:], load, failure)
 
 
-SPARSE_PATH = PathForm(_SparseEquations, reuses=True)
+SPARSE_PATH = PathForm(InCoordinates, reuses=True)
 
 
 def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> Bordered:
@@ -128,7 +115,7 @@ def left_null_vector(
         plane: Across the path.
     """
     scale = Scale(sizes_of(topology, parameters), jnp.ones(topology.n_x))
-    at = _SparseEquations(topology, parameters, ramp, scale, point)
+    at = InCoordinates(topology, parameters, ramp, scale, point)
     like = (jax.ShapeDtypeStruct(at.by_load.shape, float),)
     known = jax.lax.stop_gradient((at.last, *at.bordering(plane)))
     return call_host(functools.partial(on_host_thread, _left), like, *known)[0]
@@ -151,7 +138,7 @@ def _step(
 @kernel
 def _at(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
     """Element matrices at a state, derivatives by the load factor of the equations and of coordinates that follow."""
-    at = _SparseEquations(topology, parameters, ramp, scale, point)
+    at = InCoordinates(topology, parameters, ramp, scale, point)
     return at.last, at.by_load, at.following
 
 

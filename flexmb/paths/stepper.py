@@ -13,13 +13,14 @@ from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
-from ..mechanics.residual import State, iterate, reduced_response
+from ..mechanics.residual import State, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number
-from ..statics.newton_search import held_values
+from ..statics.newton_search import Iterate, held_values
+from ..statics.solve import TurnInFreedoms
 
 # Cosine of the angle by which the tangent may turn in a step: 25 degrees.
 SMALLEST_COSINE = 0.9
@@ -323,30 +324,29 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
     return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
 
 
-class _DenseEquations:
+class _InFreedoms:
     """See :class:`PathEquations`; unknowns are the degrees of freedom."""
 
     def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
-        x, near, strained, load, _ = point
-        factors = ramp.at(load)
+        factors = ramp.at(point.load)
+        trial = Iterate(point.x, point.near, point.strained, point.multipliers)
         wanted = held_values(topology, parameters, factors)
-        at, self.onto, self._residual = iterate(topology, parameters, factors, x, near, strained, wanted)
-        self.following, self._by_load = load_response(topology, parameters, ramp, at)
-        self.last, self.e, self._sizes = at, at.e, scale.sizes
-
-    def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
-        return self.last.jacobian @ change
+        self._turn = turn = TurnInFreedoms(topology, parameters, factors, trial, wanted)
+        self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
+        self.following, self._by_load = load_response(topology, parameters, ramp, turn.last)
+        self._sizes = scale.sizes
 
     def move(self, factored: State, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+        """See :class:`PathEquations`."""
         z = factored.transfer.DFx / self._sizes[:, None]
-        residual = jnp.where(share == 0, 0.0, self._residual)
+        residual = jnp.where(share == 0, 0.0, self._turn.residual)
         added = plane.stiffness * (z.T @ z)
         dq, load = _bordered_solve(factored, self.following, self._by_load, plane, residual, distance, added)
         failure = jnp.where(factored.transfer.regular, RESULTS.successful, RESULTS.singular_configuration)
         return Move(factored.transfer.DFx @ dq, jnp.zeros(0), load, failure)
 
 
-DENSE_PATH = PathForm(_DenseEquations, reuses=False)
+DENSE_PATH = PathForm(_InFreedoms, reuses=False)
 
 
 class _Correcting(NamedTuple):

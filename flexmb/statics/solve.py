@@ -23,40 +23,45 @@ from .newton_search import ROUND_OFF, Begin, Correction, Form, Iterate, held_val
 from .newton_search import undeformed as undeformed_of
 
 
-class _Turn:
+class TurnInFreedoms:
     """See :class:`flexmb.statics.newton_search.Turn`; unknowns are the degrees of freedom."""
 
     def __init__(self, topology: Topology, parameters: Parameters, factors: LoadFactors, trial: Iterate, wanted: Any):
         x, near, strained, _ = trial
-        at, self._onto, self._residual = iterate(topology, parameters, factors, x, near, strained, wanted)
+        at, self.onto, self.residual = iterate(topology, parameters, factors, x, near, strained, wanted)
         self.last, self.e, self._k0 = at, at.e, at.K0
 
     def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
+        """See :class:`flexmb.statics.newton_search.Turn`."""
         return self.last.jacobian @ change
 
     def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+        """See :class:`flexmb.statics.newton_search.Turn`."""
         at = self.last
         error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
         largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
-        return jnp.all(jnp.abs(self._residual) <= largest)
+        return jnp.all(jnp.abs(self.residual) <= largest)
 
     def stiffnesses(self) -> Float[Array, "n_q"]:
+        """See :class:`flexmb.statics.newton_search.Turn`."""
         return diagonal_of(self._k0)
 
     def energy(self, motion: Float[Array, "n_q"]) -> Float[Array, ""]:
+        """See :class:`flexmb.statics.newton_search.Turn`."""
         return motion @ self._k0 @ motion
 
     def corrected(self, soft: Float[Array, "n_q"]) -> Correction:
+        """See :class:`flexmb.statics.newton_search.Turn`."""
         at, k0 = self.last, self._k0
-        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-self._residual, k0 @ soft], axis=1)).T
-        change = self._onto + at.transfer.DFx @ dq
+        dq, softer = factorise(k0 + at.G0).solve(jnp.stack([-self.residual, k0 @ soft], axis=1)).T
+        change = self.onto + at.transfer.DFx @ dq
         singular = ~jnp.all(jnp.isfinite(change))
         why = jnp.where(singular, RESULTS.singular_stiffness, RESULTS.not_converged)
         why = jnp.where(at.transfer.regular, why, RESULTS.singular_configuration)
         return Correction(change, softer, jnp.zeros(0), why)
 
 
-FREEDOMS = Form(_Turn, lambda topology: (topology.n_q, 0), looks_at_end=True, knows_stress=True)
+FREEDOMS = Form(TurnInFreedoms, lambda topology: (topology.n_q, 0), looks_at_end=True, knows_stress=True)
 undeformed = functools.partial(undeformed_of, FREEDOMS)
 
 

@@ -144,8 +144,15 @@ def along(size: int, pieces: Pieces, v: Float[Array, "n"]) -> Array:
     return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", own, v[c])) for r, c, own in pieces])
 
 
-class _Turn:
-    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are coordinates that move, and multipliers."""
+class TurnInCoordinates:
+    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are coordinates that move, and multipliers.
+
+    Attributes:
+        last: Element matrices.
+        onto: Change of the coordinates that do not move by themselves, (n_x,).
+        right: Forces out of balance, and excess of the held deformations, (n + h,).
+        transposed: Constraints, transposed, in pieces.
+    """
 
     def __init__(
         self,
@@ -154,10 +161,9 @@ class _Turn:
         factors: LoadFactors,
         trial: Iterate,
         wanted: Any,
-        solver: LinearSolver,
+        solver: LinearSolver = SPARSE,
     ):
         (free, fast, held), (wanted_x, wanted_e) = unknowns(topology), wanted
-        n_x, n_e = topology.n_x, topology.n_e
         x, near, strained, self._multipliers = trial
         self._solver = solver
 
@@ -165,50 +171,57 @@ class _Turn:
             return elastic_stress(topology, parameters, factors, e)
 
         sigma = put(stress(strained), held, self._multipliers)
-        found, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
-        # The host computes no elastic energies of a turn.
-        self._elements, self.last = found, found._replace(elastic=[])
-        self._transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in found.constraints]
-        self._shift = put(jnp.zeros(n_x), fast, wanted_x[fast] - x[fast])
+        self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
+        self.transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in self.last.constraints]
         # The stress of x to first order from the stress of what is carried.
         self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
-        pulled = along(n_x, self._transposed, put(sum(self._stress_change(self.e - strained)), held, 0.0))
-        lacking = nodal_forces(topology, parameters, factors, x) - pulled
-        self._lacking = (lacking - along(n_x, found.stiffness, self._shift))[free]
-        self._excess = (wanted_e - self.e - along(n_e, found.constraints, self._shift))[held]
+        balancing = put(sum(self._stress_change(self.e - strained)), held, self._multipliers)
+        lacking = nodal_forces(topology, parameters, factors, x) - along(topology.n_x, self.transposed, balancing)
+        self.onto = put(jnp.zeros(topology.n_x), fast, wanted_x[fast] - x[fast])
+        self.right = jnp.concatenate([lacking[free], (wanted_e - self.e)[held]]) - self.forces_of(self.onto)
 
-    def _moved(self, motion: Float[Array, "n"]) -> Float[Array, "n_x"]:
-        return put(jnp.zeros(self._shift.shape), self._elements.free, motion)
+    def spread(self, motion: Float[Array, "n"]) -> Float[Array, "n_x"]:
+        """Motion of all coordinates."""
+        return put(jnp.zeros(self.last.sizes.shape), self.last.free, motion)
+
+    def forces_of(self, change: Float[Array, "n_x"]) -> Float[Array, "r"]:
+        """Forces and held deformations of a change of all coordinates."""
+        force = along(change.shape[0], self.last.stiffness, change)
+        return jnp.concatenate([force[self.last.free], self.deformed(change)[self.last.held]])
 
     def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
-        return along(self.e.shape[0], self._elements.constraints, change)
+        """See :class:`flexmb.statics.newton_search.Turn`."""
+        return along(self.e.shape[0], self.last.constraints, change)
 
     def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
-        absolute = [(r, c, jnp.abs(d)) for r, c, d in self._elements.constraints]
+        """See :class:`flexmb.statics.newton_search.Turn`."""
+        absolute = [(r, c, jnp.abs(d)) for r, c, d in self.last.constraints]
         error = ROUND_OFF * along(self.e.shape[0], absolute, sizes)
         largest = jnp.abs(self._stress_change(error)[1])
-        pulled = along(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self._transposed], largest)
-        return jnp.all(jnp.abs(self._lacking) <= pulled[self._elements.free])
+        pulled = along(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self.transposed], largest)[self.last.free]
+        return jnp.all(jnp.abs(self.right[: len(pulled)]) <= pulled)
 
     def stiffnesses(self) -> Float[Array, "n"]:
-        diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in self._elements.structural]
-        return scatter_vector(self._shift.shape[0], diagonals)[self._elements.free]
+        """See :class:`flexmb.statics.newton_search.Turn`."""
+        diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in self.last.structural]
+        return scatter_vector(self.onto.shape[0], diagonals)[self.last.free]
 
     def energy(self, motion: Float[Array, "n"]) -> Float[Array, ""]:
-        changed = self.deformed(self._moved(motion))
-        return changed @ along(changed.shape[0], self._elements.elastic, changed)
+        """See :class:`flexmb.statics.newton_search.Turn`."""
+        changed = self.deformed(self.spread(motion))
+        return changed @ along(changed.shape[0], self.last.elastic, changed)
 
     def corrected(self, soft: Float[Array, "n"]) -> Correction:
-        n, none = len(soft), jnp.zeros_like(self._excess)
-        bending = along(self._shift.shape[0], self._elements.structural, self._moved(soft))[self._elements.free]
-        columns = [jnp.concatenate([self._lacking, self._excess]), jnp.concatenate([bending, none])]
-        like = [(n + len(none), 2), float], [(), np.int32], [none.shape, float]
+        """See :class:`flexmb.statics.newton_search.Turn`."""
+        n, h = self.last.unknowns
+        bending = along(self.onto.shape[0], self.last.structural, self.spread(soft))[self.last.free]
+        right = jnp.stack([self.right, jnp.concatenate([bending, jnp.zeros(h)])], axis=1)
+        like = [(n + h, 2), float], [(), np.int32], [(h,), float]
         shapes = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in like)
         host = functools.partial(on_host_thread, functools.partial(_turned, solver=self._solver))
-        right = jnp.stack(columns, axis=1)
         z, code, estimated = call_host(host, shapes, self.last, right, self._multipliers)
         why = jnp.where(code == RESULTS.successful, RESULTS.not_converged, code)
-        return Correction(self._shift + self._moved(z[:n, 0]), z[:n, 1], z[n:, 0], why, estimated)
+        return Correction(self.onto + self.spread(z[:n, 0]), z[:n, 1], self._multipliers + z[n:, 0], why, estimated)
 
 
 def _numbers_of_unknowns(topology: Topology) -> tuple[int, int]:
@@ -217,7 +230,7 @@ def _numbers_of_unknowns(topology: Topology) -> tuple[int, int]:
 
 @kernel
 def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *, solver: LinearSolver) -> Solved:
-    turn = functools.partial(_Turn, solver=solver)
+    turn = functools.partial(TurnInCoordinates, solver=solver)
     form = Form(turn, _numbers_of_unknowns, looks_at_end=False, knows_stress=False)
     return search(form, topology, parameters, target, undeformed(form, topology, parameters))
 
