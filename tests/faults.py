@@ -1469,7 +1469,12 @@ FAULTS = [
     ),
     Fault("blocks/site.py", "above=0, fault=ModelError", "above=0", "design/test_possible.py -k block"),
     Fault("blocks/pivots.py", "holds(half_angle < np.pi / 2)", "holds(True)", "design/test_possible.py -k block"),
-    Fault("elements/profile.py", "> SMOOTH * means", "> 1e9 * means", "elements/test_profile.py -k refused_by_name"),
+    Fault(
+        "elements/profile.py",
+        "> SMOOTH_COMPLIANCE * means",
+        "> 1e9 * means",
+        "elements/test_profile.py -k refused_by_name",
+    ),
     Fault(
         "elements/profile.py",
         "gauss(NODES), fewer,",
@@ -3248,7 +3253,7 @@ FAULTS = [
         "trajectory/cubic.py", "2 * (h[:-1] + h[1:])", "(h[:-1] + h[1:])", "trajectory/test_linear_along.py -k scipy"
     ),
     Fault(
-        "trajectory/radau.py",
+        "trajectory/varying_equations.py",
         "+ h**2 * second[:, :, None, None]",
         "+ h**2 * first[:, :, None, None]",
         "trajectory/test_linear_along.py -k order_five",
@@ -3306,7 +3311,7 @@ FAULTS = [
     ),
     Fault(
         "trajectory/inverse.py",
-        "(missed < TOLERANCE)",
+        "(missed < MISSED_CONFIGURATION)",
         "(missed < 1.0)",
         "trajectory/test_inverse.py -k beyond_the_arm",
     ),
@@ -3322,8 +3327,8 @@ FAULTS = [
     Fault("trajectory/flexible.py", "if np.any(on_axis):", "if False:", "trajectory/test_flexible.py -k refused"),
     Fault(
         "trajectory/flexible.py",
-        "if np.max(jumps) > JUMP",
-        "if np.max(jumps) > 1e9 * JUMP",
+        "if np.max(jumps) > JUMP_OF_LAW",
+        "if np.max(jumps) > 1e9 * JUMP_OF_LAW",
         "trajectory/test_flexible.py -k refused",
     ),
     Fault(

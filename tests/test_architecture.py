@@ -45,7 +45,7 @@ ROWS = [
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
 # are loaded on use.
-OPEN = {"results", "display", "errors", "collecting", "arguments", "setup", "progress", "files", "lazy", ""}
+OPEN = set("results display errors collecting arguments setup progress files lazy tolerances".split()) | {""}
 MODULES = sorted(PACKAGE.rglob("*.py"))
 TOP_LEVEL = (
     "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md .ci"

@@ -10,6 +10,7 @@ from numpy.polynomial import polynomial
 
 from ..arguments import as_floats, holds, library_of
 from ..math.derivative import root_or_zero
+from ..tolerances import SHORTEST_ELEMENT
 from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
 
@@ -20,8 +21,6 @@ LINEAR_MASS = np.array([[2.0, 1], [1, 2]]) / 6
 SECOND_MOMENTS = np.array([np.eye(3) / 2 - np.diag(np.arange(3) == k) for k in range(3)] + [np.zeros((3, 3))])
 SECOND_MOMENTS[3, 1, 2] = SECOND_MOMENTS[3, 2, 1] = -1.0
 
-# Of positions: a beam this short, as a share of its distance from the origin, has no length that digits could tell.
-ROUND_OFF = 1e-12
 
 # [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]] = BENDING[0] + Phi BENDING[1]
 BENDING = np.array([[[4.0, -2.0], [-2.0, 4.0]], [[1.0, 1.0], [1.0, 1.0]]])
@@ -32,16 +31,8 @@ def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tup
 
     S = EI/(l0^3 (1 + Phi)) [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]], Phi = 12 EI/(GAk l0^2).
 
-    Args:
-        ei: Bending rigidity, () [N m^2].
-        l0: Undeformed length, () [m].
-        shear: EI/(GAk), () [m^2], zero without shear deformation.
-
-    Returns:
-        Two coefficients, () [N/m].
-
-    Source:
-        Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor; THEORY.md 2, eq. (2.6) and (2.7).
+    Returns two coefficients, () [N/m]. Source: Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor; THEORY.md
+    2, eq. (2.6) and (2.7).
     """
     phi = 12 * shear / l0**2
     first = ei / (l0**3 * (1 + phi))
@@ -49,12 +40,7 @@ def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tup
 
 
 def combine(coefficients: Sequence[Scalar], matrices: np.ndarray) -> Float[Array, "n n"]:
-    """Linear combination of constant matrices: one small product in the compiled code.
-
-    Args:
-        coefficients: k scalars.
-        matrices: (k, n, n).
-    """
+    """Linear combination of constant matrices: one small product in the compiled code."""
     return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)
 
 
@@ -74,13 +60,10 @@ def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
 
     S = GIt/(l0 (1 - t)) [[1, -t/2, -t/2], [., a, b], [., ., a]],  a + b = t/2,  a - b = (1 - t)/(2 u^2 t).
 
-    Args:
-        git: Torsional rigidity, () [N m^2].
-        eiw: Warping rigidity, () [N m^4]; zero leaves torsion as it is without warping.
-        l0: Undeformed length, () [m].
+    Returns four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
 
-    Returns:
-        Four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
+    Args:
+        eiw: Warping rigidity, () [N m^4]; zero leaves torsion as it is without warping.
 
     Source:
         THEORY.md 2, eq. (2.34): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. For a
@@ -103,37 +86,19 @@ def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
 def bending_shortening(ends: Float[Array | np.ndarray, "*planes 2"], l0: Float[Array, ""]) -> Float[Array, "*planes"]:
     """Shortening of the chord by bending in one plane, second order: (2 ep^2 + ep eq + 2 eq^2)/(30 l0).
 
-    Args:
-        ends: Bending deformations at the ends, (*planes, 2) [m].
-        l0: Undeformed length, () [m].
-
-    Returns:
-        (*planes,) [m].
-
-    Source:
-        Integral of half the squared slope of the cubic deflection with end slopes ep/l0 and -eq/l0.
+    Returns (*planes,) [m]. Source: Integral of half the squared slope of the cubic deflection with end slopes ep/l0 and
+    -eq/l0.
     """
     return (3 * jnp.sum(ends**2, axis=-1) + jnp.sum(ends, axis=-1) ** 2) / (60 * l0)
 
 
 def beam_length(ref: Reference) -> Float[Array, ""]:
-    """Undeformed length of an element with end positions ``ref.p`` and ``ref.q``.
-
-    Args:
-        ref: Reference coordinates.
-
-    Returns:
-        () [m].
-    """
+    """Undeformed length of an element with end positions ``ref.p`` and ``ref.q``. Returns () [m]."""
     return length(ref.q - ref.p)
 
 
 def truss(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference):
-    """Elongation l - l0, (1,) [m].
-
-    Source:
-        Tutorial WA 1239 (2012), eq. (2.8).
-    """
+    """Elongation l - l0, (1,) [m]. Source: Tutorial WA 1239 (2012), eq. (2.8)."""
     return (length(q - p) - beam_length(ref))[None]
 
 
@@ -148,16 +113,7 @@ def truss_damping(*, ref: Reference, damping: Damping) -> Float[Array, "1 1"]:
 
 
 def thermal_elongation(change: Float[Array, "2"], length: Float[Array, ""], alpha: Scalar) -> Float[Array, ""]:
-    """Elongation of a free bar by temperature, () [m].
-
-    Args:
-        change: Of the temperature at both ends, (2,) [K].
-        length: () [m].
-        alpha: Coefficient of thermal expansion, () [1/K].
-
-    Source:
-        THEORY.md 2, eq. (2.32).
-    """
+    """Elongation of a free bar by temperature, () [m]. Source: THEORY.md 2, eq. (2.32)."""
     return alpha * length * (change[0] + change[1]) / 2
 
 
@@ -175,8 +131,7 @@ def expansion_of(section: Section | None, alpha: Scalar | None = None) -> Scalar
 def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, section: Section):
     """Distributed mass with linear interpolation of the position, exact for a straight rigid line.
 
-    Source:
-        Integral of the linear shape functions: m l/6 [[2, 1], [1, 2]].
+    Source: Integral of the linear shape functions: m l/6 [[2, 1], [1, 2]].
     """
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
@@ -204,11 +159,7 @@ def rigid_body_inertia(
 def length_or_zero(ref: Reference) -> Float[Array, ""]:
     """Length of an element whose ends may lie in one place: there its derivative is zero, and finite.
 
-    Args:
-        ref: Coordinates in the undeformed mechanism [m].
-
-    Returns:
-        () [m].
+    Returns () [m].
     """
     return root_or_zero((ref.q - ref.p) @ (ref.q - ref.p))
 
@@ -244,11 +195,6 @@ def distributed(
 ) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
     """What a distributed load adds between the ends of a straight beam to what is linear between them.
 
-    Args:
-        shapes: Shape functions of the vectors, (k, powers).
-        fall: Load at them, over the mass per length, (k, d) [m/s^2].
-        place: From 0 to 1, () [-].
-
     Returns:
         The force in the section, (d,), and the vector whose cross product with the chord q - p, from the left, is the
         moment, (d,) [m/s^2]; both over the mass, and zero at both ends.
@@ -271,14 +217,10 @@ def along(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> 
     """Section resultants between the two ends of a beam that carries no load in between.
 
     To first order in the deflection within one element this is its equilibrium: bending moments linear, the other
-    resultants constant. The ends are exact, so that what joins them balances.
+    resultants constant. The ends are exact, so that what joins them balances. Returns (...) [N, N m].
 
     Args:
         ends: Resultants at the two ends, in axes of the section there, (2, ...) [N, N m].
-        place: From 0 to 1, () [-].
-
-    Returns:
-        (...) [N, N m].
     """
     return (1 - place) * ends[0] + place * ends[1]
 
@@ -288,7 +230,7 @@ def check_length(*, ref: Reference) -> list[str]:
     p, q = as_floats(ref.p), as_floats(ref.q)
     xp = library_of((p, q))
     # What is left of equal positions that were computed in two ways, such as 3 * 0.05 and 0.15.
-    left = ROUND_OFF * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
+    left = SHORTEST_ELEMENT * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
     if holds(xp.linalg.norm(q - p, axis=-1) > left):
         return []
     return ["has zero length: its two ends have the same position"]

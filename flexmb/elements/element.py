@@ -406,12 +406,7 @@ def _wanted(element: Element, function: Callable[..., Any]) -> dict[str, inspect
 
 
 def wanted_option(value: Any, kind: Any) -> str:
-    """What an option should be by its annotation, in words; empty if it is.
-
-    Args:
-        value: The option.
-        kind: Its annotation; where that says nothing, any hashable value will do.
-    """
+    """What an option should be by its annotation, in words; empty if it is."""
     origin, within = typing.get_origin(kind), typing.get_args(kind)
     if isinstance(value, jax.core.Tracer):
         return "known before tracing"

@@ -35,21 +35,9 @@ def turn_and_tilt(
     """Rotation of body q about an axis of body p, counted past full turns, and the two tilts of the axis.
 
     The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
-    known up to full turns of it, and ``near`` picks the turn.
-
-    Args:
-        rot_p: Triad of body p, (4,) [-].
-        rot_q: Triad of body q, (4,) [-].
-        ref_p: The first in the undeformed mechanism, (4,) [-].
-        ref_q: The second in the undeformed mechanism, (4,) [-].
-        near: Angle at the last accepted state, () [rad].
-        axis: (3,).
-
-    Returns:
-        (3,) [rad]; the tilts are those of the axis as body p sees it, twice the sine of half the angle.
-
-    Source:
-        A rotation is a turn about the axis, then one about a line across it: THEORY.md 2, eq. (2.17).
+    known up to full turns of it, and ``near`` picks the turn. Returns (3,) [rad]; the tilts are those of the axis as
+    body p sees it, twice the sine of half the angle. Source: A rotation is a turn about the axis, then one about a line
+    across it: THEORY.md 2, eq. (2.17).
     """
     rel = relative_turn(rot_p, rot_q, ref_p, ref_q, _frame(axis))
     half, across = rel[:2], rel[2:]

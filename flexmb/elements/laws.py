@@ -12,9 +12,6 @@ from .nodes import Reference, Static
 def uncoupled(n: int) -> dict[str, Any]:
     """Companions ``stiffness`` and ``damping`` of n deformations that are not coupled.
 
-    Args:
-        n: Number of deformations.
-
     Returns:
         ``f(*, ref, stiffness) -> (n, n)`` and ``f(*, ref, damping) -> (n, n)``, by name; the property is one number for
         all deformations or one for each.
@@ -49,15 +46,10 @@ def characteristic(
 ) -> Float[Array, "1"]:
     """Companion ``law`` of an element with one deformation, whose stress is a function that the user gives.
 
+    Returns (1,) [N, N m].
+
     Args:
-        e: Deformation, (1,) [m, rad].
-        ed: Its rate, (1,) [m/s, rad/s].
-        ref: Reference coordinates.
         law: ``f(e, ed, **properties) -> ()``, force [N] or moment [N m]. Its keyword-only parameters are properties of
             the element. Define it once: each function is an option of its own.
-        properties: What the law asks for.
-
-    Returns:
-        (1,) [N, N m].
     """
     return jnp.reshape(law(e[0], ed[0], **properties), (1,))

@@ -52,30 +52,16 @@ class Sheared(Section):
     varies = True
 
     def rigidity(self) -> Rigidity:
-        """There is none for the whole leaf spring.
-
-        Raises:
-            ModelError: Always.
-        """
+        """There is none for the whole leaf spring. Raises ModelError: Always."""
         raise ModelError("The section of a leaf spring is not the same everywhere.")
 
     def rectangle(self, place: Scalar, length: Any) -> Rectangle:
-        """The rectangle at a place, with its shear counted.
-
-        Args:
-            place: From 0 to 1, () [-].
-            length: Of the leaf spring, () [m].
-        """
+        """The rectangle at a place, with its shear counted."""
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
     def at(self, place: Scalar, length: Any) -> Section:
-        """The rectangle at a place.
-
-        Args:
-            place: From 0 to 1, () [-].
-            length: Of the leaf spring, () [m].
-        """
+        """The rectangle at a place."""
         return self.rectangle(place, length)
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
@@ -101,22 +87,14 @@ class Leaf(Sheared):
         return Sheared(self.section) if self.section.varies else self.section
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
-        """Where a clamp's influence on bending sideways, on stretching and on bending ends.
-
-        Args:
-            length: Of the leaf spring, () [m].
-        """
+        """Where a clamp's influence on bending sideways, on stretching and on bending ends."""
         (stretched, stretched_back), (bent, bent_back), (sideways, sideways_back) = self.kept(length)[0]
         return sideways, stretched, bent, 1 - bent_back, 1 - stretched_back, 1 - sideways_back
 
     def layers(self, length: Any) -> tuple[Scalar, Scalar]:
         """Over which distance from each end twist builds up where warping is restrained, over the length.
 
-        Args:
-            length: Of the leaf spring, () [m].
-
-        Returns:
-            sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
+        Returns sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
         section = self.plain() if self.section.varies else self.rectangle(0.0, length)
         twists, warps = rigidities(section, jnp.asarray(ENDS), length, ("GIt", "EIw")).T
@@ -130,9 +108,6 @@ class Leaf(Sheared):
     def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
 
-        Args:
-            length: Of the leaf spring, () [m].
-
         Returns:
             Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (3, 2) [-]; nu^2 at a
             clamped end and 0 at another, (2,) [-].
@@ -144,13 +119,7 @@ class Leaf(Sheared):
         return jnp.minimum(REACHES * widths, 0.5), self.clamped * squares
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
-        """Compliances at places over what they are without clamps.
-
-        Args:
-            places: From 0 to 1, (n,).
-            length: Of the leaf spring, () [m].
-            names: Of rigidities.
-        """
+        """Compliances at places over what they are without clamps."""
         cut = self._flat(places, *self.kept(length))
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self.plain(), places, length, names) if self.section.varies else 1.0
@@ -166,20 +135,12 @@ class Leaf(Sheared):
     ) -> Float[Array, "c"]:
         """Coefficients of the strains of a free leaf spring by temperature, field by field.
 
-        Where the section is kept flat, thermal strain and curvature are 1 + nu times as large.
+        Where the section is kept flat, thermal strain and curvature are 1 + nu times as large. Returns (fields order,)
+        [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and (2.33).
 
         Args:
-            change: Of the temperature at both ends, (2,) [K].
             bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
-            order: Coefficients of each field.
-            length: Of the leaf spring, () [m].
             names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
-
-        Returns:
-            (fields order,) [m, rad].
-
-        Source:
-            THEORY.md 2, eq. (2.26), (2.32) and (2.33).
         """
         whole = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
@@ -200,14 +161,6 @@ class Leaf(Sheared):
 
     def near(self, order: int, starts: Any, ends: Any, length: Any, names: Sequence[str], count: int):
         """Within each step what is near a clamped end: places, their weights, and strains without clamps there.
-
-        Args:
-            order: Coefficients of each field.
-            starts: Of the steps, (s,) [-].
-            ends: Of the steps, (s,) [-].
-            length: Of the leaf spring, () [m].
-            names: Rigidities of the fields.
-            count: Gauss nodes.
 
         Returns:
             Places and weights, of those strains of ``KEPT`` that there are at both ends, (k, 2, s, count); the weights
@@ -234,18 +187,8 @@ class Leaf(Sheared):
         """Twist rates over length of each coefficient and of the warping of each end.
 
         Polynomials times the local compliance, less what they are at the ends, where the warping is; from there twist
-        dies away as where no torque is.
-
-        Args:
-            order: Coefficients.
-            places: From 0 to 1, (n,).
-            length: Of the leaf spring, () [m].
-
-        Returns:
-            (n, order + 2) [-]; the last two of the warping at the first end and at the last.
-
-        Source:
-            THEORY.md 2, eq. (2.24).
+        dies away as where no torque is. Returns (n, order + 2) [-]; the last two of the warping at the first end and at
+        the last. Source: THEORY.md 2, eq. (2.24).
         """
         layers = self.layers(length)
         own, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
@@ -268,14 +211,11 @@ class Leaf(Sheared):
     def moments(self, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s g f c"]:
         """Strains at the three Gauss nodes of each step, such that their moments over the step are those of the leaf's.
 
-        Args:
-            order: Coefficients of each field.
-            steps: How long each is, over the length, (s,) [-].
-            length: Of the leaf spring, () [m].
-            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
+        Returns of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields order + 2)
+        [-].
 
-        Returns:
-            Of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields order + 2) [-].
+        Args:
+            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
         """
         count, fields, turned = max(DENSE, order // 2 + 3), len(names), names.index("GIt")
         nodes, weights = gauss(count)
@@ -303,17 +243,8 @@ class Leaf(Sheared):
     def matrix(self, of: Any, order: int, length: Any, names: Sequence[str]) -> Array:
         """Matrix of rigidities over length between all coefficients, and the warping of both ends where it twists.
 
-        Args:
-            of: What has the rigidities: damping, or nothing for the leaf itself.
-            order: Coefficients of each field.
-            length: Of the leaf spring, () [m].
-            names: As for :meth:`moments`.
-
-        Returns:
-            (fields order, fields order), in space (fields order + 2, fields order + 2) [N/m, N, N m].
-
-        Source:
-            THEORY.md 2, eq. (2.22) and (2.24).
+        Returns (fields order, fields order), in space (fields order + 2, fields order + 2) [N/m, N, N m]. Source:
+        THEORY.md 2, eq. (2.22) and (2.24).
         """
         fields, elastic = len(names), of is None
         damping: Any = of
@@ -360,19 +291,11 @@ class Leaf(Sheared):
         """What large strains take beyond the quadratic energy of :meth:`matrix`.
 
         A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway, and the stress that this
-        takes stiffens its torsion; and twist makes the fibres off the axis longer than the axis.
+        takes stiffens its torsion; and twist makes the fibres off the axis longer than the axis. Returns () [J], of
+        third order in the coefficients at least. Source: THEORY.md 2, eq. (2.23), (2.25) and (2.30).
 
         Args:
-            order: Coefficients of each field.
             c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
-            length: Of the leaf spring, () [m].
-            names: As for :meth:`moments`.
-
-        Returns:
-            () [J], of third order in the coefficients at least.
-
-        Source:
-            THEORY.md 2, eq. (2.23), (2.25) and (2.30).
         """
         nodes, weights = gauss(PARTS)
         reaches, shares = self.kept(length)
@@ -409,12 +332,7 @@ class Leaf(Sheared):
 
 
 def leaf_of(section: Any, clamped: Any) -> Any:
-    """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given.
-
-    Args:
-        section: As it is given, or None.
-        clamped: 1 or 0 of both ends, (2,), or None.
-    """
+    """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given."""
     return None if section is None else Leaf(section, jnp.zeros(2) if clamped is None else clamped)
 
 
@@ -428,14 +346,8 @@ def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
 def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     """How much of its curvature across a strip keeps, of what it has at small curvature along.
 
-    Args:
-        fourth: u^4, any shape [-].
-
-    Returns:
-        (2/u) (cosh u - cos u)/(sinh u + sin u), the same shape [-]: 1 for small u, 2/u for large.
-
-    Source:
-        THEORY.md 2, eq. (2.23).
+    Returns (2/u) (cosh u - cos u)/(sinh u + sin u), the same shape [-]: 1 for small u, 2/u for large. Source: THEORY.md
+    2, eq. (2.23).
     """
     u = jnp.sqrt(jnp.sqrt(fourth + TINY))
     less, sine, cosine = jnp.expm1(-u), jnp.sin(u / 2), jnp.cos(u / 2)
@@ -446,13 +358,7 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
 
 
 def faults_of_leaf(section: Section, ref: Any, count: int = NODES) -> list[str]:
-    """What is wrong with the section of a leaf spring.
-
-    Args:
-        section: Its section.
-        ref: Reference coordinates, of one leaf spring or of many.
-        count: Gauss nodes by which it integrates at least.
-    """
+    """What is wrong with the section of a leaf spring."""
     if isinstance(section, Profile):
         if section.breaks:
             return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]

@@ -6,14 +6,14 @@ from jaxtyping import Array, Float
 
 from . import beams, spectral_planar
 from .element import Element
-from .leaf import Clamped, Leaf, faults_of_leaf, leaf_of
+from .leaf import Leaf, faults_of_leaf, leaf_of
 from .leaf_stress import leaf_stress
 from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
 from .spectral import check_shear, fields_after, numbers_of
-from .spectral_planar import ELONGATION, FIELDS, SHEAR, nodes_of
+from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, nodes_of
 
 
 def _leaf_spring(
@@ -34,136 +34,56 @@ def _leaf_spring(
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
-def _fields(*, order: int, shear: bool):
-    return fields_after(3, len(_names(shear)), order)
-
-
 def _names(shear: bool) -> tuple[str, ...]:
     return FIELDS if shear else FIELDS[:SHEAR]
 
 
+def _fields(*, order, shear):
+    return fields_after(CLOSURE, len(_names(shear)), order)
+
+
 def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
-    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), _names(shear)), (3, 0))
+    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), _names(shear)), (CLOSURE, 0))
 
 
-def _stiffness(
-    *, ref: Reference, section: Rectangle | Profile, order: int, shear: bool, clamped: Clamped | None = None
-):
+def _stiffness(*, ref, section, order, shear, clamped=None):
     return _matrix(None, leaf_of(section, clamped), order, shear, ref)
 
 
-def _energy(
-    e: Float[Array, "n_e"],
-    *,
-    ref: Reference,
-    section: Rectangle | Profile,
-    order: int,
-    shear: bool,
-    clamped: Clamped | None = None,
-):
-    """Of the flattening at large curvature."""
-    return leaf_of(section, clamped).energy(order, e[3:], beams.beam_length(ref), _names(shear))
-
-
-def _damping(
-    *,
-    ref: Reference,
-    damping: Damping,
-    order: int,
-    shear: bool,
-    section: Rectangle | Profile,
-    clamped: Clamped | None = None,
-):
+def _damping(*, ref, damping: Damping, order, shear, section, clamped=None):
     return _matrix(damping, leaf_of(section, clamped), order, shear, ref)
 
 
-def _inertia(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    section: Rectangle | Profile,
-    order: int,
-    shear: bool,
-    clamped: Clamped | None = None,
-):
-    """That of a spectral beam of such a section."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
-    return spectral_planar._inertia(p, rot_p, q, rot_q, c, ref=ref, **own)
+def _energy(e: Array, *, ref, section, order, shear, clamped=None):
+    """Of the flattening at large curvature."""
+    return leaf_of(section, clamped).energy(order, e[CLOSURE:], beams.beam_length(ref), _names(shear))
 
 
-def _resultants(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "n_e"],
-    section: Rectangle | Profile,
-    order: int,
-    shear: bool,
-    fall: Float[Array, "k 2"] | None = None,
-    clamped: Clamped | None = None,
-):
-    """Statics of the part beyond the place."""
+def _inertia(*nodes: Array, ref, section, order, shear, clamped=None):
+    return spectral_planar._inertia(*nodes, ref=ref, section=leaf_of(section, clamped), order=order, shear=shear)
+
+
+def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": shear, "sigma": sigma, "fall": fall}
-    return spectral_planar._resultants(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
+    return spectral_planar._resultants(*nodes, ref=ref, place=place, **own)
 
 
-def _surface(
-    e: Float[Array, "n_e"],
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    resultants: Float[Array, "6"],
-    section: Rectangle | Profile,
-    clamped: Clamped | None = None,
-):
-    """Stress with what is across where clamps keep the section flat."""
+def _surface(e: Array, *, ref, place, resultants, section, clamped=None):
     return leaf_stress(leaf_of(section, clamped), place, beams.beam_length(ref), resultants)
 
 
-def _thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "1"],
-    *,
-    ref: Reference,
-    section: Rectangle | Profile,
-    order: int,
-    shear: bool,
-    clamped: Clamped | None = None,
-):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
-    bends = {"EIy": -gradient[0]}
-    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), _names(shear))
-    return jnp.pad(found, (3, 0))
+    length, bends = beams.beam_length(ref), {"EIy": -gradient[0]}
+    return jnp.pad(leaf_of(section, clamped).thermal(change, bends, order, length, _names(shear)), (CLOSURE, 0))
 
 
-def _shape(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    order: int,
-    shear: bool,
-    section: Rectangle | Profile,
-    clamped: Clamped | None = None,
-):
+def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
-    return spectral_planar._shape(p, rot_p, q, rot_q, c, ref=ref, place=place, **own)
+    return spectral_planar._shape(*nodes, ref=ref, place=place, **own)
 
 
-def _check(*, ref: Reference, order: int, shear: bool, section: Rectangle | Profile) -> list[str]:
+def _check(*, ref, order, shear, section) -> list[str]:
     faults = beams.check_length(ref=ref) or faults_of_leaf(section, ref, nodes_of(order))
     if faults or shear:
         # What counts shear does so whatever the section states.

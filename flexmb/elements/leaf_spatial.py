@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 
 from . import beams, spectral_spatial
 from .element import Element
-from .leaf import Clamped, Leaf, faults_of_leaf, leaf_of
+from .leaf import Leaf, faults_of_leaf, leaf_of
 from .leaf_stress import leaf_stress, twist_at
 from .nodes import Point3, Reference, Rotation3, Series3, Static, Warping
 from .profile import Profile
@@ -51,7 +51,7 @@ def _leaf_spring(
     return jnp.concatenate([e[:CLOSURE], warping, c])
 
 
-def _fields(*, order: int):
+def _fields(*, order):
     return fields_after(CLOSURE + WARPINGS, len(FIELDS), order)
 
 
@@ -60,97 +60,48 @@ def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
     return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
-def _stiffness(*, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None):
+def _stiffness(*, ref, section, order, clamped=None):
     return _matrix(None, leaf_of(section, clamped), order, ref)
 
 
-def _damping(
-    *, ref: Reference, damping: Damping, order: int, section: Rectangle | Profile, clamped: Clamped | None = None
-):
+def _damping(*, ref, damping: Damping, order, section, clamped=None):
     return _matrix(damping, leaf_of(section, clamped), order, ref)
 
 
-def _energy(
-    e: Float[Array, "n_e"], *, ref: Reference, section: Rectangle | Profile, order: int, clamped: Clamped | None = None
-):
+def _energy(e: Array, *, ref, section, order, clamped=None):
     """Of the flattening at large curvature, and of the tension that twist gives the edges."""
     return leaf_of(section, clamped).energy(order, jnp.roll(e[CLOSURE:], -WARPINGS), beams.beam_length(ref), FIELDS)
 
 
-def _inertia(
-    *nodes: Array,
-    ref: Reference,
-    section: Rectangle | Profile,
-    order: int,
-    clamped: Clamped | None = None,
-    y: Float[Array, "3"] | None = None,
-):
-    """Positions and triads at the ends of the steps."""
+def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
     return spectral_spatial._inertia(*_spectral(nodes, ref), ref=ref, **own)
 
 
-def _resultants(
-    *nodes: Array,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "n_e"],
-    section: Rectangle | Profile,
-    order: int,
-    fall: Float[Array, "k 3"] | None = None,
-    clamped: Clamped | None = None,
-    y: Float[Array, "3"] | None = None,
-):
-    """Statics of the part beyond the place."""
+def _resultants(*nodes: Array, ref, place, sigma, section, order, fall=None, clamped=None, y=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y, "sigma": sigma, "fall": fall}
     return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
-def _surface(
-    e: Float[Array, "n_e"],
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    resultants: Float[Array, "6"],
-    section: Rectangle | Profile,
-    order: int,
-    clamped: Clamped | None = None,
-):
+def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None):
     """Stress with restrained warping, and across where clamps keep the section flat."""
     leaf, length, at = leaf_of(section, clamped), beams.beam_length(ref), CLOSURE + WARPINGS + order
     twisting = jnp.concatenate([e[at : at + order], e[CLOSURE : CLOSURE + WARPINGS]])
     return leaf_stress(leaf, place, length, resultants, twist_at(leaf, place, length, order, twisting))
 
 
-def _thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "2"],
-    *,
-    ref: Reference,
-    section: Rectangle | Profile,
-    order: int,
-    clamped: Clamped | None = None,
-):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, clamped=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
-    bends = {"EIy": gradient[1], "EIz": -gradient[0]}
-    found = leaf_of(section, clamped).thermal(change, bends, order, beams.beam_length(ref), FIELDS)
-    return jnp.pad(found, (CLOSURE + WARPINGS, 0))
+    length, bends = beams.beam_length(ref), {"EIy": gradient[1], "EIz": -gradient[0]}
+    return jnp.pad(leaf_of(section, clamped).thermal(change, bends, order, length, FIELDS), (CLOSURE + WARPINGS, 0))
 
 
-def _shape(
-    *nodes: Array,
-    ref: Reference,
-    place: Float[Array, ""],
-    section: Rectangle | Profile,
-    order: int,
-    clamped: Clamped | None = None,
-    y: Float[Array, "3"] | None = None,
-):
+def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None):
     own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
     return spectral_spatial._shape(*_spectral(nodes, ref), ref=ref, place=place, **own)
 
 
-def _check(*, ref: Reference, section: Rectangle | Profile, y: Float[Array, "3"] | None = None) -> list[str]:
+def _check(*, ref, section, y=None) -> list[str]:
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y)
     return faults or faults_of_leaf(section, ref)
 

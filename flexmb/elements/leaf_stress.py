@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..tolerances import STRIP_SERIES
 from . import surface
 from .leaf import REACHES, Leaf, curving
 from .section import Scalar
@@ -18,8 +19,6 @@ from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 MIDDLE = 1.4
 # By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, and how far, in widths.
 MORE, NEAR = 0.65, 0.15
-# Up to this u^4 a quotient of power series is used, exact to 1e-10.
-SMALL = 0.06
 
 
 def leaf_stress(
@@ -31,18 +30,11 @@ def leaf_stress(
 ) -> surface.WithAcross:
     """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
+    Returns stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2, eq.
+    (2.27) to (2.29).
+
     Args:
-        leaf: Its section.
-        place: From 0 to 1, () [-].
-        length: Of the leaf spring, () [m].
-        resultants: Force and moment in the section, (6,) [N, N m].
         twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.
-
-    Returns:
-        Stress along x, shear stress, and stress across along the surface, each (8,) [Pa].
-
-    Source:
-        THEORY.md 2, eq. (2.27) to (2.29).
     """
     rectangle = leaf.rectangle(place, length)
     wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
@@ -82,18 +74,7 @@ def twist_at(
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Rate of twist at a place, and its slope along the leaf spring.
 
-    Args:
-        leaf: Its section.
-        place: From 0 to 1, () [-].
-        length: Of the leaf spring, () [m].
-        order: Coefficients of the twist.
-        c: These, and the warping of both ends times length, (order + 2,) [rad].
-
-    Returns:
-        () [1/m] and () [1/m^2].
-
-    Source:
-        THEORY.md 2, eq. (2.24).
+    Returns () [1/m] and () [1/m^2]. Source: THEORY.md 2, eq. (2.24).
     """
     place = jnp.asarray(place, float)[None]
     rate, slope = jax.jvp(lambda at: leaf.twist(order, at, length) @ c, (place,), (jnp.ones_like(place),))
@@ -108,12 +89,7 @@ def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Arr
 
 
 def _flattened(curvature: Float[Array, ""], wide: Scalar, thick: Scalar, nu: Scalar) -> tuple[Float[Array, ""], ...]:
-    """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is.
-
-    Returns:
-        M over EIy times the curvature that it has; 1 - F of (2.23); how much of its curvature across it keeps in its
-        middle; by how much its edges are lifted and its middle is lowered. The last three are 1 at small curvature.
-    """
+    """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is."""
 
     def fourth(curvature: Float[Array, ""]):
         return 3 * (1 - nu**2) * (curvature * wide**2 / thick) ** 2
@@ -130,7 +106,7 @@ def _flattened(curvature: Float[Array, ""], wide: Scalar, thick: Scalar, nu: Sca
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
     """Curvature in the middle, lift of the edges and drop of the middle of a flattened strip, of u^4."""
-    small = fourth < SMALL
+    small = fourth < STRIP_SERIES
     v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
     below = 1 + v / 120 + v**2 / 362880
     series = 1 - v / 480 + v**2 / 5806080, 1 + v / 840 + v**2 / 6652800, 1 - v / 3360 + v**2 / 106444800

@@ -35,12 +35,7 @@ class NodeKind:
     powers: tuple[int, ...] = ()
 
     def sized(self, count: int, powers: tuple[int, ...] = ()) -> "NodeKind":
-        """The kind with so many coordinates, all of them free and zero at the start.
-
-        Args:
-            count: Number of coordinates.
-            powers: Of length, in the unit of each; none unless given.
-        """
+        """The kind with so many coordinates, all of them free and zero at the start."""
         names = tuple(f"c{i + 1}" for i in range(count))
         return dataclasses.replace(self, start=(0.0,) * count, components=names, freedoms=count, powers=powers)
 
@@ -84,15 +79,7 @@ Static = Annotated[Kind, STATIC]
 def unit_norm(rotation: Rotation3, *, ref: Reference) -> Float[Array, "1"]:
     """Excess of the squared norm of Euler parameters: the constraint every spatial rotational node brings along.
 
-    Args:
-        rotation: Euler parameters, (4,) [-].
-        ref: The same in the undeformed mechanism.
-
-    Returns:
-        (1,) [-], zero for a unit norm.
-
-    Source:
-        Definition.
+    Returns (1,) [-], zero for a unit norm. Source: Definition.
     """
     return (rotation @ rotation - 1.0)[None]
 
@@ -100,10 +87,6 @@ def unit_norm(rotation: Rotation3, *, ref: Reference) -> Float[Array, "1"]:
 def length(vector: Float[Array, "d"]) -> Float[Array, ""]:
     """Euclidean length, () [m]; not for a vector that may vanish (its derivative is not finite there).
 
-    Args:
-        vector: (d,) [m].
-
-    Returns:
-        () [m].
+    Returns () [m].
     """
     return jnp.sqrt(vector @ vector)

@@ -91,27 +91,16 @@ INERTIA[0, :4, :4] = beams.CUBIC_MASS[np.ix_([0, 2, 1, 3], [0, 2, 1, 3])]
 INERTIA[1, 4:, 4:] = beams.LINEAR_MASS
 
 
-def _beam_inertia(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, section: Section):
+def _beam_inertia(*nodes: Array, ref, section):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's normal."""
+    p, rot_p, q, rot_q = nodes
     s, l0 = section.rigidity(), beams.beam_length(ref)
     axes = _axes(rot_p, rot_q, ref)
     vectors = jnp.concatenate([jnp.stack([p, q]), l0 * axes[:, 0], axes[:, 1]])
     return vectors, l0 * beams.combine([s.mass, s.Jy], INERTIA)
 
 
-def _beam_resultants(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "3"],
-    section: Section,
-    second_order: bool,
-    fall: Float[Array, "k 2"] | None = None,
-) -> Float[Array, "6"]:
+def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fall=None) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
     Local z of the section is the beam's local y, across it in the plane, and local y points into the plane: a bending
@@ -121,7 +110,8 @@ def _beam_resultants(
     def deformations(*nodes: Array):
         return _beam(*nodes, ref=ref, second_order=second_order)
 
-    nodes, axes, chord = (p, rot_p, q, rot_q), _axes(rot_p, rot_q, ref), q - p
+    p, rot_p, q, rot_q = nodes
+    axes, chord = _axes(rot_p, rot_q, ref), q - p
     pulls = jax.vjp(deformations, *nodes)[1](sigma)
     if fall is not None:
 

@@ -14,6 +14,7 @@ from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
 from ..math.quadrature import gauss, lobatto
+from ..tolerances import PLACE_OF_BREAK, SAME_DAMPING, SMOOTH_COMPLIANCE, SMOOTH_MASS
 from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.
@@ -22,18 +23,12 @@ PLACES = np.linspace(0.02, 0.98, 13)
 CHECKED = np.array([0.0, 0.5, 1.0])
 # Gauss nodes of each smooth piece, by which a beam integrates over its section.
 NODES = 24
-# By how much compliances may be off that come from these.
-SMOOTH = 1e-3
 # The mass by as few Lobatto nodes as a beam in space of low order takes is off by less where mass is smooth.
-FEWEST, SMOOTH_MASS = 9, 1e-2
+FEWEST = 9
 # What both are compared with: so many parts of each piece, with so many Gauss nodes each.
 PARTS, EACH = 64, 8
 # Beams that are looked at in one go.
 TOGETHER = 64
-# Breaks that round-off puts before 0 or beyond 1 are at the ends.
-SMALL = 1e-9
-# Two values that agree to round-off.
-SAME = 1e-12
 # What bends, stretches and twists without these does not exist; the other numbers may be zero.
 STIFF = ("EA", "EIy", "EIz", "GIt")
 
@@ -118,7 +113,7 @@ class Profile(Section):
         if not self.states("damping"):
             return None
         times = jax.vmap(lambda place: jnp.asarray(self.at(place, 1.0).stated("damping"), float))(PLACES)
-        if is_concrete(times) and np.ptp(np.asarray(times)) > SAME * np.max(np.asarray(times)):
+        if is_concrete(times) and np.ptp(np.asarray(times)) > SAME_DAMPING * np.max(np.asarray(times)):
             raise ModelError(
                 "The damping of the material varies along the section of a beam. Give a material whose damping is the"
                 " same everywhere, or give the beam a damping of its own."
@@ -179,7 +174,7 @@ class Profile(Section):
         """
         if not is_concrete((self, length)):
             breaks = jax.vmap(lambda own, length: jnp.stack([0.0, *own.breaks_at(length), 1.0]))(*self._stacked(length))
-            holds(jnp.diff(breaks, axis=1) > -SMALL)
+            holds(jnp.diff(breaks, axis=1) > -PLACE_OF_BREAK)
             return self.sections_along(length).faults()
         lengths = np.asarray(length, float)
         first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
@@ -189,7 +184,10 @@ class Profile(Section):
                 return [f"has a section with {faults[0]}, at place {place:g}"]
         found = self.along(length, count)
         breaks = found.breaks
-        if not (np.all((breaks > -SMALL) & (breaks < 1 + SMALL)) and np.all(np.diff(breaks, axis=1) > -SMALL)):
+        if not (
+            np.all((breaks > -PLACE_OF_BREAK) & (breaks < 1 + PLACE_OF_BREAK))
+            and np.all(np.diff(breaks, axis=1) > -PLACE_OF_BREAK)
+        ):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
         for i, name in enumerate((*STIFF, "mass")):
@@ -203,7 +201,7 @@ class Profile(Section):
                 return [f"has a section with {where}, but it must be positive"]
         means, masses = found.means, found.masses
         # Moments of what no beam has are zero.
-        uneven = np.any(np.abs(means[:, 1:] - means[:, :1]) > SMOOTH * means[:, :1])
+        uneven = np.any(np.abs(means[:, 1:] - means[:, :1]) > SMOOTH_COMPLIANCE * means[:, :1])
         heavy = np.any(np.abs(masses[:, 1] - masses[:, 0]) > SMOOTH_MASS * masses[:, 0])
         if uneven or heavy:
             what = "section" if uneven else "mass along its section"
@@ -286,7 +284,8 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
     fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
     # Lobatto nodes are taken just within the pieces, which share their ends.
     ends, at_ends = lobatto(FEWEST)
-    rules = (fine, np.tile(shares, PARTS) / PARTS), gauss(NODES), fewer, (np.clip(ends, SMALL, 1 - SMALL), at_ends)
+    within = np.clip(ends, PLACE_OF_BREAK, 1 - PLACE_OF_BREAK)
+    rules = (fine, np.tile(shares, PARTS) / PARTS), gauss(NODES), fewer, (within, at_ends)
     # The function stands in the program once, for the nodes of all rules.
     nodes = jnp.concatenate([*(nodes for nodes, _ in rules), PLACES])
     first = np.cumsum([0, *(len(nodes) for nodes, _ in rules), len(PLACES)])

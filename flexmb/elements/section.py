@@ -16,11 +16,9 @@ from jaxtyping import Array, Float
 from ..arguments import as_known, holds
 from ..compilation.record import Record
 from ..errors import ModelError
+from ..tolerances import ABOVE_LARGEST_POISSON
 from . import surface
 from .surface import Scalar as Scalar
-
-# By which E/(2 G) - 1 may be above 0.5.
-ROUND_OFF = 1e-9
 
 
 class Material(Record):
@@ -234,7 +232,6 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
 
     Args:
         record: Section, material or damping; what is traced is noted (:func:`flexmb.arguments.holds`).
-        at_least_zero: Names of those that may be zero.
     """
     found = []
     for field in dataclasses.fields(record):
@@ -257,7 +254,7 @@ def _faults_of_material(material: Material) -> list[str]:
     if nu is not None and not (holds(nu > -1) and holds(nu < 0.5)):
         found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
     ratio = as_known(material.E) / (2 * as_known(material.G)) - 1
-    if nu is None and not holds(ratio <= 0.5 + ROUND_OFF):
+    if nu is None and not holds(ratio <= 0.5 + ABOVE_LARGEST_POISSON):
         found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
     fatigue, strength = as_known(material.fatigue), as_known(material.strength)
     if fatigue is not None and strength is not None and not holds(fatigue <= strength):

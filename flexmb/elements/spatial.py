@@ -21,6 +21,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds, library_of
 from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
+from ..tolerances import PRINCIPAL_MOMENTS
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .laws import characteristic
@@ -123,17 +124,9 @@ for _k in range(4):
 INERTIA = np.concatenate([CUBIC, ROTARY])
 
 
-def _beam_inertia(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    *,
-    ref: Reference,
-    section: Section,
-    y: Float[Array, "3"] | None = None,
-):
+def _beam_inertia(*nodes: Array, ref, section, y=None):
     """Cubic interpolation of the position along the beam, linear interpolation of the section's triad."""
+    p, rot_p, q, rot_q = nodes
     s, l0 = section.rigidity(), beams.beam_length(ref)
     axes = jnp.swapaxes(_triads(rot_p, rot_q, ref, y), 1, 2).reshape(6, 3)
     vectors = jnp.concatenate([jnp.stack([p, q]), axes])
@@ -141,20 +134,7 @@ def _beam_inertia(
     return vectors, l0 * beams.combine([*mass, s.Jx, s.Jy, s.Jz, s.Jyz], INERTIA)
 
 
-def _beam_resultants(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "6"],
-    section: Section,
-    second_order: bool,
-    fall: Float[Array, "k 3"] | None = None,
-    y: Float[Array, "3"] | None = None,
-) -> Float[Array, "6"]:
+def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fall=None, y=None) -> Float[Array, "6"]:
     """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
 
     The moment of the dual f of a rotation is Lbar f / 2.
@@ -163,7 +143,8 @@ def _beam_resultants(
     def deformations(*nodes: Array):
         return _beam(*nodes, ref=ref, y=y, second_order=second_order)
 
-    nodes, triads = (p, rot_p, q, rot_q), _triads(rot_p, rot_q, ref, y)
+    p, rot_p, q, rot_q = nodes
+    triads = _triads(rot_p, rot_q, ref, y)
     pulls = jax.vjp(deformations, *nodes)[1](sigma)
     if fall is not None:
 
@@ -186,7 +167,7 @@ def _beam_resultants(
     return resultants.ravel()
 
 
-def _check_beam(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
+def _check_beam(*, ref, y=None) -> list[str]:
     return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
@@ -268,19 +249,9 @@ def _warping_damping(*, ref: Reference, damping: Damping) -> Float[Array, "8 8"]
     return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
 
 
-def _warping_inertia(
-    p: Point3,
-    rot_p: Rotation3,
-    warp_p: Warping,
-    q: Point3,
-    rot_q: Rotation3,
-    warp_q: Warping,
-    *,
-    ref: Reference,
-    section: Section,
-    y: Float[Array, "3"] | None = None,
-):
+def _warping_inertia(*nodes: Array, ref, section, y=None):
     """That of the beam, and linear interpolation of the warping, by which the section moves along the axis."""
+    p, rot_p, warp_p, q, rot_q, warp_q = nodes
     vectors, h = _beam_inertia(p, rot_p, q, rot_q, ref=ref, section=section, y=y)
     along = jnp.concatenate([warp_p, warp_q])[:, None] * np.eye(3)[:1]
     own = section.rigidity().Jw * beams.beam_length(ref) * beams.LINEAR_MASS
@@ -289,22 +260,10 @@ def _warping_inertia(
 
 
 def _warping_resultants(
-    p: Point3,
-    rot_p: Rotation3,
-    warp_p: Warping,
-    q: Point3,
-    rot_q: Rotation3,
-    warp_q: Warping,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "8"],
-    section: Section,
-    second_order: bool,
-    fall: Float[Array, "k 3"] | None = None,
-    y: Float[Array, "3"] | None = None,
+    *nodes: Array, ref, place, sigma, section, second_order, fall=None, y=None
 ) -> Float[Array, "6"]:
     """Those of the beam: a bimoment has no resultant."""
+    p, rot_p, _, q, rot_q, _ = nodes
     own = {"section": section, "second_order": second_order, "y": y}
     fall = None if fall is None else fall[:-2]
     return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **own)
@@ -566,7 +525,7 @@ def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> l
         return found
     moments = xp.linalg.eigvalsh(own[..., TENSOR])
     # A needle has one that is zero, and two that are equal; a plate one that is the sum of the others.
-    slack = ROUND_OFF * moments[..., 2]
+    slack = PRINCIPAL_MOMENTS * moments[..., 2]
     if not holds((moments[..., 0] >= -slack) & (moments[..., 0] + moments[..., 1] >= moments[..., 2] - slack)):
         told = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
         found.append(
@@ -575,9 +534,6 @@ def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> l
         )
     return found
 
-
-# Of principal moments, by which they may fail to be those of a body.
-ROUND_OFF = 1e-9
 
 body = Element(_body, inertia=_body_inertia, check=_check_body)
 """Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia

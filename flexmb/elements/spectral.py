@@ -33,13 +33,7 @@ LARGEST_ORDER = 40
 def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...], ...]:
     """Numbers (from 1) of the deformations of each strain field.
 
-    Args:
-        closure: Number of deformations before them.
-        count: Number of fields.
-        order: Coefficients of each.
-
-    Raises:
-        ValueError: The order is below 1, or beyond the largest.
+    Raises ValueError: The order is below 1, or beyond the largest.
     """
     if not 1 <= order <= LARGEST_ORDER:
         raise ValueError(f"order must be at least 1 and at most {LARGEST_ORDER}, but is {order}.")
@@ -63,25 +57,14 @@ class BeamPieces(NamedTuple):
         return self.starts[:, None] + self.sizes[:, None] * nodes
 
     def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "places places"]:
-        """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n).
-
-        Args:
-            nodes: Gauss nodes on [0, 1], (n,).
-            weights: Their weights, (n,).
-        """
+        """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n)."""
         m, n = self.sizes.shape[0], len(nodes)
         within = np.einsum("ij,ab->iajb", np.eye(m), integration_matrix(nodes))
         before = np.einsum("ij,b->ijb", np.tri(m, k=-1), weights)[:, None]
         return ((within + before) * self.sizes[:, None]).reshape(m * n, m * n)
 
     def beyond(self, coefficients: np.ndarray, loads: Float[Array, "m n k"], place: Float[Array, ""]):
-        """Integral from a place to the end of loads at nodes, (k,).
-
-        Args:
-            coefficients: Legendre coefficients of values at the nodes, (n, n).
-            loads: At the nodes of each piece, over the length of the beam.
-            place: From 0 to 1.
-        """
+        """Integral from a place to the end of loads at nodes, (k,)."""
         reached = (place - self.starts) / jnp.where(self.sizes > 0, self.sizes, 1.0)
         n = coefficients.shape[0]
         left = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
@@ -97,9 +80,6 @@ def pieces_of(
     """Smooth pieces of a beam.
 
     Args:
-        section: Of the beam; one that does not vary makes one piece.
-        length: Of the beam [m].
-        end: Where to end, () [-]; the whole beam unless given.
         pairs: Whether there must be a power of two of them, for poses that multiply in pairs; the last are empty then.
     """
     breaks = () if section is None else section.breaks_at(length)
@@ -116,9 +96,6 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
     """Rigidities and masses at places, (n, names); of a section that does not vary the same everywhere.
 
     Args:
-        section: Of the beam.
-        places: From 0 to 1, (n,).
-        length: Of the beam [m].
         names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
     """
     own = _along(section, jnp.asarray(places), length) if section.varies else section.at(0.0, length).rigidity()
@@ -147,20 +124,8 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     """Strains at places, over length, that belong to each coefficient of each field.
 
     A polynomial where the section does not vary. Where it does, stress resultants are the polynomials, and strains
-    these times the local compliance over its mean.
-
-    Args:
-        order: Coefficients of each field.
-        section: Of the beam.
-        places: From 0 to 1, (n,).
-        length: Of the beam [m].
-        names: Rigidities of the fields, as :func:`rigidities` takes them.
-
-    Returns:
-        (n, fields, order) [-].
-
-    Source:
-        THEORY.md 2, eq. (2.11) and (2.21).
+    these times the local compliance over its mean. Returns (n, fields, order) [-]. Source: THEORY.md 2, eq. (2.11) and
+    (2.21).
     """
     traced = isinstance(places, jax.Array)
     polynomials = (legendre_values_at if traced else legendre_values)(order, places)
@@ -174,14 +139,7 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
 def relative(
     section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]
 ) -> Float[Array, "n fields"]:
-    """Compliances at places over their means.
-
-    Args:
-        section: Of the beam.
-        places: From 0 to 1, (n,).
-        length: Of the beam [m].
-        names: Rigidities of the fields, as :func:`rigidities` takes them.
-    """
+    """Compliances at places over their means."""
     nodes, weights = gauss(NODES)
     whole = pieces_of(section, length)
     mean = (whole.sizes[:, None] * weights).ravel() @ _compliance(section, whole.spread(nodes).ravel(), length, names)
@@ -208,11 +166,6 @@ def series_matrix(
 
     Args:
         of: What has the rigidities: the section itself, or damping, which is the same everywhere.
-        section: Of the beam.
-        order: Coefficients of each field.
-        length: Of the beam, () [m].
-        closure: Number of deformations before the fields, which have no stiffness.
-        names: Rigidities of the fields, as :func:`rigidities` takes them.
 
     Returns:
         (n_e, n_e). For a section that does not vary it is diagonal: the integral of a squared polynomial P_k is
@@ -249,20 +202,10 @@ def series_of(
 
     Near is what leaves the least elastic energy. Of strains that do not vary, or vary linearly where there are two
     coefficients at least, the pose of the last end comes out exactly, to first order, whatever the section does.
+    Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.33).
 
     Args:
         wanted: Strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
-        section: Of the beam.
-        order: Coefficients of each field.
-        length: Of the beam, () [m].
-        closure: Number of deformations before the fields, which stay zero.
-        names: Rigidities of the fields, as :func:`rigidities` takes them.
-
-    Returns:
-        (n_e,) [m, rad].
-
-    Source:
-        THEORY.md 2, eq. (2.33).
     """
     whole = pieces_of(section, length)
     nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
@@ -287,20 +230,10 @@ def thermal_series(
 ) -> Float[Array, "n_e"]:
     """Deformations of a free beam by temperature.
 
+    Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.31) and (2.33).
+
     Args:
-        change: Of the temperature at both ends, (2,) [K].
         bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
-        section: Of the beam.
-        order: Coefficients of each field.
-        length: Of the beam, () [m].
-        closure: Number of deformations before the fields.
-        names: Rigidities of the fields.
-
-    Returns:
-        (n_e,) [m, rad].
-
-    Source:
-        THEORY.md 2, eq. (2.31) and (2.33).
     """
 
     def wanted(places: Float[Array, "n"]):
@@ -327,13 +260,7 @@ def check_curvature(ref: Reference, size: Any | None) -> list[str]:
 
 
 def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
-    """Rigidities of a section, of one that varies at places along the beam.
-
-    Args:
-        section: Of the beam.
-        ref: Reference coordinates, of one beam or of many.
-        curvature: Initial, or None.
-    """
+    """Rigidities of a section, of one that varies at places along the beam."""
     if not isinstance(section, Profile):
         return section.rigidity()
     length = _length(ref, curvature)
@@ -345,21 +272,13 @@ def check_section(section: Section | None, ref: Reference, curvature: Any, count
     """Faults of a section that varies, along the beam.
 
     Args:
-        section: Of the beam.
-        ref: Reference coordinates, of one beam or of many.
-        curvature: Initial, or None.
         count: Gauss nodes of each smooth piece, by which the beam integrates at least.
     """
     return section.faults_along(_length(ref, curvature), count) if isinstance(section, Profile) else []
 
 
 def check_shear(counted: bool, *stated: Any) -> list[str]:
-    """Faults of a section that states shear which is not counted, or does not state what is.
-
-    Args:
-        counted: Whether the beam counts it.
-        stated: Shear compliance of the section, along each axis.
-    """
+    """Faults of a section that states shear which is not counted, or does not state what is."""
     if counted and not all(holds(as_floats(number) > 0) for number in stated):
         return ["counts shear, but its section has none: give the section shear=True"]
     if not counted and not all(holds(as_floats(number) <= 0) for number in stated):

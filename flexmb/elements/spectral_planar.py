@@ -36,6 +36,8 @@ from .spectral import (
 # Fields in the order of the coefficients.
 ELONGATION, CURVATURE, SHEAR = 0, 1, 2
 FIELDS = ("EA", "EIy", "GAz")
+# Deformations that join the end of the beam to node q.
+CLOSURE = 3
 
 
 def _rule(
@@ -56,11 +58,7 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
 
 
 def nodes_of(order: int) -> int:
-    """Gauss nodes of each smooth piece of a beam.
-
-    Args:
-        order: Coefficients of each field.
-    """
+    """Gauss nodes of each smooth piece of a beam."""
     return 2 * order + 8
 
 
@@ -177,19 +175,11 @@ def _fields(*, order: int, shear: bool):
     return fields_after(3, _count(shear), order)
 
 
-def _stiffness(*, ref: Reference, section: Section, order: int, shear: bool, curvature: float | None = None):
+def _stiffness(*, ref, section, order, shear, curvature=None):
     return series_matrix(section, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
-def _damping(
-    *,
-    ref: Reference,
-    damping: Damping,
-    order: int,
-    shear: bool,
-    section: Section | None = None,
-    curvature: float | None = None,
-):
+def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
     return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
@@ -211,24 +201,13 @@ def _stretched(
     return _stretched_along(c, length, rule, directions)
 
 
-def _inertia(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    section: Section,
-    order: int,
-    shear: bool = False,
-    curvature: float | None = None,
-):
+def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
     """Position of end p, stretched directions at the nodes of the quadrature; turn of end p, coefficients of curvature.
 
     The last two have zeros beside them. Positions and angles at the nodes are sums of these, which are in H: what
     varies is done place by place.
     """
+    p, rot_p, *_, c = nodes
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
     turn = rot_p - ref.rot_p
@@ -250,23 +229,9 @@ def _turn(lever: Float[Array, "*n 2"], force: Float[Array, "*n 2"]):
     return lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0]
 
 
-def _resultants(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "n_e"],
-    section: Section,
-    order: int,
-    shear: bool = False,
-    fall: Float[Array, "k 2"] | None = None,
-    curvature: float | None = None,
-):
+def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, fall=None, curvature=None):
     """Statics of the part beyond the place."""
+    p, rot_p, q, _, c = nodes
     length, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
     # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
@@ -286,62 +251,28 @@ def _resultants(
     return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
 
 
-def _thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "1"],
-    *,
-    ref: Reference,
-    section: Section,
-    order: int,
-    shear: bool,
-    curvature: float | None = None,
-):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
 
-def _shape(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    order: int,
-    shear: bool = False,
-    section: Section | None = None,
-    curvature: float | None = None,
-):
+def _shape(*nodes: Array, ref, place, order, shear=False, section=None, curvature=None):
+    p, rot_p, *_, c = nodes
     length, axes, *_ = _line(rot_p, c, ref, order, shear, section, curvature)
     return p + axes @ _to_place(c, length, order, shear, section, curvature, place)[1]
 
 
-def _passage(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    c: Series2,
-    *,
-    ref: Reference,
-    order: int,
-    shear: bool,
-    section: Section | None = None,
-    curvature: float | None = None,
-):
+def _passage(*nodes: Array, ref, order, shear, section=None, curvature=None):
     """End q seen from end p."""
+    c = nodes[-1]
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
     stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
     return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ _fields_of(c, rule)[CURVATURE]
 
 
-def _check(
-    *, ref: Reference, order: int, shear: bool, section: Section | None = None, curvature: float | None = None
-) -> list[str]:
+def _check(*, ref, order, shear, section=None, curvature=None) -> list[str]:
     size = None if curvature is None else abs(as_floats(curvature))
     faults = beams.check_length(ref=ref) or check_curvature(ref, size)
     faults = faults or check_section(section, ref, curvature, nodes_of(order))

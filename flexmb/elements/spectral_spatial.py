@@ -160,21 +160,11 @@ def _fields(*, order: int, shear: bool):
     return fields_after(6, _count(shear), order)
 
 
-def _stiffness(
-    *, ref: Reference, section: Section, order: int, shear: bool, curvature: Float[Array, "3"] | None = None
-):
+def _stiffness(*, ref, section, order, shear, curvature=None):
     return series_matrix(section, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _damping(
-    *,
-    ref: Reference,
-    damping: Damping,
-    order: int,
-    shear: bool,
-    section: Section | None = None,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
     return series_matrix(damping, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
@@ -184,21 +174,9 @@ def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
     return numbers[:, 0], jnp.tensordot(numbers[:, 1:], beams.SECOND_MOMENTS, 1)
 
 
-def _inertia(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    c: Series3,
-    *,
-    ref: Reference,
-    section: Section,
-    order: int,
-    shear: bool,
-    y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     """Positions and triads at the ends of the steps."""
+    p, rot_p, _, rot_q, c = nodes
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
@@ -212,24 +190,9 @@ def _inertia(
     return vectors, h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
 
 
-def _resultants(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    c: Series3,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "n_e"],
-    section: Section,
-    order: int,
-    shear: bool,
-    fall: Float[Array, "k 3"] | None = None,
-    y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
     """Statics of the part beyond the place."""
+    p, rot_p, q, rot_q, c = nodes
     length = _length(ref, curvature)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
     pose = product(_steps(c, length, _rule(order, shear, section, length, place), curvature))
@@ -252,56 +215,22 @@ def _resultants(
     return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
 
 
-def _thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "2"],
-    *,
-    ref: Reference,
-    section: Section,
-    order: int,
-    shear: bool,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
 
 
-def _shape(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    c: Series3,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    order: int,
-    shear: bool,
-    section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvature=None):
+    p, rot_p, _, rot_q, c = nodes
     length = _length(ref, curvature)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
     return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
 
 
-def _passage(
-    p: Point3,
-    rot_p: Rotation3,
-    q: Point3,
-    rot_q: Rotation3,
-    c: Series3,
-    *,
-    ref: Reference,
-    order: int,
-    shear: bool,
-    section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
-):
+def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
     """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
+    c = nodes[-1]
     length = _length(ref, curvature)
     own = _screws(c, length, _rule(order, shear, section, length), curvature)
     frame = initial_frame(ref.p, ref.q, y)
@@ -319,14 +248,7 @@ def _passage(
     return axes @ product(exponential(own))[:3, 3], turn_product(turn_parameters(own)) @ units
 
 
-def _check(
-    *,
-    ref: Reference,
-    shear: bool,
-    section: Section | None = None,
-    y: Float[Array, "*n 3"] | None = None,
-    curvature: Float[Array, "*n 3"] | None = None,
-) -> list[str]:
+def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
     curvature = None if curvature is None else as_floats(curvature)
     size = None if curvature is None else library_of(curvature).linalg.norm(curvature, axis=-1)
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.derivative import root_or_zero
+from ..tolerances import DIRECTED_STRESS
 
 # Points of a rectangle over half its sides, counter-clockwise from the corner at +y, +z: corners and middles in turn.
 RECTANGLE = np.array([[1.0, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])
@@ -22,8 +23,6 @@ POINTS = len(RECTANGLE)
 AT_Y, AT_Z = (RECTANGLE[:, 1] == 0).astype(float), (RECTANGLE[:, 0] == 0).astype(float)
 CORNER = 1 - AT_Y - AT_Z
 CATALAN = 0.9159655941772190
-# A direction is looked for where what defines it is above this share of all that stresses the section.
-DIRECTED = 1e-9
 
 Scalar = float | Float[Array, ""]
 Stress = tuple[Float[Array, "8"], Float[Array, "8"]]
@@ -38,16 +37,7 @@ def squared(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 
 def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 0.0) -> Float[Array, "*n"]:
     """Equivalent stress sqrt(sigma^2 - sigma across + across^2 + 3 tau^2), whose derivative is zero where it is zero.
 
-    Args:
-        sigma_x: Stress along x, any shape [Pa].
-        tau: Shear stress, the same shape [Pa].
-        across: Normal stress along the surface across x, the same shape [Pa].
-
-    Returns:
-        The same shape [Pa].
-
-    Source:
-        Von Mises's criterion for plane stress.
+    Returns the same shape [Pa]. Source: Von Mises's criterion for plane stress.
     """
     return root_or_zero(squared(sigma_x, tau, across))
 
@@ -59,14 +49,7 @@ def torsion_stress(
 
     With t the shorter side and w the longer: (t/It) (1 - (8/pi^2) sum over odd n of 1/(n^2 cosh(n pi w/2t))) on the
     longer side, which is the largest, and (t/It) (8/pi^2) sum of (-1)^((n-1)/2) tanh(n pi w/2t)/n^2 on the shorter.
-
-    Args:
-        width: Side along y, () [m].
-        thickness: Side along z, () [m].
-        torsion_constant: It, () [m^4].
-
-    Returns:
-        On the sides at the ends of y, and on those at the ends of z, () [1/m^3]; terms left out are below 1e-10.
+    Returns on the sides at the ends of y, and on those at the ends of z, () [1/m^3]; terms left out are below 1e-10.
 
     Source:
         Derivatives of Saint-Venant's stress function of a rectangle, Timoshenko and Goodier, Theory of Elasticity,
@@ -87,18 +70,11 @@ def torsion_stress(
 def rectangle(width: Scalar, thickness: Scalar, torsion_constant: Scalar, resultants: Float[Array, "6"]) -> Stress:
     """Stress at the points of :data:`RECTANGLE` of a solid rectangle.
 
-    Args:
-        width: Side along y, () [m].
-        thickness: Side along z, () [m].
-        torsion_constant: It, () [m^4].
-        resultants: (6,) [N, N m].
+    Source: N/A + My z/Iy - Mz y/Iz; V Q/(I b); :func:`torsion_stress`.
 
     Returns:
         Stress along x and shear stress, (8,) [Pa]. Shear forces spread as parabolas, 3/2 V/A in the middle of a side;
         corners carry no shear.
-
-    Source:
-        N/A + My z/Iy - Mz y/Iz; V Q/(I b); :func:`torsion_stress`.
     """
     n, vy, vz, t, my, mz = resultants
     y, z = RECTANGLE.T
@@ -120,16 +96,6 @@ def hollow_rectangle(
     resultants: Float[Array, "6"],
 ) -> Stress:
     """Stress at the points of :data:`RECTANGLE` of a thin-walled rectangular tube, on its outer surface.
-
-    Args:
-        width: Outer side along y, () [m].
-        thickness: Outer side along z, () [m].
-        wall_y: Walls at the ends of y, () [m].
-        wall_z: Walls at the ends of z, () [m].
-        area: () [m^2].
-        iy: Second moment of area about y, () [m^4].
-        iz: The same about z, () [m^4].
-        resultants: (6,) [N, N m].
 
     Returns:
         Stress along x and shear stress, (8,) [Pa]. The shear flow, constant in torsion (Bredt) and V Q/I of shear
@@ -170,16 +136,9 @@ def _direction(
 def ring(diameter: Scalar, inner: Scalar, resultants: Float[Array, "6"]) -> Stress:
     """Stress on the circumference of a circle or a circular tube.
 
-    Eight points: the two where combined bending is largest and the two a quarter turn from them, then the two along
-    the combined shear force and the two a quarter turn from them, where its stress is largest.
-
-    Args:
-        diameter: Outer diameter, () [m].
-        inner: Inner diameter, () [m]; 0 for a solid one.
-        resultants: (6,) [N, N m].
-
-    Returns:
-        Stress along x and shear stress, (8,) [Pa].
+    Eight points: the two where combined bending is largest and the two a quarter turn from them, then the two along the
+    combined shear force and the two a quarter turn from them, where its stress is largest. Returns stress along x and
+    shear stress, (8,) [Pa].
 
     Source:
         N/A + (My z - Mz y)/I; T R/(2 I); V Q/(I b) at the height of the point, along the circumference:
@@ -191,8 +150,8 @@ def ring(diameter: Scalar, inner: Scalar, resultants: Float[Array, "6"]) -> Stre
     shear = 4 / (3 * area) * (outer**2 + outer * hole + hole**2) / (outer**2 + hole**2)
     # A moment or force that is round-off beside the others has no direction, nor a derivative of it.
     all_of_it = jnp.sum(jnp.abs(jax.lax.stop_gradient(resultants)) * jnp.where(np.arange(6) < 3, outer, 1.0))
-    bent = _direction(-mz, my, DIRECTED * all_of_it)
-    sheared = _direction(vy, vz, DIRECTED * all_of_it / outer)
+    bent = _direction(-mz, my, DIRECTED_STRESS * all_of_it)
+    sheared = _direction(vy, vz, DIRECTED_STRESS * all_of_it / outer)
     first = jnp.stack([jnp.stack(bent), jnp.stack(sheared)])
     quarter = jnp.stack([-first[:, 1], first[:, 0]], axis=1)
     y, z = jnp.stack([first, quarter, -first, -quarter], axis=1).reshape(POINTS, 2).T

@@ -45,11 +45,6 @@ def tie(parts: tuple[TiePart, ...], size: int, dimension: int) -> Element:
 
     It has one node of all coordinates that those elements have, and two properties: ``weights``, (n, m), of the m
     deformations one part after the other, and ``of``, the properties of each part's elements.
-
-    Args:
-        parts: The other elements.
-        size: Number of coordinates.
-        dimension: 2 in the plane, 3 in space.
     """
     everything = NodeKind("Coordinates", "internal", dimension, (0.0,) * size, ("c",) * size, size)
 
@@ -60,20 +55,7 @@ def tie(parts: tuple[TiePart, ...], size: int, dimension: int) -> Element:
         weights: Float[Array, "n m"],
         of: tuple,
     ) -> Float[Array, "n"]:
-        """Weighted sums of deformations.
-
-        Args:
-            coordinates: Of all elements, (size,) [m, rad, -].
-            ref: The same in the undeformed mechanism.
-            weights: Of the deformations, (n, m) [-].
-            of: Properties of each part's elements.
-
-        Returns:
-            (n,) [m, rad].
-
-        Source:
-            Definition.
-        """
+        """Weighted sums of deformations. Returns (n,) [m, rad]. Source: Definition."""
         found = [
             _part_deformations(part, coordinates, ref[0], own).ravel() for part, own in zip(parts, of, strict=True)
         ]

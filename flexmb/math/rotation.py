@@ -12,6 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..tolerances import SMALLEST_TURN
+
 # vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle, QUARTER @ vector clockwise.
 QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
@@ -72,8 +74,6 @@ def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * n
     return angle + turn * jnp.round((near - angle) / turn)
 
 
-# Square of the sine of half an angle below which it is the angle itself, to round-off.
-SMALLEST_TURN = 1e-20
 # lbar(lam)[i, j] = LBAR[i, j, k] lam[k]; constant tensors keep the traced graph to one product.
 LBAR = np.zeros((3, 4, 4))
 LBODY = np.zeros((3, 4, 4))

@@ -11,10 +11,8 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_reals
 from ..lazy import only
+from ..tolerances import ANGLE_BY_SERIES
 from .rotation import CONJUGATE, rotation_matrix, rotation_vector
-
-# Square of an angle below which its sine and cosine are taken from their series, to round-off [rad^2].
-SMALL = 1e-4
 
 
 def from_vector(vector: Float[ArrayLike, "3"]) -> Float[Array, "4"]:
@@ -31,7 +29,7 @@ def from_vector(vector: Float[ArrayLike, "3"]) -> Float[Array, "4"]:
     """
     vector = as_reals("Argument `vector`", vector)
     square = vector @ vector
-    is_small = square < SMALL
+    is_small = square < ANGLE_BY_SERIES
     half = jnp.sqrt(jnp.where(is_small, 1.0, square)) / 2
     scalar = jnp.where(is_small, 1 - square / 8 + square**2 / 384, jnp.cos(half))
     along = jnp.where(is_small, 0.5 - square / 48 + square**2 / 3840, jnp.sin(half) / (2 * half))

@@ -9,11 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..tolerances import EIGENVALUES_ALIKE
 from .linear import pencil
-
-# Eigenvalues nearer than this, relatively: the difference of a function's values over theirs has lost as many digits
-# as the mean of its slopes lacks.
-NEAR = 1e-5
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -43,7 +40,7 @@ def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any
     """Divided differences (f_i - f_j)/(mu_i - mu_j) of a function's values; its slope where both are near."""
     values, slopes = jax.jvp(lambda own: function(own, *arguments), (mu,), (jnp.ones_like(mu),))
     gap = mu[:, None] - mu[None, :]
-    apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
+    apart = jnp.abs(gap) > EIGENVALUES_ALIKE * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
     quotient = (values[:, None] - values[None, :]) / jnp.where(apart, gap, 1.0)
     return jnp.where(apart, quotient, (slopes[:, None] + slopes[None, :]) / 2)
 

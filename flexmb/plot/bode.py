@@ -11,10 +11,9 @@ from ..control.frequency_response import FrequencyResponse
 from ..control.state_space import to_statespace
 from ..linear.linearize import Linearization
 from ..model.model import Model
+from ..tolerances import SMALLEST_RESPONSE
 from .canvas import BLUE
 
-# An output responds that moves by more than this share of the largest response to the same input.
-RESPONDS = 1e-9
 # Responses are those at s = (i + this) omega: so phases of an undamped mechanism turn as those of a damped one.
 DECAY = 1e-6
 # Where a phase turns by more than this between two frequencies, one is put between them, so many times.
@@ -78,7 +77,7 @@ def bode(
             raise ValueError("A Bode plot needs finite responses at two frequencies above zero or more.")
         responses = responses[:, rows][:, :, columns]
         largest = np.max(np.abs(responses), axis=0)
-        moved = largest > RESPONDS * np.max(largest, axis=0)
+        moved = largest > SMALLEST_RESPONSE * np.max(largest, axis=0)
     else:
         system, farthest = _system(found)
         names = [system.output_labels, system.input_labels]
@@ -150,7 +149,7 @@ def _responses(
 
     found = at(frequencies)
     largest = np.max(np.abs(found), axis=0)
-    moved = largest > RESPONDS * np.max(largest, axis=0)
+    moved = largest > SMALLEST_RESPONSE * np.max(largest, axis=0)
     for _ in range(ROUNDS):
         turns = np.abs(np.angle(found[1:] * np.conj(found[:-1]))) * moved
         gaps = np.flatnonzero(np.max(turns, axis=(1, 2), initial=0.0) > TURN)

@@ -9,6 +9,7 @@ from ..display import Result, States
 from ..linear.buckling import Buckling
 from ..linear.modes import Modes
 from ..model.model import Model
+from ..tolerances import SMALLEST_SHAPE
 from .canvas import BLUE, faces, frame, grid, mechanism_lines
 from .geometry import extent_of, lines, nodes_of, scaled_lines
 from .mechanism import draw_supports
@@ -19,10 +20,8 @@ from .state import displaced
 AMPLITUDE = 0.15
 # Step of the difference that finds how far a shape moves its lines; their displacement is linear in it but for 1e-6.
 STEP = 1e-6
-# Largest turn of a section at that amplitude [rad], and what counts as none, per unit of the largest coordinate: the
-# round-off of the difference.
+# Largest turn of a section at that amplitude [rad].
 LARGEST_TURN = 1.0
-STILL = 1e-6
 AT_MOST = 6
 
 
@@ -96,4 +95,4 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
     largest = rate * np.max(np.linalg.norm(moved, axis=1)) / extent
     twist = rate * AMPLITUDE / LARGEST_TURN * np.max(turned, initial=0.0)
     # A mode that only turns what has no length: a tenth of a radian.
-    return amplitude / max(largest, twist) if max(largest, twist) > STILL * size else 0.1 / size
+    return amplitude / max(largest, twist) if max(largest, twist) > SMALLEST_SHAPE * size else 0.1 / size

@@ -18,18 +18,11 @@ from ..display import Result, Summary, among, listed, short, span
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
+from ..tolerances import JUMP_OF_LAW, MISSED_AT_REST, ZERO_OF_TERMS, ZERO_ON_AXIS
 from .laws import Law, Shaped, as_law, sampled
 
-# What is below this share of the sum of its terms' sizes is zero, as round-off leaves it.
-ZERO = 1e-11
-# A zero this close to the imaginary axis, as a share of its own size, is on it.
-ON_AXIS = 1e-9
 # What is wanted is a polynomial of this degree between two times: exactly so for the laws of this room.
 DEGREE = 9
-# A law jumps whose derivatives of both sides differ by more than this share of the sum of its terms.
-JUMP = 1e-7
-# Who starts from rest is told of an error of this share of the largest output.
-MISSED = 1e-3
 
 
 class StableInversion(Result, Record):
@@ -126,11 +119,12 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
         _check_smooth(name, trajectory[name], degree)
     z, u, y = _followed(inverse, laws, names, grid)
     error = _error_from_rest(a, c[rows], z, grid)
-    if error > MISSED * np.max(np.abs(y)):
+    if error > MISSED_AT_REST * np.max(np.abs(y)):
         unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
+        earlier = np.log(1 / ZERO_OF_TERMS) / np.min(unstable)
         warn(
             f"The inputs begin before the first of the times: from rest there the outputs are off by up to"
-            f" {short(error)}. Let the times begin earlier, by some {short(np.log(1 / ZERO) / np.min(unstable))} s"
+            f" {short(error)}. Let the times begin earlier, by some {short(earlier)} s"
             " before the outputs move."
         )
     return StableInversion(
@@ -192,7 +186,7 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
     for i, name in enumerate(names):
         row, own, through = c[i], [], d[i]
         size = np.abs(d[i])
-        while not np.any(np.abs(through) > ZERO * size):
+        while not np.any(np.abs(through) > ZERO_OF_TERMS * size):
             own.append(row)
             if len(own) > n:
                 raise ModelError(f"Output '{name}' is one that the inputs cannot move.")
@@ -205,7 +199,7 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
     # Of an output of degree zero y = C z + D u; of the others y^(r) = C A^r z + C A^(r-1) B u.
     plant, row = np.array(gains), np.array(rows)
     scale = np.max(np.abs(plant), axis=1, keepdims=True)
-    if np.linalg.cond(plant / scale) > 1 / ZERO:
+    if np.linalg.cond(plant / scale) > 1 / ZERO_OF_TERMS:
         raise ModelError(
             f"The plant is singular: the inputs move {listed(names)} in ways that depend on one another. Let them act"
             " elsewhere, or give the law of another output."
@@ -220,7 +214,7 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
     q = internal.T @ closed @ internal
     p = np.concatenate([internal.T @ closed @ lift, internal.T @ b @ gain], axis=1)
     zeros = np.linalg.eigvals(q) if len(q) else np.zeros(0)
-    on_axis = np.abs(zeros.real) <= ON_AXIS * np.abs(zeros) if len(zeros) else np.zeros(0, bool)
+    on_axis = np.abs(zeros.real) <= ZERO_ON_AXIS * np.abs(zeros) if len(zeros) else np.zeros(0, bool)
     if np.any(on_axis):
         hertz = sorted({float(f"{abs(z.imag) / (2 * np.pi):.4g}") for z in zeros[on_axis]})
         raise ModelError(
@@ -249,7 +243,7 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
         before = [begins[0] if order == 0 else 0.0, *ends]
         after = [*begins, ends[-1] if order == 0 else 0.0]
         jumps = np.abs(np.array(before) - np.array(after))
-        if np.max(jumps) > JUMP * largest:
+        if np.max(jumps) > JUMP_OF_LAW * largest:
             raise ModelError(
                 f"Trajectory '{name}' is not smooth enough: its derivative of order {order} jumps at"
                 f" {short(breaks[int(np.argmax(jumps))])} s, and the input decides of that of order {degree} (the"
@@ -274,7 +268,8 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
     at = np.asarray(every(jnp.asarray(grid)))
     n_xi = sum(inverse.degrees)
     for when, values in (("first", at[0]), ("last", at[-1])):
-        moving = np.abs(values - _at_rest(values, inverse.degrees))[:n_xi] > JUMP * np.max(np.abs(at[:, :n_xi]), axis=0)
+        largest = np.max(np.abs(at[:, :n_xi]), axis=0)
+        moving = np.abs(values - _at_rest(values, inverse.degrees))[:n_xi] > JUMP_OF_LAW * largest
         if np.any(moving):
             name = names[int(np.searchsorted(np.cumsum(inverse.degrees), np.argmax(moving), side="right"))]
             raise ModelError(

@@ -35,6 +35,7 @@ from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
 from ..results import RESULTS, check, or_nan, told
 from ..statics.strained import warn_of_needless_strain
+from ..tolerances import MISSED_CONFIGURATION
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 
@@ -42,8 +43,6 @@ from .laws import Law, as_law, rates, sampled
 STEP = 0.1
 # Steps of Newton's method to each of them at most, and the relative change at which they end.
 CORRECTIONS, SETTLED = 12, 1e-13
-# How far what is wanted may be missed, as a share of the mechanism's extent or in radians.
-TOLERANCE = 1e-8
 # So many steps of that size lie between two times at most, and between the undeformed mechanism and its start values;
 # what is further away is not followed.
 MOST_STEPS = 100_000
@@ -667,7 +666,7 @@ def _nominal(
         outputs = [_output(form, signal, moving) for signal in seen]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
         missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
-        fine = jnp.isfinite(missed) & (missed < TOLERANCE) & found.regular & tangent.regular
+        fine = jnp.isfinite(missed) & (missed < MISSED_CONFIGURATION) & found.regular & tangent.regular
         fine = fine & jnp.all(jnp.isfinite(needed))
         result = jnp.where(plant, RESULTS.successful, RESULTS.singular_plant)
         result = jnp.where(fine, result, RESULTS.outside_workspace).astype(jnp.int32)

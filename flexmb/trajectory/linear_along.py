@@ -18,20 +18,14 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Result, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
+from ..tolerances import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
 from .cubic import Spline, spline
-from .radau import march
-from .reduction import reduced_system
-from .refined import refined
-from .slow_modes import check_modes
+from .slow_modes import check_modes, reduced_system
+from .varying_equations import integrate_varying, with_halved_steps
 
 if TYPE_CHECKING:
     import control
-
-# Times may lie outside of those of the system by this share of all of them.
-ROUND_OFF = 1e-9
-# Below this share of the highest frequency nothing vibrates: a difference is compared with that.
-STILL = 1e-6
 
 
 class TimeVarying(Result, Record):
@@ -177,7 +171,7 @@ class TimeVarying(Result, Record):
             return float(jnp.max(jnp.where(size > 0, off / jnp.where(size > 0, size, 1.0), 0.0), initial=0.0))
 
         traced = not is_concrete((self, times, u, start))
-        return refined(run, apart, substeps, rtol, traced, "The response of the time-varying system")[0]
+        return with_halved_steps(run, apart, substeps, rtol, traced, "The response of the time-varying system")[0]
 
     def response(
         self,
@@ -256,7 +250,7 @@ class TimeVarying(Result, Record):
         if not is_concrete(self):
             return found
         whole, own = self.frequencies(), _frequencies_along(still, mass)
-        size = np.maximum(np.abs(whole[:, :modes]), STILL * np.max(np.abs(whole)))
+        size = np.maximum(np.abs(whole[:, :modes]), NO_VIBRATION * np.max(np.abs(whole)))
         left_out = whole[:, modes] if modes < n else np.full(len(whole), np.inf)
         error = np.max(np.abs(own - whole[:, :modes]) / size, axis=0)
         return dataclasses.replace(found, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
@@ -300,7 +294,7 @@ class TimeVarying(Result, Record):
         if not is_concrete((self.t, times)):
             return
         first, last = float(self.t[0]), float(self.t[-1])
-        slack = ROUND_OFF * max(abs(first), abs(last))
+        slack = OUTSIDE_TIMES * max(abs(first), abs(last))
         if np.any(np.asarray(times) < first - slack) or np.any(np.asarray(times) > last + slack):
             raise ValueError(
                 f"Argument `{name}` must lie within the times of the system, {short(first)} to {short(last)} s, but is"
@@ -379,7 +373,7 @@ def _solved(
         given = u[i] + (t - times[i]) / (times[i + 1] - times[i]) * (u[i + 1] - u[i])
         return eye, -a(t), jnp.zeros_like(eye), b(t) @ given
 
-    _, z = march(equation, times, jnp.zeros_like(start), start, count if substeps is None else substeps)
+    _, z = integrate_varying(equation, times, jnp.zeros_like(start), start, count if substeps is None else substeps)
     y = jax.lax.map(lambda at: c(at[0]) @ at[1] + d(at[0]) @ at[2], (times, z, u))
     return y.T, z.T
 

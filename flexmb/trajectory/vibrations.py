@@ -29,9 +29,8 @@ from ..motion.moving_matrices import carried
 from ..results import RESULTS, check
 from .about_motion import about, check_freedoms, freedoms_of, released
 from .cubic import Spline, spline
-from .radau import march
-from .refined import refined
 from .slow_modes import SlowModes, amplitudes, check_modes, projected, slow_modes
+from .varying_equations import integrate_varying, with_halved_steps
 
 
 class Perturbation(Result, Record):
@@ -200,7 +199,7 @@ def _vibrations(
         found = equations(t)
         return found[:, :n], found[:, n : 2 * n], found[:, 2 * n : 3 * n], found[:, 3 * n]
 
-    return march(equation, equations.t, q, qd, count if substeps is None else substeps)
+    return integrate_varying(equation, equations.t, q, qd, count if substeps is None else substeps)
 
 
 @jit
@@ -290,7 +289,7 @@ def perturbation(
         return float(change / jnp.where(size > 0, size, 1.0))
 
     traced = not is_concrete((m, start, force))
-    (found, rates), error, count = refined(run, apart, substeps, rtol, traced, "The vibration")
+    (found, rates), error, count = with_halved_steps(run, apart, substeps, rtol, traced, "The vibration")
     moved, moving = whole(found, rates)
     holding = holding - _of_servo(m, force, kept, moved, moving)
     return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))

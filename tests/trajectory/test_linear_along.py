@@ -17,7 +17,7 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.mechanisms import mechanism_path
 from flexmb.trajectory.cubic import spline
-from flexmb.trajectory.radau import march
+from flexmb.trajectory.varying_equations import integrate_varying
 
 # The shipped elevator: radius, free length, mass of a weight, inertia of the pulley, EA and EdA of the belts, motor.
 RADIUS, FREE, WEIGHT, INERTIA, EA, EDA, MOTOR, DAMPER = 0.1, 0.2, 10.0, 0.3, 1000.0, 2.5, 12.5, 3.0
@@ -64,7 +64,7 @@ def test_steps_are_of_order_five_against_a_closed_form():
     slow, fall = np.exp(-0.25), -0.5 * np.exp(-0.25)
     start = jnp.array([np.sin(1.0), slow]), jnp.array([np.cos(1.0) - np.sin(1.0), fall])
     exact = np.array([np.sin(6.0) / 6, np.exp(-9.0)])
-    run = fm.jit(lambda count: march(equation, times, *start, count)[0][-1])
+    run = fm.jit(lambda count: integrate_varying(equation, times, *start, count)[0][-1])
     errors = np.array([np.abs(run(jnp.asarray(k)) - exact) for k in (2, 4, 8)])
     assert np.all(errors[:-1] / errors[1:] > 2**4.5)
     assert np.all(errors[-1] < 1e-8)

@@ -1,12 +1,15 @@
-"""Linear equations of second order in time whose matrices vary, integrated in steps by collocation."""
+"""Linear equations of second order whose matrices vary with time: collocation in steps that are halved."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..arguments import check_number, check_whole
+from ..errors import warn
 from ..math.linear import factorise
 
 ROOT = 6**0.5
@@ -19,9 +22,13 @@ WEIGHTS = np.array(
         [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
     ]
 )
+# Of the method of order five the finer of two runs is off by this share of how far they are apart.
+SHARE = 1 / 31
+# Steps from one time to the next: at most, and under a trace, where no error can be looked at.
+MOST_SUBSTEPS, TRACED = 2**12, 4
 
 
-def march(
+def integrate_varying(
     equation: Callable, times: Float[Array, "n_t"], q: Float[Array, "n"], v: Float[Array, "n"], substeps: int | Array
 ) -> tuple[Float[Array, "n_t n"], Float[Array, "n_t n"]]:
     """Solution of M qdd + C qd + K q = f, all of which depend on time.
@@ -63,3 +70,37 @@ def march(
 
     _, (qs, vs) = jax.lax.scan(interval, (q, v), jnp.stack([times[:-1], times[1:]], axis=1))
     return jnp.concatenate([q[None], qs]), jnp.concatenate([v[None], vs])
+
+
+def with_halved_steps(
+    run: Callable[..., Any], apart: Callable[[Any, Any], float], substeps: Any, rtol: Any, traced: bool, what: str
+) -> tuple[Any, float, int]:
+    """What a run of a method of order five gives, with twice as many steps until that hardly differs.
+
+    Warns:
+        FlexmbWarning: The error is not reached.
+
+    Returns the run, its estimated error (NaN where steps are given or under a trace), and its number of steps.
+
+    Args:
+        run: Function of the number of steps from one time to the next; a whole number of Python's where it is given or
+            under a trace, else an array, so that one program serves all.
+    """
+    check_number("rtol", rtol, above=0)
+    if substeps is not None or traced:
+        count = TRACED if substeps is None else check_whole("substeps", substeps, 1)
+        return run(count), np.nan, count
+    count, coarse = 1, run(jnp.asarray(1))
+    while True:
+        count *= 2
+        fine = run(jnp.asarray(count))
+        error = SHARE * apart(fine, coarse)
+        if error <= rtol or count >= MOST_SUBSTEPS:
+            break
+        coarse = fine
+    if not error <= rtol:
+        warn(
+            f"{what} is off by {error:.1e}, more than rtol = {rtol:g}, with {MOST_SUBSTEPS} steps from each time to the"
+            " next. Give more times."
+        )
+    return fine, error, count
