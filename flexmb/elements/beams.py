@@ -136,22 +136,12 @@ def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, 
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
-def rigid_inertia(
-    p: Float[Array, "d"], rot_p: Float[Array, "r"], q: Float[Array, "d"], *, ref: Reference, section: Section
-):
+def rigid_inertia(p: Array, rot_p: Array, q: Array, *, ref, section: Section):
     """Distributed mass of a rigid line from p, a body with a rotation, to q."""
     return line_inertia(p, q, ref=ref, section=section)
 
 
-def rigid_body_inertia(
-    p: Float[Array, "d"],
-    rot_p: Float[Array, "r"],
-    q: Float[Array, "d"],
-    rot_q: Float[Array, "r"],
-    *,
-    ref: Reference,
-    section: Section,
-):
+def rigid_body_inertia(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, section: Section):
     """The same of a rigid line between two bodies."""
     return line_inertia(p, q, ref=ref, section=section)
 
@@ -164,16 +154,7 @@ def length_or_zero(ref: Reference) -> Float[Array, ""]:
     return root_or_zero((ref.q - ref.p) @ (ref.q - ref.p))
 
 
-def truss_resultants(
-    p: Float[Array, "d"],
-    q: Float[Array, "d"],
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    sigma: Float[Array, "1"],
-    section: Section,
-    fall: Float[Array, "2 d"] | None = None,
-) -> Float[Array, "6"]:
+def truss_resultants(p: Array, q: Array, *, ref, place, sigma, section, fall=None) -> Float[Array, "6"]:
     """Normal force alone, (6,) [N, N m]."""
     normal = sigma[0]
     if fall is not None:
@@ -236,15 +217,7 @@ def check_length(*, ref: Reference) -> list[str]:
     return ["has zero length: its two ends have the same position"]
 
 
-def straight_shape(
-    p: Float[Array, "d"],
-    rot_p: Float[Array, "r"],
-    q: Float[Array, "d"],
-    rot_q: Float[Array, "r"],
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-) -> Float[Array, "d"]:
+def straight_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place) -> Float[Array, "d"]:
     """Companion ``shape`` of a joint between two bodies: the straight line between its points."""
     return p + place * (q - p)
 

@@ -159,7 +159,7 @@ def _gear(
     return jnp.stack([turn_p + ratio * turn_q, turn_p])
 
 
-def _check_gear(*, ref: Reference, axis_p: Float[Array, "3"], axis_q: Float[Array, "3"], ratio: float) -> list[str]:
+def _check_gear(*, ref, axis_p, axis_q, ratio) -> list[str]:
     faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
     return faults if holds(as_floats(ratio) != 0) else [*faults, "has a ratio of zero"]
 

@@ -79,7 +79,7 @@ def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "3 3"]:
     return beams.combine([s.EA / l0, *beams.bending_coefficients(s.EIy, l0, s.shear_z)], STIFFNESS)
 
 
-def _beam_damping(*, ref: Reference, damping: Damping) -> Float[Array, "3 3"]:
+def _beam_damping(*, ref, damping: Damping) -> Float[Array, "3 3"]:
     l0 = beams.beam_length(ref)
     return beams.combine([damping.EA / l0, *beams.bending_coefficients(damping.EIy, l0, 0.0)], STIFFNESS)
 
@@ -132,9 +132,7 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
     return jnp.stack([resultants[0], zero, resultants[1], zero, resultants[2], zero])
 
 
-def _beam_thermal(
-    change: Float[Array, "2"], gradient: Float[Array, "1"], *, ref: Reference, section: Section
-) -> Float[Array, "3"]:
+def _beam_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "3"]:
     """Elongation, and the bendings of an arc that the warmer side makes longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
@@ -179,12 +177,7 @@ def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference) -> Float[
 
 
 def _rigid_thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "1"],
-    *,
-    ref: Reference,
-    alpha: float | None = None,
-    section: Section | None = None,
+    change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None
 ) -> Float[Array, "2"]:
     """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
@@ -221,12 +214,7 @@ def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Refere
 
 
 def _rigid_body_thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "1"],
-    *,
-    ref: Reference,
-    alpha: float | None = None,
-    section: Section | None = None,
+    change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None
 ) -> Float[Array, "3"]:
     """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
     offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section)

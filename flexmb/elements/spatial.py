@@ -104,7 +104,7 @@ def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "6 6"]:
     return beams.combine([s.EA / l0, s.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
 
 
-def _beam_damping(*, ref: Reference, damping: Damping) -> Float[Array, "6 6"]:
+def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
     d, l0 = damping, beams.beam_length(ref)
     bending_y = beams.bending_coefficients(d.EIy, l0, 0.0)
     bending_z = beams.bending_coefficients(d.EIz, l0, 0.0)
@@ -171,9 +171,7 @@ def _check_beam(*, ref, y=None) -> list[str]:
     return beams.check_length(ref=ref) or beams.check_across(ref, y)
 
 
-def _beam_thermal(
-    change: Float[Array, "2"], gradient: Float[Array, "2"], *, ref: Reference, section: Section
-) -> Float[Array, "6"]:
+def _beam_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "6"]:
     """Elongation, and in both planes the bendings of an arc that the warmer side makes longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
@@ -244,7 +242,7 @@ def _warping_stiffness(*, ref: Reference, section: Section) -> Float[Array, "8 8
     return jnp.pad(plain, (0, 2)) + beams.combine([twist / l0**2, coupling / l0, *warping], TORSION)
 
 
-def _warping_damping(*, ref: Reference, damping: Damping) -> Float[Array, "8 8"]:
+def _warping_damping(*, ref, damping: Damping) -> Float[Array, "8 8"]:
     """That of the beam: what warps is not damped by it."""
     return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
 
@@ -269,20 +267,12 @@ def _warping_resultants(
     return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **own)
 
 
-def _warping_thermal(
-    change: Float[Array, "2"], gradient: Float[Array, "2"], *, ref: Reference, section: Section
-) -> Float[Array, "8"]:
+def _warping_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "8"]:
     """That of the beam."""
     return jnp.pad(_beam_thermal(change, gradient, ref=ref, section=section), (0, 2))
 
 
-def _check_warping(
-    *,
-    ref: Reference,
-    section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
-    clamped: tuple[bool, bool] | bool | None = None,
-) -> list[str]:
+def _check_warping(*, ref, section=None, y=None, clamped: tuple[bool, bool] | bool | None = None) -> list[str]:
     faults = _check_beam(ref=ref, y=y)
     if section is None or faults:
         return faults
@@ -334,13 +324,7 @@ def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference) -> Fl
 
 
 def _rigid_thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "2"],
-    *,
-    ref: Reference,
-    alpha: float | None = None,
-    section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
+    change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None, y=None
 ) -> Float[Array, "3"]:
     """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
@@ -382,13 +366,7 @@ def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref
 
 
 def _rigid_body_thermal(
-    change: Float[Array, "2"],
-    gradient: Float[Array, "2"],
-    *,
-    ref: Reference,
-    alpha: float | None = None,
-    section: Section | None = None,
-    y: Float[Array, "3"] | None = None,
+    change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None, y=None
 ) -> Float[Array, "6"]:
     """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
     offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section, y=y)

@@ -32,7 +32,7 @@ def _check_centres(*, ref: Reference) -> list[str]:
     return ["has its two centres in one place"] if beams.check_length(ref=ref) else []
 
 
-def _check_gear(*, ref: Reference, ratio: float) -> list[str]:
+def _check_gear(*, ref, ratio) -> list[str]:
     return _check_centres(ref=ref) + ([] if holds(as_floats(ratio) != 0) else ["has a ratio of zero"])
 
 
@@ -41,9 +41,7 @@ def _around(centre: Float[Array, "2"], start: Float[Array, "2"], turns: Float[Ar
     return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
 
 
-def _gear_shape(
-    p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, place: Float[Array, ""], ratio: float
-) -> Float[Array, "2"]:
+def _gear_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place, ratio) -> Float[Array, "2"]:
     """Both pitch circles, from where they meet."""
     meeting = p + (q - p) / (1 + ratio)
     return jnp.where(place < 0.5, _around(p, meeting, 2 * place), _around(q, meeting, 2 * place - 1))
@@ -110,20 +108,16 @@ def _free_length(e: Float[Array, "3"], ref: Reference, radius_p: Scalar, radius_
     return start - radius_p * e[1] + radius_q * e[2]
 
 
-def _belt_energy(
-    e: Float[Array, "3"], *, ref: Reference, section: Section, radius_p: float, radius_q: float
-) -> Float[Array, ""]:
+def _belt_energy(e: Array, *, ref, section: Section, radius_p, radius_q) -> Float[Array, ""]:
     """EA e1^2/(2 L), with L the free length; the belt on the pulleys is taken to be without tension."""
     return section.rigidity().EA * e[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
 
-def _belt_dissipation(
-    e: Float[Array, "3"], ed: Float[Array, "3"], *, ref: Reference, damping: Damping, radius_p: float, radius_q: float
-) -> Float[Array, ""]:
+def _belt_dissipation(e: Array, ed: Array, *, ref, damping: Damping, radius_p, radius_q) -> Float[Array, ""]:
     return damping.EA * ed[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
 
-def _check_belt(*, ref: Reference, radius_p: float, radius_q: float, section: Section | None = None) -> list[str]:
+def _check_belt(*, ref, radius_p, radius_q, section=None) -> list[str]:
     faults = _check_centres(ref=ref)
     apart = as_floats(ref.q) - as_floats(ref.p)
     if not faults and not holds((as_floats(radius_q) - as_floats(radius_p)) ** 2 < (apart**2).sum(axis=-1)):
@@ -133,17 +127,7 @@ def _check_belt(*, ref: Reference, radius_p: float, radius_q: float, section: Se
     return faults
 
 
-def _belt_shape(
-    p: Point2,
-    rot_p: Angle,
-    q: Point2,
-    rot_q: Angle,
-    *,
-    ref: Reference,
-    place: Float[Array, ""],
-    radius_p: float,
-    radius_q: float,
-) -> Float[Array, "2"]:
+def _belt_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place, radius_p, radius_q) -> Float[Array, "2"]:
     """Pulley p, the straight part, pulley q, a third of the way each."""
     d = q - p
     _, angle = _span(d, radius_p, radius_q)
@@ -184,23 +168,19 @@ def _with_point(e: Float[Array, "2"]) -> Float[Array, "3"]:
     return jnp.concatenate([e, jnp.zeros(1)])
 
 
-def _point_energy(e: Float[Array, "2"], *, ref: Reference, section: Section, radius_p: float) -> Float[Array, ""]:
+def _point_energy(e: Array, *, ref, section: Section, radius_p) -> Float[Array, ""]:
     return _belt_energy(_with_point(e), ref=ref, section=section, radius_p=radius_p, radius_q=0.0)
 
 
-def _point_dissipation(
-    e: Float[Array, "2"], ed: Float[Array, "2"], *, ref: Reference, damping: Damping, radius_p: float
-) -> Float[Array, ""]:
+def _point_dissipation(e: Array, ed: Array, *, ref, damping: Damping, radius_p) -> Float[Array, ""]:
     return _belt_dissipation(_with_point(e), _with_point(ed), ref=ref, damping=damping, radius_p=radius_p, radius_q=0.0)
 
 
-def _check_point(*, ref: Reference, radius_p: float, section: Section | None = None) -> list[str]:
+def _check_point(*, ref, radius_p, section=None) -> list[str]:
     return _check_belt(ref=ref, radius_p=radius_p, radius_q=0.0, section=section)
 
 
-def _point_shape(
-    p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, place: Float[Array, ""], radius_p: float
-) -> Float[Array, "2"]:
+def _point_shape(p: Array, rot_p: Array, q: Array, *, ref, place, radius_p) -> Float[Array, "2"]:
     return _belt_shape(p, rot_p, q, rot_p, ref=ref, place=place, radius_p=radius_p, radius_q=0.0)
 
 
