@@ -391,13 +391,20 @@ FAULTS = [
     Fault("linear/damping.py", "np.asarray(own)[i] == other", "True", "linear/test_damping.py -k stiff_guide"),
     Fault("linear/spectrum.py", "heavy)]])", "heavy / w)]])", "control/test_state_space.py -k oscillator"),
     Fault(
-        "math/spectral.py",
+        "math/matrix_functions.py",
         "by_arguments * np.eye(len(mu))) @",
         "by_arguments) @",
         "linear/test_damping.py -k two_masses",
     ),
-    Fault("math/spectral.py", "n * 2 * p[None, :]", "n * 2 * p[:, None]", "linear/test_damping.py -k derivatives"),
-    Fault("math/spectral.py", "slopes[None, :]) / 2", "slopes[None, :])", "linear/test_damping.py::test_derivatives"),
+    Fault(
+        "math/matrix_functions.py", "n * 2 * p[None, :]", "n * 2 * p[:, None]", "linear/test_damping.py -k derivatives"
+    ),
+    Fault(
+        "math/matrix_functions.py",
+        "slopes[None, :]) / 2",
+        "slopes[None, :])",
+        "linear/test_damping.py::test_derivatives",
+    ),
     Fault("elements/sections.py", "ratio / (np.pi * frequency)", "ratio / frequency", "linear/test_damping.py -k leaf"),
     # State space.
     Fault(
@@ -1513,13 +1520,13 @@ FAULTS = [
         "elements/joints.py", "along - pitch * turn", "along + pitch * turn", "elements/test_transmission.py -k screw"
     ),
     Fault(
-        "elements/laws.py",
+        "elements/shared_laws.py",
         "mesh_stiffness(ref=ref, stiffness=damping)",
         "diagonal_damping(2)(ref=ref, damping=damping)",
         "elements/test_damping.py -k mesh",
     ),
     Fault(
-        "elements/laws.py",
+        "elements/shared_laws.py",
         "law(e[0], ed[0], ",
         "law(e[0], -ed[0], ",
         "elements/test_laws_of_users.py",
@@ -2296,7 +2303,7 @@ FAULTS = [
         "lazy.py",
         "return sorted(offered(package))",
         "return sorted(vars(sys.modules[package]))",
-        "elements/test_told.py",
+        "elements/test_element_text.py",
     ),
     Fault("build/check_element.py", "yield ZERO, self._zero()", 'yield ZERO, (0.0, "")', "build/test_check_element.py"),
     Fault(
@@ -2331,7 +2338,7 @@ FAULTS = [
         "spacar/test_outlines.py -k draws_it",
         slow=True,
     ),
-    Fault("elements/told.py", "element.usual\n", "element\n", "elements/test_told.py -k of_ones_own"),
+    Fault("elements/element_text.py", "element.usual\n", "element\n", "elements/test_element_text.py -k of_ones_own"),
     Fault(
         "elements/spatial.py",
         "jnp.stack([arc[1], -arc[0]])",

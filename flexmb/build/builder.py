@@ -25,8 +25,8 @@ from ..arguments import (
 from ..compilation.compile import unguarded
 from ..elements import planar, spatial
 from ..elements.element import COMPANIONS, Element
+from ..elements.element_text import deformations_of
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, WARPING
-from ..elements.told import deformations_of
 from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of

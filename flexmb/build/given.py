@@ -4,7 +4,7 @@ from typing import Any
 
 from ..arguments import as_whole, check_numbers, copied, shown
 from ..elements.element import ALL, Element
-from ..elements.told import deformations_of
+from ..elements.element_text import deformations_of
 from ..errors import ModelError
 
 

@@ -14,8 +14,8 @@ import jax.core
 import numpy as np
 
 from ..arguments import as_whole, shown
+from .element_text import repr_of, text_of
 from .nodes import STATIC, NodeKind
-from .told import repr_of, text_of
 
 EMPTY = inspect.Parameter.empty
 # Kinds of options: what passes for them, and how they are called.

@@ -12,8 +12,8 @@ from ..arguments import as_floats, holds
 from ..math.rotation import counted, initial_frame, polar_angle, relative_turn, turned
 from . import beams
 from .element import Element
-from .laws import mesh_damping, mesh_stiffness, uncoupled
 from .nodes import Point3, Reference, Rotation3
+from .shared_laws import mesh_damping, mesh_stiffness, uncoupled
 
 
 def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:

@@ -21,9 +21,9 @@ from ..lazy import only
 from ..math.rotation import QUARTER, cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
 from .element import ALL, Element
-from .laws import characteristic, uncoupled
 from .nodes import Angle, Point2, Reference, Static
 from .sections import Damping, Section
+from .shared_laws import characteristic, uncoupled
 
 
 def _truss(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]:

@@ -24,9 +24,9 @@ from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
 from ..tolerances import PRINCIPAL_MOMENTS
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
-from .laws import characteristic
 from .nodes import Point3, Reference, Rotation3, Static, Warping
 from .sections import Damping, Section
+from .shared_laws import characteristic
 
 
 def _truss(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]:

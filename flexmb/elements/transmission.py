@@ -13,9 +13,9 @@ from ..arguments import as_floats, holds
 from ..math.rotation import angle_between, counted, rotation_plane
 from . import beams
 from .element import Element
-from .laws import mesh_damping, mesh_stiffness
 from .nodes import Angle, Point2, Reference
 from .sections import Damping, Scalar, Section
+from .shared_laws import mesh_damping, mesh_stiffness
 
 
 def _gear(

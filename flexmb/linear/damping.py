@@ -15,7 +15,7 @@ from ..compilation.compile import jit, unguarded
 from ..display import among
 from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
-from ..math.spectral import harmonic, spectral
+from ..math.matrix_functions import harmonic, spectral
 from ..model.model import Model
 from ..results import RESULTS, or_nan
 from .about import linearized

@@ -12,7 +12,7 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.elements.told import deformations_of
+from flexmb.elements.element_text import deformations_of
 
 ROOMS = (planar, spatial, fm.sections, fm.materials, fm.blocks, fm.plot, fm.linear, fm.motion, fm.design, fm.control)
 ELEMENTS = {
