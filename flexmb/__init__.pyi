@@ -16,8 +16,6 @@ from .compilation.by_meaning import jit as jit
 from .control.frequency_response import frequency_response as frequency_response
 from .control.state_space import to_statespace as to_statespace
 from .design.lean import lean as lean
-from .design.objectives import mass as mass
-from .design.objectives import stiffness as stiffness
 from .design.sensitivities import sensitivities as sensitivities
 from .design.sweep import sweep as sweep
 from .design.tune import tune as tune
@@ -60,6 +58,8 @@ from .model.model import Model as Model
 from .motion.simulate import simulate as simulate
 from .paths.limit import limit_load as limit_load
 from .paths.path import path as path
+from .questions.mass import mass as mass
+from .questions.node_stiffness import stiffness as stiffness
 from .results import RESULTS as RESULTS
 from .setup import enable_cache as enable_cache
 from .setup import enable_x64 as enable_x64

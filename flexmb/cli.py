@@ -94,6 +94,10 @@ StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer 
 Numbers = Annotated[
     list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
 ]
+Asks = Annotated[
+    list[str] | None,
+    typer.Option("--ask", metavar="QUESTION", help="Ask of each state, as 'stiffness 3.y'; another word lists all."),
+]
 MaxSteps = Annotated[
     int | None,
     typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most, 200 unless given."),
@@ -332,9 +336,11 @@ def _run(
     log: Path | None = None,
     plot: Path | None = None,
     given: list[str] | None = None,
+    ask: list[str] | None = None,
     **options: Any,
 ) -> None:
     """Answer a mode; ``options`` are those of its answer."""
+    from .answers.also_asked import QuestionError, also_asked
     from .answers.answers import answer
     from .answers.files import save as save_answer
     from .answers.files import to_json
@@ -350,6 +356,10 @@ def _run(
     # A fault of the model that is raised: not even a description of a mechanism.
     with _refusing(read.name):
         found = answer(read.builder, name, number, list(read.warnings), settings=read.settings, **options)
+    try:
+        found.data.update(also_asked(found, ask or ()))
+    except QuestionError as fault:
+        _refuse(f"flexmb run: --ask: {fault}.")
     _store(json_path, lambda path: write_whole(path, to_json(found.data).encode()))
     _store(save, lambda path: save_answer(found.data, path))
     _store(log, lambda path: write_whole(path, log_text(found, read.text).encode(errors="backslashreplace")))
@@ -433,6 +443,7 @@ def run(
     log: Log = None,
     release: Release = "none",
     max_steps: MaxSteps = None,
+    ask: Asks = None,
     plot: Plot = None,
 ) -> None:
     """Analyse: 0 mobility, 1 simulate, 4 simulate-linearise, 7 frequencies, 8 buckling, 9 statespace, 10 path.
@@ -441,7 +452,7 @@ def run(
     """
     number = _mode_number(mode, analysis)
     _check_release(release)
-    _run(model, number, json_path, save, log, plot, numbers, release=release, max_steps=max_steps)
+    _run(model, number, json_path, save, log, plot, numbers, ask=ask, release=release, max_steps=max_steps)
 
 
 @command

@@ -28,6 +28,7 @@ ROWS = [
     ("blocks",),
     ("statics",),
     ("linear",),
+    ("questions",),
     ("paths",),
     ("motion",),
     ("control", "mechanisms"),

@@ -28,7 +28,10 @@ def table(data: dict[str, Any]) -> str:
         lines.append(data["message"])
     if "stable" in data:
         lines.append(f"stable: {'yes' if data['stable'] else 'NO'}")
-    return "\n".join([*lines, *mode_of(data["mode"]).table(data)])
+    lines += mode_of(data["mode"]).table(data)
+    for text, answer in data.get("asked", {}).items():
+        lines.append(f"{clean(text)} [{answer['unit']}]: {row(answer['values'])}")
+    return "\n".join(lines)
 
 
 def _entries(title: str, entries: Sequence[Entry], roles: Sequence[Role]) -> list[str]:

@@ -7,10 +7,10 @@ from .designs import latin_hypercube as latin_hypercube
 from .designs import monte_carlo as monte_carlo
 from .lean import Lean as Lean
 from .leanness import too_lean as too_lean
-from .objectives import settling_time as settling_time
 from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import Tolerances as Tolerances
 from .sensitivities import tolerances as tolerances
+from .settling import settling_time as settling_time
 from .swept import Front as Front
 from .swept import Sweep as Sweep
 from .tuned import Combination as Combination

@@ -18,10 +18,12 @@ from ..arguments import noting
 from ..build.carry import carried, recorded
 from ..errors import AnalysisError, ModelError, SpacarError, clean
 from ..model.model import Model
+from ..questions.question import asked
 from ..results import ANSWERED, RESULTS, collected, worst_of
 
 Build = Callable[..., Any]
-Answers = Callable[[Any], Any] | Sequence[Callable[[Any], Any]] | Mapping[str, Callable[[Any], Any]]
+Answer = Callable[[Any], Any] | str
+Answers = Answer | Sequence[Answer] | Mapping[str, Answer]
 
 # What the numbers of a design are refused with.
 REFUSED = (ModelError, SpacarError)
@@ -69,21 +71,25 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
     """Answers by name.
 
     Args:
-        answers: Functions of what ``build`` returns: a dictionary, or one or several with names of their own.
+        answers: Functions of what ``build`` returns, or texts of questions such as "frequency 1": a dictionary, or one
+            or several with names of their own.
 
     Raises:
-        TypeError: Something among them is no function.
+        TypeError: Something among them is neither a function nor a text.
         ValueError: None is given, or two have the same name.
+        KeyError: There is no such question.
     """
     if isinstance(answers, Mapping):
-        found = dict(answers)
+        found: dict[str, Any] = dict(answers)
     else:
-        several = list(answers) if isinstance(answers, Sequence) else [answers]
+        several = [answers] if isinstance(answers, str) or not isinstance(answers, Sequence) else list(answers)
         found = {getattr(f, "__name__", str(f)): f for f in several}
         if len(found) < len(several):
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
-        if not callable(function):
+        if isinstance(function, str):
+            found[name] = asked(function)
+        elif not callable(function):
             raise TypeError(f"Answer '{clean(name)}' must be a function of the model, but is {clean(repr(function))}.")
     if not found:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")

@@ -24,8 +24,8 @@ from ..math.rotation import rotation_since
 from ..mechanics.loads import has_loads
 from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Model
+from ..questions.question import asked, axes_of, unit_of_question
 from ..results import RESULTS
-from .objectives import AXES
 from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
 # A node is rigid along an axis where it gives way less than this share of the node that does so most.
@@ -51,10 +51,7 @@ class StrokeQuestions:
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
             raise ModelError(f"Argument `node`: there is no node '{node}' in this model.")
-        # Four Euler parameters are a rotation about three axes; a rotation of its own has no others.
-        total = sum(min(len(model.labels.coordinates(p)), 3) for p in self.parts)
-        axes, alone = AXES[model.labels.dimension], bool(self.parts) and self._is_turn(self.parts[0])
-        self.axes = axes[-total:] if alone else axes[:total]
+        self.axes = tuple(axes_of(model.labels, str(self.node))) if self.parts else ()
         self.own = what.entry.symbol if self.node == own else None
         # The axis about which the drive turns the node, (3,), which may lie along one of its own.
         self.about = about if self.node == own else None
@@ -73,8 +70,16 @@ class StrokeQuestions:
             "frequencies": self._frequencies,
         }
 
-    def _is_turn(self, part: str) -> bool:
-        return self.model.labels.x[self.model.labels.coordinates(part)[0]].kind == "rotation"
+    def ask_too(self, name: str) -> None:
+        """Ask another question by its text, of the state that the drive holds; at zero stroke at once.
+
+        Raises:
+            KeyError, ValueError: There is no such question of a state.
+        """
+        question = asked(name)
+        self.questions[name] = lambda at, rest: {name: question(at.held)}
+        self.values.clear()
+        self.look(0.0)
 
     def look(self, stroke: float, throw: bool = False) -> bool:
         """Find the state at a stroke and ask everything; False, with a note, where there is none."""
@@ -276,11 +281,7 @@ def unit_of_curve(name: str, of_stroke: str) -> str:
     force = "N" if of_stroke == "m" else "N m"
     if name in ("force", "drive stiffness"):
         return force if name == "force" else f"{force}/{of_stroke}"
-    if name == "stress":
-        return "Pa"
-    if name.startswith("frequency"):
-        return "Hz"
     kind, _, axis = name.partition(" ")
     along = axis in ("x", "y", "z")
-    by_kind = {"stiffness": "N/m" if along else "N m/rad", "parasitic": "m" if along else "rad"}
-    return by_kind.get(kind, "-")
+    by_kind = {"parasitic": "m" if along else "rad"}
+    return by_kind.get(kind) or unit_of_question(name)

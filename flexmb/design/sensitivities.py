@@ -96,7 +96,8 @@ def sensitivities(
     Args:
         build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
             found once, at these dimensions.
-        answers: Functions of the model that return numbers: one, several, or a dictionary by name.
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
+            dictionary by name.
         dimensions: Numbers or arrays by name, n in all [SI].
         second_order: Whether second derivatives are wanted too.
         mode: Of differentiation; by default the cheaper.

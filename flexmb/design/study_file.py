@@ -1,11 +1,12 @@
 """The TOML file of a design study: every key known and of its kind, or one error with file and key."""
 
+import contextlib
 import difflib
 import errno
 import math
 import os
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,28 +14,133 @@ import numpy as np
 
 from ..errors import StudyError, clean
 from ..files import read_whole
+from ..questions.question import Asked, Question, questions
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
 from .study import Study
-from .study_parts import KINDS, Called, FromFile, NamedAnswer, content_of, function_of
+from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
 
-# Keys of the file, and of its tables where they are fixed.
-TABLES: dict[str, tuple[str, ...] | None] = {
-    "model": None,
-    "release": None,
-    "parameters": ("value", "lower", "upper", "scale"),
-    "choices": None,
-    "answers": None,
-    "targets": None,
-    "limits": ("lower", "upper"),
-    "equal": None,
-    "tune": ("minimize", "maximize", "starts", "seed", "tolerance", "max_evaluations"),
-    "sweep": ("kind", "points", "samples", "seed", "chunk"),
-}
-DESIGNS = {"grid": ("points",), "latin-hypercube": ("samples", "seed"), "monte-carlo": ("samples", "seed")}
 # A study of a thousand answers has 0.1 MiB.
 LARGEST_FILE = 16 * 2**20
 MOST_STARTS = 10_000
+
+# What a value must be: a function of its key and the value that returns it, or raises a StudyError with the key.
+Kind = Callable[[str, Any], Any]
+
+
+def _number(key: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise StudyError(f"{key} must be a number, not {clean(repr(value))}.")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise StudyError(f"{key} must be a finite number, not {clean(repr(value))}.")
+    return number
+
+
+def _positive(key: str, value: Any) -> float:
+    if _number(key, value) <= 0:
+        raise StudyError(f"{key} must be positive, but is {value:g}.")
+    return float(value)
+
+
+def _numbers(key: str, value: Any) -> Any:
+    """A number, or lists of them as an array."""
+    if not isinstance(value, list):
+        return _number(key, value)
+    entries = [_numbers(key, entry) for entry in value]
+    try:
+        return np.array(entries, float)
+    except ValueError:
+        raise StudyError(f"{key} has lists of several lengths.") from None
+
+
+def _whole(least: int = 1, most: float = math.inf) -> Kind:
+    def check(key: str, value: Any) -> int:
+        if type(value) is not int or not least <= value <= most:
+            to = f" to {most:g}" if most < math.inf else ""
+            raise StudyError(f"{key} must be a whole number from {least}{to}, but is {clean(repr(value))}.")
+        return value
+
+    return check
+
+
+def _text(key: str, value: Any) -> str:
+    if not isinstance(value, str) or not value.isprintable():
+        raise StudyError(f"{key} must be a text of printable letters, but is {clean(repr(value))}.")
+    return value
+
+
+def _choice(*known: str) -> Kind:
+    def check(key: str, value: Any) -> str:
+        if _text(key, value) not in known:
+            raise StudyError(f"{key} must be {', '.join(known[:-1])} or {known[-1]}, not '{clean(value)}'.")
+        return value
+
+    return check
+
+
+def _node(key: str, value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise StudyError(f"{key} must be the name of a node, but is {clean(repr(value))}.")
+    return str(value)
+
+
+# The schema: kinds by key. None: a table whose keys are names that the user gives.
+PARAMETER: dict[str, Kind] = {"value": _number, "lower": _number, "upper": _number, "scale": _choice("log", "linear")}
+LIMIT: dict[str, Kind] = {"lower": _numbers, "upper": _numbers}
+TUNE: dict[str, Kind] = {
+    "minimize": _text,
+    "maximize": _text,
+    "starts": _whole(1, MOST_STARTS),
+    "seed": _whole(0),
+    "tolerance": _positive,
+    "max_evaluations": _whole(),
+}
+DESIGNS = {"grid": ("points",), "latin-hypercube": ("samples", "seed"), "monte-carlo": ("samples", "seed")}
+SWEEP: dict[str, Kind] = {
+    "kind": _choice(*DESIGNS),
+    "points": lambda key, value: value if isinstance(value, dict) else _whole(1, MOST)(key, value),
+    "samples": _whole(1, MOST),
+    "seed": _whole(0, MOST),
+    "chunk": _whole(1, MOST),
+}
+TABLES = {
+    "model": _text,
+    "release": _text,
+    "parameters": None,
+    "choices": None,
+    "answers": None,
+    "targets": None,
+    "limits": None,
+    "equal": None,
+    "tune": TUNE,
+    "sweep": SWEEP,
+}
+# What follows the name of a question: the kind of its value in a table, and a second key with its kind.
+TAKES: dict[str, tuple[Kind, tuple[str, Kind] | None]] = {
+    "number": (_whole(), None),
+    "node": (_node, ("axis", _text)),
+    "coordinate": (_node, ("component", _whole())),
+    "element": (_text, None),
+    "deformation": (_text, ("number", _whole())),
+}
+
+
+def _checked(key: str, content: dict[str, Any], schema: Mapping[str, Kind], between: str = ": ") -> dict[str, Any]:
+    """The values of a table, each of its kind."""
+    for name in content:
+        if name not in schema:
+            raise StudyError(f"{key}: there is no '{clean(name)}'. Known: {', '.join(schema)}.")
+    return {name: schema[name](f"{key}{between}{name}", value) for name, value in content.items()}
+
+
+def kinds() -> dict[str, Question]:
+    """Questions that a study may ask, by the key that names them in a table."""
+    asked = {q.name.replace(" ", "_") or "coordinate": q for q in questions().values() if q.differentiable}
+    return {**asked, "load_multiplier": asked["multiplier"]}
 
 
 def read_study(path: str | os.PathLike) -> Study:
@@ -65,8 +171,9 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
         OSError: It cannot be read.
     """
     reader = _Reader(Path(path))
-    model = reader.text("model", reader.data.get("model", ""))
-    given = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
+    with reader.named():
+        model = _text("model", reader.data.get("model", ""))
+        given = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
     found = {name: tuple(own[key] for key in ("value", "lower", "upper") if key in own) for name, own in given.items()}
     choices = reader.data.get("choices", {})
     for name, values in choices.items() if isinstance(choices, dict) else ():
@@ -95,252 +202,208 @@ class _Reader:
         except (ValueError, RecursionError) as fault:
             raise StudyError(f"{self.name}: {clean(fault)}") from None
 
-    def study(self) -> Study:
-        self.check_keys()
-        parameters = self.parameters()
-        free = {name: given for name, given in parameters.items() if "lower" in given}
-        fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
-        answers = {name: self.answer(name, given) for name, given in self.data["answers"].items()}
-        choices = self.choices(tuple(parameters))
+    @contextlib.contextmanager
+    def named(self) -> Iterator[None]:
+        """Put the name of the file before what is said of its keys."""
         try:
-            check_names((*parameters, *choices), tuple(answers), ())
-        except ValueError as fault:
-            raise StudyError(f"{self.name}: [answers] {fault}") from None
-        return Study(
-            self.name,
-            self.builder(fixed, (*free, *choices)),
-            answers,
-            {name: given["value"] for name, given in free.items()},
-            {name: (given["lower"], given["upper"]) for name, given in free.items()},
-            {name: given["scale"] for name, given in free.items() if "scale" in given},
-            self.wanted(tuple(answers)),
-            self.plan(tuple(free)),
-            choices,
-        )
+            yield
+        except StudyError as fault:
+            raise StudyError(f"{self.name}: {fault}") from fault.__cause__
 
-    def fault(self, key: str, text: str) -> StudyError:
-        return StudyError(f"{self.name}: {key}{text}")
+    def study(self) -> Study:
+        with self.named():
+            self.check_tables()
+            parameters = self.parameters()
+            free = {name: given for name, given in parameters.items() if "lower" in given}
+            fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
+            answers = {name: self.answer(name, given) for name, given in self.data["answers"].items()}
+            choices = self.choices(tuple(parameters))
+            try:
+                check_names((*parameters, *choices), tuple(answers), ())
+            except ValueError as fault:
+                raise StudyError(f"[answers] {fault}") from None
+            return Study(
+                self.name,
+                self.builder(fixed, (*free, *choices)),
+                answers,
+                {name: given["value"] for name, given in free.items()},
+                {name: (given["lower"], given["upper"]) for name, given in free.items()},
+                {name: given["scale"] for name, given in free.items() if "scale" in given},
+                self.wanted(tuple(answers)),
+                self.plan(tuple(free)),
+                choices,
+            )
 
-    # -- tables ---------------------------------------------------------------------------------------------------
-
-    def check_keys(self) -> None:
+    def check_tables(self) -> None:
         for table, content in self.data.items():
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
                 hint = f" Did you mean '{near[0]}'?" if near else f" Known: {', '.join(TABLES)}."
-                raise self.fault("", f"there is no key '{clean(table)}'.{hint}")
-            if table in ("model", "release"):
-                self.text(table, content)
+                raise StudyError(f"there is no key '{clean(table)}'.{hint}")
+            schema = TABLES[table]
+            if callable(schema):
+                schema(table, content)
             elif not isinstance(content, dict):
-                raise self.fault(f"[{table}]", f" must be a table, but is {clean(repr(content))}.")
+                raise StudyError(f"[{table}] must be a table, but is {clean(repr(content))}.")
+            elif schema:
+                _checked(f"[{table}]", content, schema, " ")
         for table in ("model", "answers"):
             if not self.data.get(table):
-                raise self.fault("", f"'{table}' is missing or empty.")
-        for table in ("tune", "sweep"):
-            self.known(f"[{table}]", self.data.get(table, {}), TABLES[table] or ())
-
-    def known(self, key: str, content: dict[str, Any], known: Iterable[str]) -> None:
-        """Refuse keys that a table does not have."""
-        for one in content:
-            if one not in known:
-                raise self.fault(key, f": there is no '{clean(one)}'. Known: {', '.join(known)}.")
+                raise StudyError(f"'{table}' is missing or empty.")
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value of each parameter, with bounds and scale where given."""
         found = {}
         for name, given in self.data.get("parameters", {}).items():
-            key = f"[parameters] {clean(name)}"
-            if not name.isidentifier() or name == "pi":
-                raise self.fault(key, ": a parameter's name has letters, digits and _ alone, and is not pi.")
-            given = given if isinstance(given, dict) else {"value": given}
-            self.known(key, given, TABLES["parameters"] or ())
-            own: dict[str, Any] = {n: self.number(f"{key}: {n}", v) for n, v in given.items() if n != "scale"}
+            key = _key_of_name("parameters", name, "parameter")
+            own = _checked(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
             if "value" not in own or ("lower" in own) is not ("upper" in own):
-                raise self.fault(key, ": give value, or value with lower and upper.")
+                raise StudyError(f"{key}: give value, or value with lower and upper.")
             if "lower" in own and not own["lower"] < own["upper"]:
-                raise self.fault(key, f": lower {own['lower']:g} is not below upper {own['upper']:g}.")
-            if "scale" in given:
-                own["scale"] = self.choice(f"{key}: scale", given["scale"], ("log", "linear"))
-                if "lower" not in own:
-                    raise self.fault(key, ": a scale belongs to a parameter with lower and upper.")
-                if own["scale"] == "log" and not own["lower"] > 0:
-                    raise self.fault(key, f": scale cannot be log, since lower {own['lower']:g} is not positive.")
+                raise StudyError(f"{key}: lower {own['lower']:g} is not below upper {own['upper']:g}.")
+            if "scale" in own and "lower" not in own:
+                raise StudyError(f"{key}: a scale belongs to a parameter with lower and upper.")
+            if own.get("scale") == "log" and not own["lower"] > 0:
+                raise StudyError(f"{key}: scale cannot be log, since lower {own['lower']:g} is not positive.")
             found[name] = own
         return found
 
     def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
         """Values to choose from, by name."""
         found = {}
-        in_file = self.data["model"].endswith(".dat") or ":" not in self.data["model"]
         for name, given in self.data.get("choices", {}).items():
-            key = f"[choices] {clean(name)}"
-            if not name.isidentifier() or name == "pi":
-                raise self.fault(key, ": a choice's name has letters, digits and _ alone, and is not pi.")
+            key = _key_of_name("choices", name, "choice")
             if name in parameters:
-                raise self.fault(key, ": it is a parameter too; leave one of them out.")
+                raise StudyError(f"{key}: it is a parameter too; leave one of them out.")
             if not isinstance(given, list) or not given:
-                raise self.fault(key, f" must be a list of values, but is {clean(repr(given))}.")
-            if in_file:
-                given = [self.number(key, one) for one in given]
-            elif not all(isinstance(one, bool | int | float | str) for one in given):
-                raise self.fault(
-                    key, f" must be a list of numbers, words, true and false, but is {clean(repr(given))}."
+                raise StudyError(f"{key} must be a list of values, but is {clean(repr(given))}.")
+            if not _is_function(self.data["model"]):
+                given = [_number(key, value) for value in given]
+            elif not all(isinstance(value, bool | int | float | str) for value in given):
+                raise StudyError(
+                    f"{key} must be a list of numbers, words, true and false, but is {clean(repr(given))}."
                 )
             found[name] = given
         return found
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
-        """What builds the model."""
-        text, release = self.data["model"], self.data.get("release")
-        if ":" in text and not text.endswith(".dat"):
+        """Function of the free parameters that builds the model."""
+        text, release, folder = self.data["model"], self.data.get("release"), self.path.parent
+        about = f"{self.name}: model"
+        if _is_function(text):
             if release is not None:
-                raise self.fault("release", f" is for a model in a file; the function '{clean(text)}' releases itself.")
-            function = function_of(f"{self.name}: model", self.path.parent, text)
+                raise StudyError(f"release is for a model in a file; the function '{clean(text)}' releases itself.")
+            function = function_of("model", folder, text)
             try:
                 check_dimensions(function, tuple(name for name, _ in fixed) + free)
             except ValueError as fault:
-                raise self.fault("[parameters]", f": {fault}") from None
-            return Called(f"{self.name}: model", text, function, fixed)
-        release = self.choice("release", "none" if release is None else release, ("none", "auto"))
-        source = self.path.parent / text
+                raise StudyError(f"[parameters]: {fault}") from None
+            return Called(about, text, function, fixed)
+        release = _choice("none", "auto")("release", "none" if release is None else release)
+        source = folder / text
         try:
             content = content_of(source)
         except (FileNotFoundError, NotADirectoryError):
-            raise self.fault(
-                "model", f": there is no file '{clean(source)}', and '{clean(text)}' is no module:function."
+            raise StudyError(
+                f"model: there is no file '{clean(source)}', and '{clean(text)}' is no module:function."
             ) from None
         except (OSError, ValueError) as fault:
             why = getattr(fault, "strerror", None) or fault
-            raise self.fault("model", f": cannot read '{clean(source)}': {clean(why)}.") from None
+            raise StudyError(f"model: cannot read '{clean(source)}': {clean(why)}.") from None
         return FromFile(self.name, source, content, release, fixed, free)
 
     def answer(self, name: str, given: Any) -> Callable[[Any], Any]:
         """Function of the model that an entry of [answers] means."""
         key = f"[answers] {clean(name)}"
+        about = f"{self.name}: {key}"
+        if isinstance(given, str) and ":" in given:
+            return Called(about, given, function_of(key, self.path.parent, given), is_answer=True)
         if isinstance(given, str):
-            function = function_of(f"{self.name}: {key}", self.path.parent, given)
-            return Called(f"{self.name}: {key}", given, function, is_answer=True)
-        kind = next((k for k in KINDS if isinstance(given, dict) and k in given), None)
+            with contextlib.suppress(KeyError):
+                if Asked(given).question.differentiable:
+                    return NamedAnswer(about, Asked(given))
+            raise StudyError(
+                f"{key} must be module:function, such as 'own:stage' beside the study, or a question"
+                f" ({', '.join(kinds())}), not '{clean(given)}'."
+            )
+        kind = next((k for k in kinds() if isinstance(given, dict) and k in given), None)
         if kind is None:
-            raise self.fault(key, f" must be 'module:function' or a table with one of {', '.join(KINDS)}.")
-        strangers, missing = set(given) - {kind, *KINDS[kind]}, set(KINDS[kind]) - set(given)
-        if strangers:
-            raise self.fault(key, f": {kind} does not take {clean(', '.join(sorted(strangers)))}.")
-        if missing:
-            raise self.fault(key, f": {kind} needs {', '.join(sorted(missing))}.")
-        value, more = given[kind], None
-        if kind in ("frequency", "load_multiplier"):
-            value = self.whole(f"{key}: {kind}", value)
-        elif kind in ("mass", "stress", "utilisation"):
-            if value is not True:
-                raise self.fault(f"{key}: {kind}", f" must be true, but is {clean(repr(value))}: leave the answer out.")
-        elif isinstance(value, bool) or not isinstance(value, str | int):
-            raise self.fault(f"{key}: {kind}", f" must be the name of a node, but is {clean(repr(value))}.")
-        if kind == "stiffness":
-            more = self.text(f"{key}: axis", given["axis"])
-        elif kind == "coordinate":
-            more = self.whole(f"{key}: component", given["component"])
-        return NamedAnswer(f"{self.name}: {key}", kind, value, more)
+            raise StudyError(f"{key} must be 'module:function' or a table with one of {', '.join(kinds())}.")
+        return NamedAnswer(about, Asked(_text_of_question(key, kind, given)))
 
     def wanted(self, answers: tuple[str, ...]) -> dict[str, Any]:
         """Arguments of tune."""
         found: dict[str, Any] = {}
         for table in ("targets", "equal"):
-            found[table] = {
-                name: self.numbers(self.of_answer(table, name, answers), v)
-                for name, v in self.data.get(table, {}).items()
-            }
+            given = self.data.get(table, {})
+            found[table] = {name: _numbers(_key_of_answer(table, name, answers), v) for name, v in given.items()}
         found["limits"] = {}
         for name, given in self.data.get("limits", {}).items():
-            key = self.of_answer("limits", name, answers)
+            key = _key_of_answer("limits", name, answers)
             if not isinstance(given, dict) or not given:
-                raise self.fault(key, " must be a table with lower, upper or both.")
-            self.known(key, given, TABLES["limits"] or ())
-            own = {n: self.numbers(f"{key}: {n}", v) for n, v in given.items()}
+                raise StudyError(f"{key} must be a table with lower, upper or both.")
+            own = _checked(key, given, LIMIT)
             found["limits"][name] = (own.get("lower"), own.get("upper"))
-        for one, value in self.data.get("tune", {}).items():
-            key = f"[tune] {one}"
-            if one in ("minimize", "maximize"):
-                if self.text(key, value) not in answers:
-                    raise self.fault(f"{key}: ", _no_answer(value, answers))
-            elif one == "tolerance":
-                value = self.number(key, value)
-                if value <= 0:
-                    raise self.fault(key, f" must be positive, but is {value:g}.")
-            else:
-                least = 0 if one == "seed" else 1
-                value = self.whole(key, value, least, MOST_STARTS if one == "starts" else math.inf)
-            found[one] = value
-        return found
-
-    def of_answer(self, table: str, name: str, answers: tuple[str, ...]) -> str:
-        """Key of an entry that an answer names."""
-        if name not in answers:
-            raise self.fault(f"[{table}]: ", _no_answer(name, answers))
-        return f"[{table}] {clean(name)}"
+        options = self.data.get("tune", {})
+        for sense in ("minimize", "maximize"):
+            if sense in options:
+                _check_answer(f"[tune] {sense}", options[sense], answers)
+        return {**found, **options}
 
     def plan(self, free: tuple[str, ...]) -> dict[str, Any]:
         """Options of the sweep."""
         given = dict(self.data.get("sweep", {}))
-        kind = self.choice("[sweep] kind", given.get("kind", "grid"), tuple(DESIGNS))
+        kind = given.get("kind", "grid")
         for one in given:
             if one not in ("kind", "chunk", *DESIGNS[kind]):
-                raise self.fault(f"[sweep] {one}", f" has no meaning where kind is {kind}: give {DESIGNS[kind][0]}.")
-            if one in ("samples", "seed", "chunk"):
-                given[one] = self.whole(f"[sweep] {one}", given[one], 0 if one == "seed" else 1, MOST)
-        points = given.get("points")
-        if isinstance(points, dict):
-            self.known("[sweep] points", points, free)
+                raise StudyError(f"[sweep] {one} has no meaning where kind is {kind}: give {DESIGNS[kind][0]}.")
+        if isinstance(points := given.get("points"), dict):
+            _checked("[sweep] points", points, dict.fromkeys(free, _whole(1, MOST)))
             if missing := [name for name in free if name not in points]:
-                raise self.fault("[sweep] points", f": '{missing[0]}' is missing, a parameter with bounds.")
-            given["points"] = {n: self.whole(f"[sweep] points: {n}", v, 1, MOST) for n, v in points.items()}
-        elif points is not None:
-            given["points"] = self.whole("[sweep] points", points, 1, MOST)
+                raise StudyError(f"[sweep] points: '{missing[0]}' is missing, a parameter with bounds.")
         return given
 
-    # -- kinds of values --------------------------------------------------------------------------------------------
 
-    def number(self, key: str, value: Any) -> float:
-        """A finite number."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.fault(key, f" must be a number, not {clean(repr(value))}.")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise self.fault(key, f" must be a finite number, not {clean(repr(value))}.")
-        return number
-
-    def numbers(self, key: str, value: Any) -> Any:
-        """A number, or lists of them."""
-        if not isinstance(value, list):
-            return self.number(key, value)
-        entries = [self.numbers(key, one) for one in value]
-        try:
-            return np.array(entries, float)
-        except ValueError:
-            raise self.fault(key, " has lists of several lengths.") from None
-
-    def whole(self, key: str, value: Any, least: int = 1, most: float = math.inf) -> int:
-        """A whole number within limits."""
-        if type(value) is not int or not least <= value <= most:
-            to = f" to {most:g}" if most < math.inf else ""
-            raise self.fault(key, f" must be a whole number from {least}{to}, but is {clean(repr(value))}.")
-        return value
-
-    def text(self, key: str, value: Any) -> str:
-        """A printable text."""
-        if not isinstance(value, str) or not value.isprintable():
-            raise self.fault(key, f" must be a text of printable letters, but is {clean(repr(value))}.")
-        return value
-
-    def choice(self, key: str, value: Any, known: tuple[str, ...]) -> str:
-        """One of some words."""
-        if self.text(key, value) not in known:
-            raise self.fault(key, f" must be {', '.join(known[:-1])} or {known[-1]}, not '{clean(value)}'.")
-        return value
+def _is_function(model: str) -> bool:
+    """Whether the model of a study is a function, module:function, and no file."""
+    return ":" in model and not model.endswith(".dat")
 
 
-def _no_answer(name: str, answers: tuple[str, ...]) -> str:
-    return f"There is no answer '{clean(name)}'. Answers are: {clean(', '.join(answers))}."
+def _key_of_name(table: str, name: str, what: str) -> str:
+    key = f"[{table}] {clean(name)}"
+    if not name.isidentifier() or name == "pi":
+        raise StudyError(f"{key}: a {what}'s name has letters, digits and _ alone, and is not pi.")
+    return key
+
+
+def _key_of_answer(table: str, name: str, answers: tuple[str, ...]) -> str:
+    _check_answer(f"[{table}]", name, answers)
+    return f"[{table}] {clean(name)}"
+
+
+def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:
+    if name not in answers:
+        known = clean(", ".join(answers))
+        raise StudyError(f"{key}: There is no answer '{clean(name)}'. Answers are: {known}.")
+
+
+def _text_of_question(key: str, kind: str, given: Mapping[str, Any]) -> str:
+    """The text of a question that a table asks: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
+    question, value = kinds()[kind], given[kind]
+    options = (question.takes,) if isinstance(question.takes, str) else question.takes
+    of_value, second = TAKES[options[-1]] if options[-1] else (_text, None)
+    if "" in options and (isinstance(value, bool) or options == ("",)):
+        if value is not True:
+            raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}: leave the answer out.")
+        second, rest = None, ""
+    else:
+        rest = None
+    known = {kind, *(second or ())[:1]}
+    if strangers := set(given) - known:
+        raise StudyError(f"{key}: {kind} does not take {clean(', '.join(sorted(strangers)))}.")
+    if missing := known - set(given):
+        raise StudyError(f"{key}: {kind} needs {', '.join(sorted(missing))}.")
+    if rest is None:
+        rest = f"{of_value(f'{key}: {kind}', value)}"
+        rest += "" if second is None else f".{second[1](f'{key}: {second[0]}', given[second[0]])}"
+    return f"{question.name} {rest}".strip()

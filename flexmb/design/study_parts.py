@@ -15,14 +15,10 @@ import jax.numpy as jnp
 
 from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
 from ..files import read_whole
-from ..linear.buckling import buckling_loads
-from ..linear.modes import frequencies
-from ..linear.stress import stress
 from ..model.model import Model
+from ..questions.question import Asked
 from ..spacar.read import read_spacar
-from ..statics.equilibrium import equilibrium
 from .evaluate import UntraceableError
-from .objectives import mass, stiffness
 
 # What JAX raises where a function asks for a number while it is traced.
 UNTRACEABLE = (UntraceableError, jax.errors.JAXTypeError, jax.errors.JAXIndexError)
@@ -181,86 +177,26 @@ def _module(folder: Path, name: str) -> ModuleType:
 
 @dataclasses.dataclass(frozen=True)
 class NamedAnswer:
-    """An answer by its name.
+    """A question that a study asks of its model.
 
     Attributes:
         about: File and key of the study, for messages.
-        kind: Name of the answer, one of KINDS.
-        value: Number of a frequency or load multiplier, name of a node, or True.
-        more: Axis of a stiffness, component of a coordinate, or None.
+        asked: The question.
     """
 
     about: str
-    kind: str
-    value: Any
-    more: Any = None
+    asked: Asked
 
     def __call__(self, model: Any) -> Any:
         """The answer of a model."""
+        name = self.asked.question.name or "coordinate"
         if not isinstance(model, Model):
             kind = type(model).__name__
-            raise StudyError(f"{self.about}: {self.kind} is asked of a Model, but `model` returns of type {kind}.")
+            raise StudyError(f"{self.about}: {name} is asked of a Model, but `model` returns of type {kind}.")
         try:
-            return getattr(self, f"_{self.kind}")(model)
+            return self.asked(model)
         except (StudyError, AnalysisError, *UNTRACEABLE):
             raise
         except (ValueError, KeyError, TypeError) as fault:
             text = str(fault.args[0] if isinstance(fault, KeyError) and fault.args else fault)
-            raise StudyError(f"{self.about}: {self.kind}: {(text.splitlines() or [''])[0]}") from fault
-
-    def _frequency(self, model: Model) -> Any:
-        return frequencies(model)[self._place(model, "natural frequency", "natural frequencies")]
-
-    def _load_multiplier(self, model: Model) -> Any:
-        return buckling_loads(model)[self._place(model, "load multiplier", "load multipliers")]
-
-    def _place(self, model: Model, one: str, several: str) -> int:
-        count = model.topology.n_q
-        if self.value > count:
-            there = f"{count} {one if count == 1 else several}"
-            raise StudyError(
-                f"{self.about}: {self.kind} = {self.value}, but the model has {there}, one for each degree of freedom."
-            )
-        return self.value - 1
-
-    def _mass(self, model: Model) -> Any:
-        return mass(model)
-
-    def _stress(self, model: Model) -> Any:
-        return stress(model).maximum
-
-    def _utilisation(self, model: Model) -> Any:
-        return jnp.max(stress(model).utilisation)
-
-    def _stiffness(self, model: Model) -> Any:
-        self._coordinates(model)
-        return stiffness(model, str(self.value), self.more)
-
-    def _coordinate(self, model: Model) -> Any:
-        size = len(self._coordinates(model))
-        if self.more > size:
-            raise StudyError(
-                f"{self.about}: component = {self.more}, but node '{self.value}' has coordinates 1 to {size}."
-            )
-        return equilibrium(model).at(str(self.value))[self.more - 1]
-
-    def _coordinates(self, model: Model) -> list[int]:
-        found = model.labels.coordinates(str(self.value))
-        if not found:
-            known = ", ".join(dict.fromkeys(entry.of for entry in model.labels.x if entry.kind != "internal"))
-            raise StudyError(
-                f"{self.about}: {self.kind}: there is no node '{clean(self.value)}'; there are {clean(known)}."
-            )
-        return found
-
-
-# What an answer may be, by the key that says so, and the other keys that it takes.
-KINDS: dict[str, tuple[str, ...]] = {
-    "frequency": (),
-    "load_multiplier": (),
-    "mass": (),
-    "stiffness": ("axis",),
-    "coordinate": ("component",),
-    "stress": (),
-    "utilisation": (),
-}
+            raise StudyError(f"{self.about}: {name}: {clean((text.splitlines() or [''])[0])}") from fault

@@ -52,7 +52,8 @@ def sweep(
     Args:
         build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
             found once, at the first design that can be built.
-        answers: Functions of the model that return numbers: one, several, or a dictionary by name.
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
+            dictionary by name.
         designs: Dimensions by name with the designs along the first axis, (designs, ...) [SI]: :func:`grid`,
             :func:`latin_hypercube`, :func:`monte_carlo`, or arrays of your own.
         compiled: False for analyses that cannot be traced, such as ``fm.poles`` or ``fm.path``: design by design.

@@ -71,7 +71,8 @@ def tune(
     Args:
         build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
             found once, at the start.
-        answers: Functions of the model that return numbers: one, several, or a dictionary by name.
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
+            dictionary by name.
         dimensions: Where to start, numbers or arrays by name [SI].
         bounds: Lower and upper value of each by name [SI].
         minimize: Name of the answer that should be small.

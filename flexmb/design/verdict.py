@@ -1,5 +1,6 @@
 """Is it good enough: what a mechanism does over its stroke, and what limits that first, on one page."""
 
+import contextlib
 import dataclasses
 import itertools
 from collections.abc import Callable, Mapping
@@ -60,7 +61,8 @@ def verdict(
         dimensions: Numbers by name, as ``flexmb.sensitivities`` takes them [SI].
         limits: By the name of a curve, in its unit: the least of "frequency 1", "stiffness y" and "buckling", the
             largest size of any other; or both, as (lower, upper) with None for none. They stand beside the usual ones,
-            1 for "yield", "fatigue" and "buckling".
+            1 for "yield", "fatigue" and "buckling". Any other question of a state, such as "stress leaf", is a curve
+            too where a limit names it.
         node: Whose support stiffness and parasitic motion are asked; the driven one unless given.
         steps: Strokes to each side. Where one of them has no equilibrium, the last that has is looked for before it,
             to a hundredth of the stroke, and that side ends there.
@@ -98,6 +100,10 @@ def verdict(
     sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]
     with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:
         asked.look(0.0, throw=True)
+        for extra in limits or {}:
+            if extra not in asked.values[0.0]:
+                with contextlib.suppress(KeyError, ValueError):
+                    asked.ask_too(extra)
         for side in sides:
             for last, s in itertools.pairwise([0.0, *side]):
                 if report is not None:

@@ -14,7 +14,6 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, course, largest, listed, short, span, unit_of_force, unit_of_rate
 from ..errors import ModelError
-from ..linear.along import Along
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
@@ -23,6 +22,7 @@ from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
+from ..questions.over_states import Along
 from ..results import told
 from .chain_form import chain_form
 from .coordinates_form import coordinates_form

@@ -14,14 +14,12 @@ from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Result, listed, short
-from ..errors import AnalysisError, heard, warn
+from ..errors import AnalysisError, warn
 from ..linear.about import is_large
-from ..linear.along import Along, frequencies_along
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
-from ..linear.stress import stress
 from ..math.linear_solver import DENSE, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import extent_of
@@ -32,6 +30,8 @@ from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..progress import reporting
+from ..questions.frequency import frequencies_along
+from ..questions.over_states import Along
 from ..results import RESULTS
 from ..statics.choice import by_sparse, named
 from ..statics.coarse import warn_of_coarse
@@ -257,7 +257,8 @@ def path(
         stop: What ends the path, whichever comes first: ``{"tip.y": -5e-3}`` a displacement from the undeformed
             mechanism [m, rad], ``{"stress": 300e6}`` the largest von Mises stress that ``fm.stress`` tells [Pa],
             ``{"critical_points": 2}`` so many of them, ``{"load_factor": 2.0}`` a load factor [-]: one above 1 makes
-            the path longer, any other is where it comes to it, as to 0 on its way back.
+            the path longer, any other is where it comes to it, as to 0 on its way back. Any other question of a state
+            ends it where the answer passes the value, as ``{"frequency 1": 5.0}`` [Hz]; see :meth:`Path.along`.
         switch: Which bifurcations are left, by their number on the way from 1, to which side: 1 along phi, -1 against
             it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. Where the path came
             along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
@@ -278,7 +279,8 @@ def path(
         Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
         load multipliers at each step, and the critical points. Where a condition of ``stop`` was met it is
         ``stopped_by``, and the last step meets it: a coordinate and a load factor to round-off, a stress to 1e-9 of it.
-        Stress is compared at the ends of steps, other values also where they turn back in between.
+        Displacements and load factors are compared at the ends of steps and where they turn back in between, other
+        answers at the ends of steps alone.
 
     Warns:
         FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
@@ -338,11 +340,11 @@ def _dense_path(
     def found_at(step: Step) -> _Found:
         return _look(model.topology, model.parameters, walker.ramp, step)
 
-    def largest_stress(step: Step) -> float:
-        return _largest_stress(model, Linearization(found_at(step).matrices, model))
+    def state_at(step: Step) -> Linearization:
+        return Linearization(found_at(step).matrices, model)
 
-    walker = Walker(DenseEquations(model), step, stops_of(model, stop, largest_stress))
-    code = _walked(walker, max_steps, stop, to_switch, progress, largest_stress)
+    walker = Walker(DenseEquations(model), step, stops_of(model, stop, state_at))
+    code = _walked(walker, max_steps, to_switch, progress)
     found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
         found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
@@ -379,16 +381,16 @@ def _sparse_path(
     What fails on the way leaves the states before it, in the error too.
     """
 
-    def largest_stress(step: Step) -> float:
-        return _largest_stress(model, path_of(equations, walker, [step]))
+    def state_at(step: Step) -> SparsePath:
+        return path_of(equations, walker, [step])
 
     equations = SparseEquations(model)
-    walker = Walker(equations, step, stops_of(model, stop, largest_stress))
+    walker = Walker(equations, step, stops_of(model, stop, state_at))
     if hanging and walker.code == RESULTS.singular_stiffness:
         # Dense matrices take what meets no stiffness not to move at first.
         return None
     try:
-        code = _walked(walker, max_steps, stop, to_switch, progress, largest_stress)
+        code = _walked(walker, max_steps, to_switch, progress)
     except AnalysisError as fault:
         path = fault.path = path_of(equations, walker, walker.steps, RESULTS[fault.code])
         if throw:
@@ -400,14 +402,15 @@ def _sparse_path(
 def _walked(
     walker: Walker,
     max_steps: int,
-    stop: Mapping[str, float] | None,
     to_switch: dict[int, int],
     progress: Any,
-    largest_stress: Callable[[Step], float],
 ) -> RESULTS:
     """Walk, and tell why the walk ended."""
-    if stop and STRESS in stop and (begun := largest_stress(walker.steps[0])) >= stop[STRESS]:
-        raise ValueError(f'stop["{STRESS}"] is {short(stop[STRESS])} Pa, but the path begins with {short(begun)} Pa.')
+    for limit in walker.conditions:
+        if limit.name == STRESS and (begun := limit.of(walker.steps[0])) >= limit.target:
+            raise ValueError(
+                f'stop["{STRESS}"] is {short(limit.target)} Pa, but the path begins with {short(begun)} Pa.'
+            )
     with reporting(progress, "states, load factor") as report:
         try:
             return walker.walk(max_steps, to_switch, report)
@@ -415,13 +418,6 @@ def _walked(
             if report is None:
                 raise
             return RESULTS.stopped
-
-
-def _largest_stress(model: Model, at: Any) -> float:
-    """Largest von Mises stress of a state, () [Pa]."""
-    # That it is above the material's strength is not asked at every step.
-    with heard():
-        return float(np.max(stress(model, at=at).maximum))
 
 
 P = TypeVar("P", Path, SparsePath)
@@ -485,7 +481,7 @@ def _warn_of_unused(
 ) -> None:
     """Warn of what a path was asked for and did not come to."""
     if stop and found.stopped_by is None:
-        warn(unmet(found.model, stop, walker.steps, walker.conditions, len(walker.critical)))
+        warn(unmet(stop, walker.steps, walker.conditions, len(walker.critical)))
     if to_switch:
         count = sum(point.kind == "bifurcation" for point in found.critical_points)
         which = ", ".join(map(str, sorted(to_switch)))

@@ -9,13 +9,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.record import Record, static
 from ..display import Result
-from ..linear.along import Along
 from ..linear.linearize import DENSE, Linearization, Stressed, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
 from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Model
+from ..questions.over_states import Along
 from ..results import RESULTS
 from ..statics.sparse import acting
 from .critical import CriticalPoint

@@ -1,4 +1,4 @@
-"""Where a path is to end: at a displacement, a stress, a load factor or a number of critical points."""
+"""Where a path is to end: at a displacement, a load factor, a number of critical points, or any answer of a state."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -7,8 +7,10 @@ import numpy as np
 
 from ..arguments import check_number, check_whole, shown
 from ..display import short, unit_of
+from ..errors import heard
 from ..linear.stress import left_out_of_stress
 from ..model.model import Model
+from ..questions.question import Asked, is_many, names_of
 
 LOAD, STRESS, COUNT = "load_factor", "stress", "critical_points"
 
@@ -22,6 +24,8 @@ class Condition(NamedTuple):
         of: The quantity at a state.
         entry: Index of the coordinate that it is the displacement of; None where it is none.
         start: That coordinate in the undeformed mechanism.
+        at_ends: Whether it is computed at the ends of steps alone, where nothing is known of it in between.
+        unit: Its unit; empty where it has none.
     """
 
     name: str
@@ -29,6 +33,8 @@ class Condition(NamedTuple):
     of: Callable[[Any], float]
     entry: int | None = None
     start: float = 0.0
+    at_ends: bool = False
+    unit: str = ""
 
     def excess(self, at: Any) -> float:
         """By how much the quantity is above its target."""
@@ -63,17 +69,17 @@ class Stops(NamedTuple):
     end: float
 
 
-def stops_of(model: Model, stop: Mapping[str, Any] | None, stress: Callable[[Any], float]) -> Stops:
+def stops_of(model: Model, stop: Mapping[str, Any] | None, state_at: Callable[[Any], Any]) -> Stops:
     """Conditions that end a path, from what the user gives.
 
     Args:
         stop: Values by name, or None.
-        stress: Largest von Mises stress at a state, () [Pa].
+        state_at: Function of a step that returns what questions are asked of: a linearisation, or a path of one state.
 
     Raises:
         TypeError: It is no mapping, or a value is no number.
         ValueError: A value is out of its range; the stress is not below it where the path begins.
-        KeyError: A name is neither that of a coordinate nor one of the others.
+        KeyError: A name is neither a coordinate nor a question of a state.
     """
     if stop is None:
         stop = {}
@@ -89,31 +95,46 @@ def stops_of(model: Model, stop: Mapping[str, Any] | None, stress: Callable[[Any
         target = float(value)
         if name == LOAD:
             conditions.append(Condition(name, target, lambda s: s.load))
-        elif name == STRESS:
-            left_out_of_stress(model)
-            conditions.append(Condition(name, target, stress))
         else:
-            conditions.append(_displacement(model, name, target))
+            conditions.append(_displacement(model, name, target) or _question(model, name, target, state_at))
     end = max([1.0, *(c.target for c in conditions if c.name == LOAD)])
     if not any(c.name == LOAD and c.target == end for c in conditions):
         conditions.append(Condition("", end, lambda s: s.load))
     return Stops(tuple(conditions), most, end)
 
 
-def _displacement(model: Model, name: str, target: float) -> Condition:
-    entries = model.labels.x
+def _displacement(model: Model, name: str, target: float) -> Condition | None:
     kind, index = model.labels.place(name) or ("", 0)
     if kind != "x":
-        own = [str(entry) for entry in entries if entry.of in (name, name.rpartition(".")[0])]
+        return None
+    start, unit = float(np.asarray(model.parameters.reference)[index]), unit_of(model.labels.x[index])
+    return Condition(name, target, lambda s: float(s.point.x[index]) - start, index, start, unit=unit)
+
+
+def _question(model: Model, name: str, target: float, state_at: Callable[[Any], Any]) -> Condition:
+    asked = Asked(name)
+    try:
+        question = asked.question
+    except KeyError:
+        question = None
+    if question is None or not question.name or question.only:
+        own = [str(entry) for entry in model.labels.x if entry.of in (name, name.rpartition(".")[0])]
         there = f"there is {', '.join(own)}" if own else "write node and component, such as tip.y"
-        raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or {LOAD}, {STRESS}, {COUNT}")
-    start = float(np.asarray(model.parameters.reference)[index])
-    return Condition(name, target, lambda s: float(s.point.x[index]) - start, index, start)
+        questions = ", ".join((LOAD, COUNT, *names_of()))
+        raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or ask for {questions}")
+    if question.name == STRESS:
+        left_out_of_stress(model)
+
+    def answer(step: Any) -> float:
+        # That a stress is above the material's strength is not said at every step.
+        with heard():
+            state = state_at(step)
+            return float(np.max(asked.along(state).values if is_many(state) else asked(state)))
+
+    return Condition(name, target, answer, at_ends=True, unit=asked.unit)
 
 
-def unmet(
-    model: Model, stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition, ...], found: int
-) -> str:
+def unmet(stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition, ...], found: int) -> str:
     """How near a path that ended by itself came to each condition.
 
     Args:
@@ -126,7 +147,7 @@ def unmet(
     for condition in conditions:
         if condition.name:
             nearest = min((condition.of(step) for step in steps), key=lambda a: abs(a - condition.target))
-            unit = _unit(model, condition)
+            unit = f" {condition.unit}".rstrip(" -")
             parts.append(f"{condition.name} came to {short(nearest)}{unit}, not to {short(condition.target)}{unit}")
     if COUNT in stop:
         parts.append(f"{COUNT} are {found}, not {stop[COUNT]}")
@@ -134,10 +155,3 @@ def unmet(
         f"No condition of `stop` was met up to load factor {short(steps[-1].load)}: {'; '.join(parts)}. Larger loads"
         f" make the path longer, or a {LOAD} above 1 in `stop`."
     )
-
-
-def _unit(model: Model, condition: Condition) -> str:
-    if condition.entry is None:
-        return "" if condition.name == LOAD else " Pa"
-    unit = unit_of(model.labels.x[condition.entry])
-    return f" {unit}".rstrip(" -")

@@ -41,7 +41,7 @@ from .stepper import (
     step_along,
     unit,
 )
-from .stops import COUNT, STRESS, Condition, Last, Stops
+from .stops import COUNT, Condition, Last, Stops
 
 BISECTIONS = 60
 # A value is zero where it is this share of those at the ends of the step, or between states that are this near to each
@@ -581,7 +581,7 @@ class Walker:
         self, condition: Condition, begin: Step, length: float, end: Step, crossed: list[Crossing]
     ) -> list[tuple[float, Step]] | None:
         """Places on a step at which the quantity of a condition may turn back, with the states; None for a jump."""
-        if condition.name == STRESS:
+        if condition.at_ends:
             return []
         entry = condition.entry
         if entry is None:
@@ -604,7 +604,7 @@ class Walker:
             return None
         still = jax.tree.map(np.zeros_like, reached.step.tangent)
         at, plane = reached.step.point, normal_to(self.scale, reached.step.tangent)
-        if condition.name != STRESS:
+        if not condition.at_ends:
             # The corrector keeps the value itself where it is, to round-off.
             target: Any = np.array(condition.start + condition.target)
             one: Any = np.arange(len(at.x)) == condition.entry

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..display import prefix_of
-from ..linear.along import Series
+from ..linear.state_series import Series
 from .geometry import Line, extent_of
 
 # Colours that also those who see few colours, and printers, tell apart (Okabe and Ito).

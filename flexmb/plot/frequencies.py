@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from ..display import unit_of
-from ..linear.along import frequencies_along
 from ..linear.modes import frequencies as frequencies_of
 from ..motion.motion import Motion
 from ..paths.path import Path
 from ..paths.sparse_path import SparsePath
+from ..questions.frequency import frequencies_along
 from .canvas import label_axis, largest_of, plain_axes
 from .modes import AT_MOST
 from .path import index_of

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..display import unit_of
-from ..linear.along import ENERGIES
 from ..motion.motion import Motion
+from ..questions.energies import ENERGIES
 from .canvas import label_axis, largest_of, plain_axes, prefixed
 from .path import index_of, with_unit
 

@@ -1,5 +1,6 @@
 """The numbers beside the drawing: each that of the public function, one analysis after the other."""
 
+import contextlib
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -9,7 +10,6 @@ import jax
 import numpy as np
 
 from ..arguments import check_choice, check_whole
-from ..design.objectives import AXES, mass
 from ..display import counted, measured, short
 from ..errors import AnalysisError, ModelError
 from ..linear.buckling import Buckling, buckling
@@ -19,6 +19,9 @@ from ..linear.modes import Modes, modes, poles
 from ..linear.stress import Stress, stress
 from ..mechanics.loads import has_loads
 from ..model.model import Model
+from ..questions.mass import mass
+from ..questions.question import ANGLES, axes_of, unit_of_question
+from .traced import answer_of
 
 # How many frequencies and load multipliers are told.
 FREQUENCIES, MULTIPLIERS = 6, 3
@@ -112,6 +115,8 @@ class Answers:
             yield "stress", self._stress
         else:
             self.words.append("There are no loads, and so no displacement, no stress and no buckling.")
+        if self.wants.sensitivity_of:
+            yield "question", self._question
         if self.increment is not None:
             self.words.append("Incremental loads are left out of the state that is shown; buckling scales them.")
 
@@ -180,9 +185,8 @@ class Answers:
         except REFUSED as fault:
             self._refused("stiffness", "N/m", f"stiffness of '{node}'", fault)
             return
-        axes = AXES[self.model.labels.dimension]
-        for axis, own in zip(axes, np.diag(found).tolist(), strict=False):
-            turns = axis in ("phi", "rx", "ry", "rz")
+        for axis, own in zip(axes_of(self.model.labels, node), np.diag(found).tolist(), strict=False):
+            turns = axis in ANGLES
             label = f"stiffness of '{node}' {'about ' + axis[1:] if len(axis) == 2 else 'along ' + axis}"
             label = label.replace("along phi", "in rotation")
             unit = "N m/rad" if turns else "N/m"
@@ -204,6 +208,14 @@ class Answers:
         for i in nodes.get(chosen or "", ()):
             axis = labels.x[i].symbol
             self._add(f"displacement {axis}", moved[i], "m", f"displacement of '{chosen}' along {axis}")
+
+    def _question(self) -> None:
+        """Any other question whose sensitivities are wanted."""
+        key = str(self.wants.sensitivity_of)
+        if key in self.values or self.lin is None:
+            return
+        with contextlib.suppress(KeyError, ValueError, *REFUSED):
+            self._add(key, answer_of(key, self.wants.support_node)(self.lin), unit_of_question(key).removesuffix("-"))
 
     def _buckling(self) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -9,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..design.evaluate import layout_of
-from ..design.problem import Rows, TuningProblem
+from ..design.problem import make_problem
 from ..design.scaling import Scaling
 from ..design.search import AT_BOUND, search
 from ..display import listed
@@ -17,24 +18,21 @@ from ..errors import ModelError, clean, heard
 from ..mechanics.loads import has_loads
 from ..plot.geometry import extent_of
 from ..progress import Stopped
+from ..questions.question import Asked
 from ..results import RESULTS
 from .building import build, numbers_of, positions
 from .document import Document, apply
-from .traced import Traced, traced
-from .wants import Want, checked_free, number_like, text_of, unit_of, wants_of
+from .traced import Traced, question_of, traced
+from .wants import checked_free, number_like, text_of, unit_of, wants_of
 
 # Of a name without bounds, this many times up and down.
 WIDE = 5.0
 # Relative difference at which a target is met, at which it is met to round-off, and by which the search may miss it.
 MET, EXACT, NEARLY = 1e-9, 1e-12, 1e-6
-# Evaluations of a search, and steps that end it; of a search for what is nearest where nothing meets all.
-BUDGET, STEPS, BUDGET_NEAREST = 400, 12, 200
-# Parts of the way from the present answers to the targets.
-LEGS = 16
+# Evaluations of the search, and of each that follows it, for the targets alone; so many follow.
+BUDGET, BUDGET_NEAREST, ROUNDS = 400, 200, 2
 # Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
 PACE, LONGEST_PAUSE = 0.05, 1.2
-# What there is under loads alone.
-OF_LOADS = ("multiplier", "stress", "utilisation", "displacement")
 
 
 class Watched(Protocol):
@@ -99,10 +97,13 @@ class _Tuning:
         self.assumed: dict[str, tuple[float, float]] = {}
         bounds = {name: self._bounds(name, numbers) for name in self.free}
         self.start = np.array([names[name] for name in self.free])
-        self.scaling = Scaling(layout_of(names | {}), {}, {}) if not self.free else _scaling(self.free, names, bounds)
+        self.scaling = Scaling(layout_of({name: names[name] for name in self.free}), bounds, {})
+        # A change by the whole range, relative where the dimension keeps its sign.
+        ratio = np.where(self.scaling.log, self.scaling.upper / np.where(self.scaling.log, self.scaling.lower, 1.0), 1.0)
+        self.size = np.where(self.scaling.log, np.log(ratio), 1.0)
         self.keys = list(dict.fromkeys(want.key for want in self.wants))
         model = self._model()
-        idle = [key for key in self.keys if key.split()[0] in OF_LOADS]
+        idle = [key for key in self.keys if _is_of_loads(key)]
         if idle and not has_loads(model.topology, model.parameters):
             raise ValueError(f"No load acts, and so there is no {idle[0]}: add a force, a moment or gravity.")
         self.traced: Traced = traced(document, model, self.keys, node)
@@ -139,15 +140,14 @@ class _Tuning:
     # What the search asks.
 
     def kernel(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        """Answers and scaled dimensions, (m + n,), their derivatives, and the code."""
-        values, slopes, code = self.look(np.asarray(self.scaling.to_dimensions(np.clip(unit, 0.0, 1.0))))
-        rate = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
-        x = np.asarray(self.scaling.to_dimensions(np.clip(unit, 0.0, 1.0)))
-        by_unit = slopes * np.where(self.scaling.log, x * rate, self.scaling.upper - self.scaling.lower)
-        return np.concatenate([values, unit]), np.concatenate([by_unit, np.eye(len(unit))]), code
-
-    def _ratio(self) -> np.ndarray:
-        return np.where(self.scaling.log, self.scaling.upper / np.where(self.scaling.log, self.scaling.lower, 1.0), 1.0)
+        """Answers and relative changes of the dimensions, (m + n,), their derivatives by ``unit``, and the code."""
+        unit = np.clip(unit, 0.0, 1.0)
+        x = np.asarray(self.scaling.to_dimensions(unit))
+        values, slopes, code = self.look(x)
+        # A dimension that may change its sign changes relative to its range.
+        rate = np.where(self.scaling.log, x * self.size, self.scaling.upper - self.scaling.lower)
+        change = self.size * (unit - self.scaling.to_unit(self.start))
+        return np.concatenate([values, change]), np.concatenate([slopes * rate, np.diag(self.size)]), code
 
     def look(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
         """Answers of a design, noted and told."""
@@ -193,7 +193,7 @@ class _Tuning:
     # The search.
 
     def run(self) -> None:
-        """Search, as ``fm.tune`` does, and end with Newton's steps."""
+        """Search as ``fm.tune`` does, for the least change; then for the targets alone, or for what is nearest."""
         self.job.tell(fraction=0.0, text="compiling")
         values, slopes, code = self.look(self.start)
         if code != RESULTS.successful or not np.all(np.isfinite(values)):
@@ -203,12 +203,39 @@ class _Tuning:
         if self.missed(values) <= 0:
             return
         self._refuse_without_effect(values, slopes)
-        unit = self.approach(values, slopes)
-        search(self.problem(), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET)
-        self.finish()
-        if self.best is not None and self.best[0] > MET:
-            self.nearest()
-            self.finish()
+        equal = {want.key: want.value for want in self.wants if want.kind == "equal"}
+        limits: dict[str, tuple[float | None, float | None]] = {}
+        for want in self.wants:
+            lower, upper = limits.get(want.key, (None, None))
+            if want.kind != "equal":
+                limits[want.key] = (want.value, upper) if want.kind == "least" else (lower, want.value)
+        nowhere = np.zeros(len(self.free))
+        self._search(values, {"change": nowhere}, equal, limits, self.start, BUDGET)
+        for _ in range(ROUNDS):
+            assert self.best is not None
+            missed, x, values, _ = self.best
+            if missed <= EXACT:
+                return
+            by_key = dict(zip(self.keys, values.tolist(), strict=True))
+            # A limit that is reached stays reached, from inside.
+            inside = {"equal": 0.0, "least": MET, "most": -MET}
+            near = {
+                want.key: want.value + inside[want.kind] * abs(want.value)
+                for want in self.wants
+                if want.kind == "equal" or want.missed(by_key[want.key]) > -10 * NEARLY
+            }
+            self._search(values, near, {}, {}, x, BUDGET_NEAREST)
+            if self.best[0] >= missed:
+                return
+
+    def _search(self, values: np.ndarray, targets: Any, equal: Any, limits: Any, begin: np.ndarray, budget: int) -> None:
+        """Search as ``fm.tune`` does; the best design so far is kept by :meth:`look`."""
+        layout = layout_of({**dict.fromkeys(self.keys, 0.0), "change": np.zeros(len(self.free))})
+        start = np.concatenate([values, np.zeros(len(self.free))])
+        wanted: dict[str, Any] = {"minimize": None, "maximize": None, "targets": targets, "equal": equal, "limits": limits}
+        problem = make_problem(layout, start, **wanted, margin=NEARLY)
+        unit = self.scaling.to_unit(begin)
+        search(problem, self.kernel, _untraced, _none_refused, unit, None, NEARLY, budget)
 
     def _refuse_without_effect(self, values: np.ndarray, slopes: np.ndarray) -> None:
         for want in self.wants:
@@ -219,97 +246,6 @@ class _Tuning:
                     f"{want} cannot be met: it is {now}, and {listed(self.free)} has no effect on it. Let another"
                     " dimension vary: write a name where a number stands."
                 )
-
-    def problem(self, wants: Sequence[Want] | None = None) -> TuningProblem:
-        """The least relative change of the dimensions that meets what is wanted; with ``wants`` those alone, nearly."""
-        m, n = len(self.keys), len(self.free)
-        size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
-        near = np.concatenate([np.zeros((n, m)), np.diag(size)], axis=1)
-        start = size * self.scaling.to_unit(self.start)
-
-        def rows(own: Sequence[Want], inside: float = 0.0) -> Rows:
-            matrix, right = np.zeros((len(own), m + n)), np.zeros(len(own))
-            for row, want in enumerate(own):
-                sign, scale = -1.0 if want.kind == "least" else 1.0, abs(want.value) or 1.0
-                matrix[row, self.keys.index(want.key)] = sign / scale
-                right[row] = sign * want.value / scale - inside
-            return Rows(matrix, right, tuple(str(want) for want in own))
-
-        if wants is not None:
-            return TuningProblem(np.zeros(m + n), rows(wants), rows([]), rows([]))
-        equal = [want for want in self.wants if want.kind == "equal"]
-        others = [want for want in self.wants if want.kind != "equal"]
-        distance = Rows(near, start, tuple(self.free))
-        return TuningProblem(np.zeros(m + n), distance, rows(equal), rows(others, NEARLY))
-
-    def approach(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        """Follow the targets from where the answers are to where they shall be, so that the designs can be seen.
-
-        Returns:
-            Where that ended, scaled dimensions, (n,).
-        """
-        x, first = self.start, values
-        for part in np.linspace(0, 1, LEGS + 1)[1:]:
-            for _ in range(2):
-                step = self._step(x, values, slopes, first, float(part))
-                new = np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0)))
-                found = self.look(new)
-                if found[2] != RESULTS.successful or not np.all(np.isfinite(found[0])):
-                    return self.scaling.to_unit(x)
-                x, (values, slopes, _) = new, found
-        return self.scaling.to_unit(x)
-
-    def finish(self) -> None:
-        """Newton's steps to the targets that are missed, the shortest ones within the bounds."""
-        for _ in range(STEPS):
-            assert self.best is not None
-            rank, x, values, slopes = self.best
-            if rank <= EXACT:
-                return
-            step = self._step(x, values, slopes)
-            self.look(np.asarray(self.scaling.to_dimensions(np.clip(self.scaling.to_unit(x) + step, 0.0, 1.0))))
-            if self.best[0] >= rank:
-                return
-
-    def _step(
-        self, x: np.ndarray, values: np.ndarray, slopes: np.ndarray, first: np.ndarray | None = None, part: float = 1.0
-    ) -> np.ndarray:
-        """The shortest step to the targets that are missed, linearised; with ``first`` a part of the way from there."""
-        unit, by_key = self.scaling.to_unit(x), dict(zip(self.keys, values.tolist(), strict=True))
-        open_, right = [], []
-        for want in self.wants:
-            i, missed = self.keys.index(want.key), want.missed(by_key[want.key])
-            if first is not None and want.missed(float(first[i])) > 0:
-                goal = float(first[i]) + part * (want.value - float(first[i]))
-            elif missed > 0 or (want.kind != "equal" and missed > -NEARLY):
-                inside = {"equal": 0.0, "least": 1.0, "most": -1.0}[want.kind]
-                goal = want.value * (1 + inside * MET * np.sign(want.value))
-            else:
-                continue
-            open_.append(i)
-            right.append(goal - by_key[want.key])
-        scale = np.where(self.scaling.log, x * np.log(self._ratio()), self.scaling.upper - self.scaling.lower)
-        # A step of equal relative changes is as long in every dimension.
-        size = np.where(self.scaling.log, np.log(self._ratio()), 1.0)
-        matrix, held, step = slopes[open_] * scale / size, np.zeros(len(unit), bool), np.zeros(len(unit))
-        weights = np.abs(np.array(right)) + np.abs(values[open_]) + np.finfo(float).tiny
-        for _ in range(len(unit)):
-            step = np.zeros(len(unit))
-            own = np.linalg.lstsq(matrix[:, ~held] / weights[:, None], np.array(right) / weights, rcond=1e-12)[0]
-            step[~held] = own / size[~held]
-            out = ~held & ((unit + step < 0) | (unit + step > 1)) & ((unit <= 0) | (unit >= 1))
-            if not np.any(out):
-                break
-            held |= out
-        return step
-
-    def nearest(self) -> None:
-        """The design that misses what cannot be met by as little as possible."""
-        assert self.best is not None
-        by_key = dict(zip(self.keys, self.best[2].tolist(), strict=True))
-        bad = [want for want in self.wants if want.kind == "equal" or want.missed(by_key[want.key]) > 0]
-        unit = self.scaling.to_unit(self.best[1])
-        search(self.problem(bad), self.kernel, _untraced, _none_refused, unit, None, NEARLY, BUDGET_NEAREST)
 
     # What is told.
 
@@ -396,8 +332,10 @@ def _has(numbers: Mapping[str, Any], name: str) -> bool:
     return f"names/{name}/value" in numbers
 
 
-def _scaling(free: list[str], names: Mapping[str, float], bounds: Mapping[str, Any]) -> Scaling:
-    return Scaling(layout_of({name: names[name] for name in free}), bounds, {})
+def _is_of_loads(key: str) -> bool:
+    with contextlib.suppress(KeyError):
+        return Asked(question_of(key, "")).question.of_loads
+    return False
 
 
 def _untraced(unit: Any) -> Any:

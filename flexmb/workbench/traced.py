@@ -13,17 +13,12 @@ from jaxtyping import Array
 
 from ..compilation.compile import jit
 from ..design.evaluate import build_once, flat_function, layout_of
-from ..design.objectives import AXES, mass
 from ..design.possible import refusal
 from ..design.sensitivities import REVERSE_COST
 from ..errors import clean
-from ..linear.buckling import buckling_loads
-from ..linear.compliance import compliance
 from ..linear.linearize import Linearization, linearize
-from ..linear.modes import frequencies
-from ..linear.stress import stress
-from ..math.derivative import root_or_zero
 from ..model.model import Model
+from ..questions.question import asked, names_of
 from ..results import RESULTS
 from ..spacar.arithmetic import is_number
 from .building import build, free_names, numbers_of, structure
@@ -41,97 +36,43 @@ def answer_of(key: str, node: str | None = None) -> Answer:
 
     Args:
         key: As the answers are called: "frequency 1", "multiplier 1", "stress", "utilisation", "mass", "stiffness x",
-            "displacement", "displacement x".
-        node: That of the support stiffness and of displacements along axes.
+            "displacement", "displacement x"; or any other question of a state.
+        node: Node of the support stiffness and of displacements along axes.
 
     Raises:
         ValueError: There is no such answer, or it needs a node.
     """
+    text = question_of(key, node)
+    try:
+        question = asked(text)
+    except (KeyError, ValueError):
+        question = None
+    if question is None or not question.question.differentiable:
+        raise ValueError(
+            f"'{clean(key)}' is no answer that has derivatives by the dimensions. There are {', '.join(names_of())}."
+        )
+
+    def answer(lin: Linearization) -> Any:
+        try:
+            return question(lin)
+        except KeyError as fault:
+            raise ValueError(f"{clean(key)}: {clean(fault.args[0])}.") from None
+
+    return answer
+
+
+def question_of(key: str, node: str | None = None) -> str:
+    """The text of a question for the key of an answer, of which an axis alone is an axis of the chosen node.
+
+    Raises:
+        ValueError: It needs a node, and none is chosen.
+    """
     kind, _, which = key.partition(" ")
-    number = int(which) - 1 if which.isascii() and which.isdecimal() else -1
-    if kind in ("frequency", "multiplier") and number >= 0:
-        return (_Frequency if kind == "frequency" else _Multiplier)(number)
-    if key in _WHOLE:
-        return _WHOLE[key]
-    if kind in ("stiffness", "displacement") and which:
-        if node is None:
-            raise ValueError(f"'{clean(key)}' is that of a node: choose one.")
-        return (_Stiffness if kind == "stiffness" else _Displacement)(node, which)
-    raise ValueError(f"'{clean(key)}' is no answer that has derivatives by the dimensions.")
-
-
-class _Frequency:
-    """A frequency by its number from 0 [Hz]."""
-
-    def __init__(self, number: int):
-        self.number = number
-
-    def __call__(self, lin: Linearization) -> Any:
-        return _entry(frequencies(lin, count=self.number + 1), self.number, "frequencies")
-
-
-class _Multiplier:
-    """A load multiplier by its number from 0 [-]."""
-
-    def __init__(self, number: int):
-        self.number = number
-
-    def __call__(self, lin: Linearization) -> Any:
-        return _entry(buckling_loads(lin.model, increment=_increment(lin.model)), self.number, "load multipliers")
-
-
-def _entry(values: Any, number: int, what: str) -> Any:
-    if number >= values.shape[0]:
-        raise ValueError(f"There are {values.shape[0]} {what}.")
-    return values[number]
-
-
-class _Stiffness:
-    """Force on a node over its displacement along an axis [N/m, N m/rad]."""
-
-    def __init__(self, node: str, axis: str):
-        self.node, self.axis = node, axis
-
-    def __call__(self, lin: Linearization) -> Any:
-        found = compliance(lin, self.node)
-        axes = AXES[lin.labels.dimension][: found.shape[0]]
-        if self.axis not in axes:
-            raise ValueError(
-                f"Node '{clean(self.node)}' has stiffness along {', '.join(axes)}, not {clean(self.axis)}."
-            )
-        i = axes.index(self.axis)
-        return 1 / found[i, i]
-
-
-class _Displacement:
-    """Displacement of a node along an axis [m]."""
-
-    def __init__(self, node: str, axis: str):
-        self.node, self.axis = node, axis
-
-    def __call__(self, lin: Linearization) -> Any:
-        own = [(e.of, e.symbol) for e in lin.labels.x]
-        if (self.node, self.axis) not in own:
-            raise ValueError(f"Node '{clean(self.node)}' does not move along {clean(self.axis)}.")
-        i = own.index((self.node, self.axis))
-        return lin.x[i] - lin.model.parameters.reference[i]
-
-
-def _largest_displacement(lin: Linearization) -> Any:
-    nodes: dict[str, list[int]] = {}
-    for i, entry in enumerate(lin.labels.x):
-        if entry.kind == "position":
-            nodes.setdefault(entry.of, []).append(i)
-    moved = (lin.x - lin.model.parameters.reference)[np.array(list(nodes.values()))]
-    return root_or_zero(jnp.max(jnp.sum(moved**2, axis=1)))
-
-
-_WHOLE: dict[str, Answer] = {
-    "mass": lambda lin: mass(lin.model),
-    "stress": lambda lin: stress(lin.model, at=lin).maximum,
-    "utilisation": lambda lin: jnp.max(stress(lin.model, at=lin).utilisation),
-    "displacement": _largest_displacement,
-}
+    if kind not in ("stiffness", "displacement") or not which or "." in which:
+        return key
+    if node is None:
+        raise ValueError(f"'{clean(key)}' is that of a node: choose one.")
+    return f"{kind} {node}.{which}"
 
 
 def _increment(model: Model) -> float | None:

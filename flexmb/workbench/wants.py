@@ -12,13 +12,14 @@ import numpy as np
 from ..arguments import shown
 from ..display import listed, measured, short
 from ..errors import clean
+from ..questions.question import unit_of_question
 from ..spacar.arithmetic import value_of
 from .building import free_names
 from .document import Document
+from .traced import question_of
 
 KINDS = {"equal": "=", "least": "≥", "most": "≤"}
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
-UNITS = {"frequency": "Hz", "stress": "Pa", "mass": "kg", "displacement": "m"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,13 +84,8 @@ def label_of(given: Sequence[Mapping[str, Any]]) -> str:
 
 
 def unit_of(key: str) -> str:
-    """Unit of an answer by its key, SI without a prefix."""
-    kind, _, which = key.partition(" ")
-    if kind == "stiffness":
-        return "N m/rad" if which in ("phi", "rx", "ry", "rz") else "N/m"
-    if kind == "displacement" and which in ("phi", "rx", "ry", "rz"):
-        return "rad"
-    return UNITS.get(kind, "")
+    """Unit of an answer by its key, SI without a prefix; empty where it has none, or where there is no such answer."""
+    return unit_of_question(question_of(key, "")).removesuffix("-")
 
 
 def value_in(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:

@@ -47,6 +47,15 @@ raised = {{ coordinate = "tip", component = 2 }}
 reached = {{ coordinate = "tip", component = 1 }}
 stress = {{ stress = true }}
 used = {{ utilisation = true }}
+leaf = {{ stress = "arm" }}
+moved = {{ displacement = true }}
+along = {{ displacement = "tip", axis = "y" }}
+bearing = {{ reaction = "foot", axis = "phi" }}
+push = {{ force = "tip", axis = "x" }}
+twist = {{ moment = "tip", axis = "phi" }}
+bent = {{ deformation = "arm", number = 3 }}
+normal = {{ stress_resultant = "arm", number = 1 }}
+text = "stiffness tip.y"
 own = "own:twice"
 [tune]
 minimize = "mass"
@@ -83,6 +92,16 @@ def expected():
         "reached": L,
         "stress": 6 * MOMENT / (W * T**2) + FORCE / (W * T),
         "used": (6 * MOMENT / (W * T**2) + FORCE / (W * T)) / STRENGTH,
+        "leaf": 6 * MOMENT / (W * T**2) + FORCE / (W * T),
+        "moved": MOMENT * L**2 / (2 * ei),
+        "along": MOMENT * L**2 / (2 * ei),
+        # The clamp holds against the moment at the tip.
+        "bearing": -MOMENT,
+        "push": -FORCE,
+        "twist": MOMENT,
+        "bent": MOMENT * L**2 / (2 * ei),
+        "normal": -FORCE,
+        "text": 3 * ei / L**3,
         "own": 2 * (m + MASS),
     }
 
@@ -97,6 +116,6 @@ def test_answer(study, name):
 
 @pytest.mark.slow
 def test_every_kind_is_asked_for():
-    from flexmb.design.study_parts import KINDS
+    from flexmb.design.study_file import kinds
 
-    assert all(f"{kind} = " in STUDY for kind in KINDS)
+    assert all(f"{{ {kind} = " in STUDY for kind in kinds() if kind != "multiplier")

@@ -213,7 +213,7 @@ def test_values_with_and_without_units(text, unit, value):
         ([want("stiffness x", "20")], ["t"], "that of a node"),
         ([want("frequency 1", "20")], ["thickness"], "no name 'thickness'"),
         ([want("frequency 1", "20")], ["L2"], "follows from others"),
-        ([want("frequency 3", "20")], ["t"], "There are 1 frequencies"),
+        ([want("frequency 3", "20")], ["t"], "numbered 1 to 1"),
         ([want("multiplier 1", "20")], ["t"], "No load acts"),
         ([want("frequency 1", "20")], ["d"], "has no effect on it"),
     ],

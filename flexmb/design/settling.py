@@ -1,4 +1,4 @@
-"""Answers that designs are asked for and that no analysis is called after: mass, stiffness, settling time."""
+"""Time after which an output of a linear system stays within a level."""
 
 from typing import Any
 
@@ -9,72 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_number, check_numbers, check_whole
-from ..compilation.compile import unguarded
-from ..linear.about import linearized
-from ..linear.compliance import compliance
-from ..linear.linearize import Linearization
 from ..math.derivative import DIFFERENTIATED
-from ..mechanics.blocks import kernel
-from ..mechanics.inertia import total_mass
-from ..model.model import Model, as_model
 
 # A matrix is halved at most so often before its exponential is taken, and its units are balanced in so many turns.
 SQUARINGS, BALANCED = 64, 40
-AXES = {2: ("x", "y", "phi"), 3: ("x", "y", "z", "rx", "ry", "rz")}
-
-
-@unguarded
-def mass(model: Model) -> Float[Array, ""]:
-    """Mass of the whole mechanism, distributed mass included.
-
-    Args:
-        model: Mechanism; differentiable in ``model.parameters``.
-
-    Returns:
-        () [kg].
-
-    Source:
-        Twice the kinetic energy of a uniform unit velocity.
-    """
-    return _mass(as_model(model, "mass").topology, model.parameters)
-
-
-# Compiled as a whole: operation by operation it takes three times as long, the first time and later.
-_mass = kernel(total_mass)
-
-
-@unguarded
-def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool = False) -> Float[Array, ""]:
-    """Force on a node over its displacement along an axis, all else free to follow.
-
-    The drive stiffness along the motion; across it the support stiffness. At a stroke, give
-    ``fm.linearize(model, increment=1.0)``, or a model whose drive is prescribed.
-
-    Args:
-        model: Mechanism, or its linearisation.
-        node: Name of the node.
-        axis: "x", "y", "z"; "phi" for the rotation in the plane, "rx", "ry", "rz" for those in space.
-        local: In axes that turn with the node instead of the global ones.
-
-    Returns:
-        () [N/m or N m/rad].
-
-    Raises:
-        KeyError: No such node.
-        ValueError: No such axis.
-
-    Source:
-        Inverse of the diagonal entry of :func:`flexmb.compliance`.
-    """
-    lin, node = linearized(model, "stiffness"), str(node)
-    labels = lin.labels
-    found = compliance(lin, node, local=local)
-    alone = labels.x[labels.coordinates(node)[0]].kind == "rotation"
-    axes = AXES[labels.dimension][-found.shape[0] :] if alone else AXES[labels.dimension][: found.shape[0]]
-    if axis not in axes:
-        raise ValueError(f"Node '{node}' has no axis {axis!r}: it is one of {', '.join(map(repr, axes))}.")
-    i = axes.index(axis)
-    return 1 / found[i, i]
 
 
 def settling_time(

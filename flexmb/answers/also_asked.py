@@ -1,0 +1,47 @@
+"""Questions that a command asks beside its mode, of each state that the mode has found."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import clean, heard
+from ..questions.question import Asked, is_many
+from ..questions.question import asked as of_state
+from .answers import Answer
+
+
+class QuestionError(ValueError):
+    """A question is none, or the mechanism has no answer to it."""
+
+
+def also_asked(found: Answer, texts: Sequence[str]) -> dict[str, Any]:
+    """Answers of questions by their texts, beside the keys and values of an answer.
+
+    Args:
+        found: Answer of a mode. Questions are asked of all states of its path or motion, else of its linearisation.
+        texts: The questions.
+
+    Returns:
+        "asked" with "values", () or (states,), and "unit" of each; empty without questions, or where the mode failed.
+
+    Raises:
+        QuestionError: There is no such question, node, element or number; or the mode has no state.
+    """
+    if not texts or found.exit_status:
+        return {}
+    answers: dict[str, Any] = {}
+    for text in texts:
+        try:
+            with heard():
+                if is_many(found.found):
+                    series = Asked(text).along(found.found)
+                    answers[text] = {"values": series.values, "unit": series.unit}
+                elif found.lin is None:
+                    raise ValueError("this mode has no state to ask")
+                else:
+                    question = of_state(text)
+                    answers[text] = {"values": float(np.asarray(question(found.lin))), "unit": question.unit}
+        except (KeyError, ValueError, AttributeError) as fault:
+            raise QuestionError(f"'{clean(text)}': {clean(fault.args[0] if fault.args else fault)}") from None
+    return {"asked": answers}

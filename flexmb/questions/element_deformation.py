@@ -1,0 +1,21 @@
+"""Deformations and stress resultants of an element: "deformation leaf.2", "stress resultant leaf.bending"."""
+
+from typing import Any
+
+from .question import Question, at_rest, split
+
+
+def _deformation(state: Any, rest: str) -> Any:
+    element, number = split(rest)
+    return at_rest(state).deformation(element, int(number) if number.isdecimal() else number)
+
+
+def _resultant(state: Any, rest: str) -> Any:
+    element, number = split(rest)
+    return at_rest(state).stress_resultant(element, int(number) if number.isdecimal() else number)
+
+
+QUESTIONS = (
+    Question("deformation", "deformation", _deformation, "m, rad", of_many=True),
+    Question("stress resultant", "deformation", _resultant, "N, N m", of_many=True),
+)

@@ -1,0 +1,26 @@
+"""Load multipliers of linear buckling by their number: "multiplier 1"."""
+
+from typing import Any
+
+from ..linear.buckling import buckling_loads
+from ..model.model import Model
+from .question import Question, finite_or_nan, is_many, numbered
+
+
+def _multiplier(state: Any, rest: str) -> Any:
+    if not is_many(state):
+        # Buckling scales incremental loads, which have no part in the state.
+        raised = not isinstance(state, Model) and state.model.parameters.increment is not None
+        model = state if isinstance(state, Model) else state.model
+        return numbered(buckling_loads(model, increment=0.0 if raised else None), "multiplier", rest)
+    if state.states().kind != "path":
+        raise KeyError("load multipliers are asked of a path, not of a motion")
+    if state.by_sparse:
+        raise KeyError(
+            "a path by sparse matrices has no load multipliers of all states: ask about one, as"
+            " fm.buckling_loads(model, count=1, at=path, step=-1)"
+        )
+    return finite_or_nan(numbered(state.multipliers, "multiplier", rest))
+
+
+QUESTIONS = (Question("multiplier", "number", _multiplier, "-", of_many=True, of_loads=True),)

@@ -1,0 +1,37 @@
+"""Mass of the whole mechanism: "mass"."""
+
+from typing import Any
+
+from jaxtyping import Array, Float
+
+from ..compilation.compile import unguarded
+from ..mechanics.blocks import kernel
+from ..mechanics.inertia import total_mass
+from ..model.model import Model, as_model
+from .question import Question, model_of
+
+# Compiled as a whole: operation by operation it takes three times as long, the first time and later.
+_mass = kernel(total_mass)
+
+
+@unguarded
+def mass(model: Model) -> Float[Array, ""]:
+    """Mass of the whole mechanism, distributed mass included.
+
+    Args:
+        model: Mechanism; differentiable in ``model.parameters``.
+
+    Returns:
+        () [kg].
+
+    Source:
+        Twice the kinetic energy of a uniform unit velocity.
+    """
+    return _mass(as_model(model, "mass").topology, model.parameters)
+
+
+def _of_state(state: Any, rest: str) -> Any:
+    return mass(model_of(state))
+
+
+QUESTIONS = (Question("mass", "", _of_state, "kg"),)

@@ -1,0 +1,73 @@
+"""Stiffness of a node along an axis, all else free to follow: "stiffness top.y"."""
+
+from typing import Any
+
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compilation.compile import jit, unguarded
+from ..linear.compliance import compliance, compliance_of, compliance_of_large
+from ..linear.linearize import Linearization, Matrices, linearized
+from ..linear.sparse_linearize import SparseLinearization
+from ..model.model import Model
+from .question import Question, axes_of, by_component, each_linearization, is_many, split
+
+
+@unguarded
+def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool = False) -> Float[Array, ""]:
+    """Force on a node over its displacement along an axis, all else free to follow.
+
+    The drive stiffness along the motion; across it the support stiffness. At a stroke, give
+    ``fm.linearize(model, increment=1.0)``, or a model whose drive is prescribed.
+
+    Args:
+        model: Mechanism, or its linearisation.
+        node: Name of the node.
+        axis: "x", "y", "z"; "phi" for the rotation in the plane, "rx", "ry", "rz" for those in space.
+        local: In axes that turn with the node instead of the global ones.
+
+    Returns:
+        () [N/m or N m/rad].
+
+    Raises:
+        KeyError: No such node.
+        ValueError: No such axis.
+
+    Source:
+        Inverse of the diagonal entry of :func:`flexmb.compliance`.
+    """
+    lin, node = linearized(model, "stiffness"), str(node)
+    flexibility = compliance(lin, node, local=local)
+    axes = axes_of(lin.labels, node)
+    if axis not in axes:
+        raise ValueError(f"Node '{node}' has no axis {axis!r}: it is one of {', '.join(map(repr, axes))}.")
+    i = axes.index(axis)
+    return 1 / flexibility[i, i]
+
+
+def _stiffness(state: Any, rest: str) -> Any:
+    node, axis = split(rest)
+    if not is_many(state) and not isinstance(state, SparseLinearization):
+        return stiffness(state, node, axis)
+    axes, places = axes_of(state.labels, node), tuple(state.labels.known(part) for part in state.labels.parts(node))
+    if axis not in axes:
+        raise KeyError(f"node '{node}' has no component '{axis}' here; it has {', '.join(axes)}")
+    at = axes.index(axis)
+    if not is_many(state):
+        return 1 / compliance_of_large(state, places)[at, at]
+    if state.by_sparse:
+        flexibility = np.array([compliance_of_large(lin, places)[at, at] for lin in each_linearization(state)])
+    else:
+        flexibility = np.asarray(_compliances(state.linearizations().matrices, places))[:, at, at]
+    with np.errstate(divide="ignore"):
+        return 1 / flexibility
+
+
+@jit
+def _compliances(found: Matrices, parts: Any) -> Float[Array, "states n n"]:
+    """Compliance at a node in every state; in space a rotation is about the global axes."""
+    return jax.vmap(lambda m: compliance_of(m, parts, local=False)[0])(found)
+
+
+QUESTIONS = (Question("stiffness", "node", _stiffness, by_component("N/m", "N m/rad"), of_many=True),)

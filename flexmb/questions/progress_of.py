@@ -1,0 +1,15 @@
+"""What the states of a path or a motion stand over: "load factor" and "time"."""
+
+from typing import Any
+
+from .question import Question
+
+
+def _along(result: Any, rest: str) -> Any:
+    return result.states().along
+
+
+QUESTIONS = (
+    Question("load factor", "", _along, "-", only="path", of_many=True, differentiable=False),
+    Question("time", "", _along, "s", only="motion", of_many=True, differentiable=False),
+)

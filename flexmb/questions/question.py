@@ -1,0 +1,238 @@
+"""A question of a state by its text, such as "frequency 1", and the list of all questions: the files of this folder."""
+
+import dataclasses
+import functools
+import importlib
+import pkgutil
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..linear.linearize import ManyStates
+from ..linear.state_series import Series
+from ..model.by_name import TURNS
+from ..model.model import Labels, Model
+from ..statics.equilibrium import equilibrium
+
+ANGLES = ("phi", *TURNS)
+
+
+@dataclasses.dataclass(frozen=True)
+class Question:
+    """What can be asked. The ``QUESTIONS`` of each file of this folder are found there.
+
+    Attributes:
+        name: First words of the text. The question without a name is a coordinate, such as "top.x".
+        takes: What follows the name: "" for nothing, "number", "node", "element" or "deformation". More than one where
+            there is a choice, such as ("", "element").
+        value: Function of a state and of the words after the name. A state is a Model at its equilibrium, a
+            Linearization, or with ``of_many`` also a path or a motion, whose states then stand in front.
+        unit: SI unit, or a function of the words after the name and of the mechanism's labels, if they are known.
+        label: How an axis of a picture names it; the text itself unless given.
+        kind: What pictures name several of a kind, such as "energy"; the name unless given.
+        only: "path" or "motion" where a single state has no answer.
+        of_many: Whether ``value`` takes a path or a motion.
+        of_loads: Whether there is no answer without loads.
+        differentiable: Whether ``value`` has derivatives by the numbers of the model.
+    """
+
+    name: str
+    takes: str | tuple[str, ...]
+    value: Callable[[Any, str], Any]
+    unit: str | Callable[[str, Labels | None], str]
+    label: str = ""
+    kind: str = ""
+    only: str = ""
+    of_many: bool = False
+    of_loads: bool = False
+    differentiable: bool = True
+
+
+@functools.cache
+def questions() -> dict[str, Question]:
+    """All questions by name, longer names first: "stress resultant" is no "stress"."""
+    folder = importlib.import_module(str(__package__))
+    modules = [importlib.import_module(f"{__package__}.{file.name}") for file in pkgutil.iter_modules(folder.__path__)]
+    every = [question for module in modules for question in getattr(module, "QUESTIONS", ())]
+    return {question.name: question for question in sorted(every, key=lambda one: (-len(one.name), one.name))}
+
+
+def names_of(kind: str = "state") -> list[str]:
+    """Names of the questions that a "state", a "path" or a "motion" answers; first those of this kind alone."""
+    named = [question for question in questions().values() if question.name]
+    own, every = (sorted(q.name for q in named if q.only == only) for only in (kind, ""))
+    return [*own, *every]
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """A question by its text, as a function of a Model or a Linearization.
+
+    Attributes:
+        text: Such as "frequency 1", "stiffness top.y", "mass" or "top.x".
+    """
+
+    text: str
+
+    @property
+    def question(self) -> Question:
+        """Which question it is; a KeyError where there is none."""
+        return self.parsed()[0]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the answer."""
+        return _unit(*self.parsed())
+
+    def parsed(self, labels: Labels | None = None, kind: str = "") -> tuple[Question, str]:
+        """The question, and the words after its name.
+
+        Args:
+            labels: Of the mechanism: what names a coordinate there is that coordinate, whatever its node is called.
+            kind: "path" or "motion" that is asked.
+
+        Raises:
+            KeyError: There is no such question.
+        """
+        text = str(self.text)
+        if labels is not None and text in map(str, labels.x):
+            return questions()[""], text
+        for name, question in questions().items():
+            if name and (text == name or text.startswith(f"{name} ")) and question.only in ("", kind or question.only):
+                return question, text.removeprefix(name).strip()
+        if "." not in text:
+            known = ", ".join(names_of(kind or "state"))
+            raise KeyError(f"no coordinate '{text}'; write node and component, such as tip.y, or ask for {known}")
+        return questions()[""], text
+
+    def __call__(self, state: Any) -> Float[Array, ""]:
+        """The answer of one state.
+
+        Args:
+            state: A Model at its equilibrium, or a Linearization; may be traced.
+
+        Returns:
+            () [unit of the question].
+
+        Raises:
+            KeyError: The mechanism has no such node, element, component or number.
+        """
+        question, rest = self.parsed(state.labels)
+        return question.value(state, rest)
+
+    def along(self, result: Any) -> Series:
+        """The answers of all states of a path or a motion."""
+        kind = result.states().kind
+        question, rest = self.parsed(result.labels, kind)
+        values = question.value(result, rest) if question.of_many else _of_each(question, result, rest)
+        label = question.label if question.label and not rest else str(self.text)
+        return Series(np.asarray(values), label, _unit(question, rest, result.labels), question.kind or question.name)
+
+
+def _unit(question: Question, rest: str, labels: Labels | None = None) -> str:
+    return question.unit if isinstance(question.unit, str) else question.unit(rest, labels)
+
+
+def asked(text: str) -> Asked:
+    """A question of a state by its text.
+
+    Raises:
+        KeyError: There is no such question.
+        ValueError: A path or a motion alone answers it.
+    """
+    found = Asked(text)
+    if found.question.only:
+        raise ValueError(f"'{text}' is asked of a {found.question.only}, not of one state.")
+    return found
+
+
+def unit_of_question(text: str) -> str:
+    """SI unit of a question by its text; "-" of what is no question."""
+    try:
+        return Asked(text).unit
+    except KeyError:
+        return "-"
+
+
+def _of_each(question: Question, result: Any, rest: str) -> np.ndarray:
+    return np.array([float(question.value(lin, rest)) for lin in each_linearization(result)])
+
+
+def each_linearization(result: Any) -> Iterator[Any]:
+    """Linearised equations of each state of a path or a motion, one after the other."""
+    return (result.linearization(i) for i in range(len(result.x)))
+
+
+def at_rest(state: Any) -> Any:
+    """A state with coordinates, deformations and forces: of a Model its equilibrium."""
+    return equilibrium(state) if isinstance(state, Model) else state
+
+
+def model_of(state: Any) -> Model:
+    """The mechanism of a state."""
+    return state if isinstance(state, Model) else state.model
+
+
+def is_many(state: Any) -> bool:
+    """Whether it is a path or a motion."""
+    return isinstance(state, ManyStates)
+
+
+def split(text: str) -> tuple[str, str]:
+    """Node and component of "top.x"; element and number likewise.
+
+    Raises:
+        KeyError: There is no point in it.
+    """
+    of, _, component = text.rpartition(".")
+    if not of:
+        raise KeyError(f"'{text}' is no component: write node and component, such as tip.y, element and number: leaf.2")
+    return of, component
+
+
+def numbered(values: Any, word: str, text: str) -> Any:
+    """One of numbers that stand along the last axis.
+
+    Args:
+        values: (.., n).
+        word: What they are, for the error.
+        text: Which, from 1.
+
+    Raises:
+        KeyError: There is no such number.
+    """
+    count = values.shape[-1]
+    if not is_number(text) or int(text) > count:
+        raise KeyError(f"no {word} '{text}': they are numbered 1 to {count}")
+    return values[..., int(text) - 1]
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a whole number from 1."""
+    return text.isascii() and text.isdecimal() and int(text) > 0
+
+
+def axes_of(labels: Labels, node: str) -> list[str]:
+    """Components of a node: "x", "y", "z" of its position, "phi" or "rx", "ry", "rz" of its rotation.
+
+    Raises:
+        KeyError: No such node.
+    """
+    axes: list[str] = []
+    for part in labels.parts(node):
+        symbols = [labels.x[i].symbol for i in labels.known(part)]
+        axes += TURNS if symbols[0] == "l0" else symbols
+    return axes
+
+
+def by_component(along: str, about: str) -> Callable[[str, Labels | None], str]:
+    """Unit of a component of a node: one along axes, another about them."""
+    return lambda rest, labels: about if rest.rpartition(".")[2] in ANGLES else along
+
+
+def finite_or_nan(values: Any) -> Any:
+    """The same, NaN where it is not finite."""
+    return jnp.where(jnp.isfinite(values), values, jnp.nan)
