@@ -312,7 +312,7 @@ def _tell_answer(
         found: Result that is drawn; None where there is none.
         picture: Function of :mod:`flexmb.plot` that draws it, in place of its own.
     """
-    from .answers.files import to_json
+    from .answers.answer_files import to_json
     from .files import write_whole
 
     _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
@@ -341,9 +341,9 @@ def _run(
 ) -> None:
     """Answer a mode; ``options`` are those of its answer."""
     from .answers.also_asked import QuestionError, also_asked
+    from .answers.answer_files import save as save_answer
+    from .answers.answer_files import to_json
     from .answers.answers import answer
-    from .answers.files import save as save_answer
-    from .answers.files import to_json
     from .answers.tables import log as log_text
     from .answers.tables import table
     from .files import write_whole
@@ -557,7 +557,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
 
     from . import save_fmu, trajectory
     from .answers.answers import answer
-    from .answers.motion import motions_of
+    from .answers.mode_1_simulate import motions_of
     from .fmu.plant import units_of
     from .model.roles import Role
     from .spacar.laws import laws_of

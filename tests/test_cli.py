@@ -81,7 +81,7 @@ INPUTF 1 2 1"""
 @pytest.fixture
 def swing(tmp_path, monkeypatch):
     """Writes the file, with other lines where asked; all its motions are one structure and end after 50 steps."""
-    monkeypatch.setattr("flexmb.answers.motion.simulate", partial(fm.simulate, max_steps=50))
+    monkeypatch.setattr("flexmb.answers.mode_1_simulate.simulate", partial(fm.simulate, max_steps=50))
 
     def write(**lines):
         text = mechanism_path("pf1dtrx").read_text().replace("XF 2 1\n", "")

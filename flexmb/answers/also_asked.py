@@ -18,13 +18,6 @@ class QuestionError(ValueError):
 def also_asked(found: Answer, texts: Sequence[str]) -> dict[str, Any]:
     """Answers of questions by their texts, beside the keys and values of an answer.
 
-    Args:
-        found: Answer of a mode. Questions are asked of all states of its path or motion, else of its linearisation.
-        texts: The questions.
-
-    Returns:
-        "asked" with "values", () or (states,), and "unit" of each; empty without questions, or where the mode failed.
-
     Raises:
         QuestionError: There is no such question, node, element or number; or the mode has no state.
     """

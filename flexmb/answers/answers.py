@@ -6,7 +6,6 @@ import importlib
 import math
 import pkgutil
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,35 +19,36 @@ from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
 from ..results import RESULTS
 from ..spacar.actions import RATES_IDLE
-from .mode import Found, Mode, Question
-from .parts import number
+from .answer_parts import number
+from .mode import Found, Mode, ModeRequest
 
 # Steps of a path at most unless more are asked for.
 STEPS = 200
 
 
 @functools.cache
+def _files() -> dict[int, str]:
+    """Names of the files of all modes, such as "mode_7_frequencies", by their numbers; none of them is loaded."""
+    files = [file.name for file in pkgutil.iter_modules(importlib.import_module(str(__package__)).__path__)]
+    numbered = {int(name.split("_")[1]): name for name in files if name.startswith("mode_")}
+    return dict(sorted(numbered.items()))
+
+
 def modes() -> dict[int, Mode]:
-    """All modes by their numbers, of all files of this room."""
-    names = sorted(found.name for found in pkgutil.iter_modules([str(Path(__file__).parent)]))
-    rooms = [importlib.import_module(f"{__package__}.{name}") for name in names]
-    found = [mode for room in rooms for mode in getattr(room, "MODES", ())]
-    return {mode.number: mode for mode in sorted(found, key=lambda mode: mode.number)}
+    """All modes by their numbers."""
+    return {number: mode_of(number) for number in _files()}
 
 
 @functools.cache
 def mode_of(number: int) -> Mode:
-    """A mode by its number; of the files of this room the one that says it is loaded alone, where one does.
+    """A mode by its number; its file alone is loaded.
 
     Raises:
         KeyError: There is no such mode.
     """
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        if f"Mode({number}," in path.read_text(encoding="utf-8"):
-            for mode in getattr(importlib.import_module(f"{__package__}.{path.stem}"), "MODES", ()):
-                if mode.number == number:
-                    return mode
-    return modes()[number]
+    file = _files()[number]
+    found: Mode = importlib.import_module(f"{__package__}.{file}").MODE
+    return found._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -98,22 +98,7 @@ def answer(
     settings: dict[str, Any] | None = None,
     progress: Callable[..., None] | bool | None = None,
 ) -> Answer:
-    """Run one analysis mode.
-
-    Args:
-        builder: Description of the mechanism.
-        name: Name of its file.
-        mode: Its number.
-        warnings: What reading the file had to say.
-        release: "auto" releases over-constraints before modes other than 0.
-        dofs: "named" or "auto", see Builder.build.
-        max_steps: Steps of a path at most, 200 unless given; for other modes a warning.
-        settings: What the file says beside the mechanism.
-        progress: What a motion or a path is given as ``progress``; None: a bar where there is a terminal.
-
-    Returns:
-        Answer, also where the mechanism is not valid or the analysis failed.
-    """
+    """Run one analysis mode."""
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = said_of(mode, warnings or [])
     # What does nothing has been told with the line that says it. Of overflow on the way nothing is said: what is not
@@ -124,13 +109,13 @@ def answer(
         if max_steps is not None and "steps" not in mode_of(mode).needs:
             data["warnings"].append(f"Steps at most ({max_steps}) are of a path, mode 10: here they do nothing.")
         most = STEPS if max_steps is None else max_steps
-        question = Question(builder, model, name, release, dofs, most, settings or {}, progress=progress)
+        question = ModeRequest(builder, model, name, release, dofs, most, settings or {}, progress=progress)
         found = _answered(question, mode_of(mode), data)
     data["warnings"] += dict.fromkeys(said)
     return found
 
 
-def _answered(question: Question, mode: Mode, data: dict[str, Any]) -> Answer:
+def _answered(question: ModeRequest, mode: Mode, data: dict[str, Any]) -> Answer:
     """Fill in the keys and values of an answer."""
     failed = 0
     try:
@@ -184,12 +169,7 @@ def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
 
 
 def said_of(mode: int, warnings: Sequence[str]) -> list[str]:
-    """What reading a file had to say that is so in a mode.
-
-    Args:
-        mode: Its number.
-        warnings: What it had to say.
-    """
+    """What reading a file had to say that is so in a mode."""
     moves = "times" in mode_of(mode).needs
     return [text for text in warnings if not (moves and text.endswith(RATES_IDLE))]
 

@@ -1,4 +1,4 @@
-"""What a mode of the command line is. Each stands in a file of this room, whose ``MODES`` is found there."""
+"""A mode of the command line: the ``MODE`` of a file ``mode_NUMBER_NAME.py`` of this room, found by its name."""
 
 import dataclasses
 import sys
@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 from ..build.builder import Builder
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
-from .parts import loose_warnings
+from .answer_parts import loose_warnings
 
 
 @dataclasses.dataclass
-class Question:
+class ModeRequest:
     """What a mode is asked.
 
     Attributes:
@@ -86,20 +86,20 @@ class Mode(NamedTuple):
     """One mode.
 
     Attributes:
-        number: By which it is asked for, as in SPACAR.
-        name: The same as a word.
         run: The analysis. What it raises, and a status other than "ok", are failures.
         table: Lines of the terminal, of the answer's keys and values, which are few where it failed.
         increments: Whether incremental loads act.
         structural: Whether the structure alone is asked about: no loads act, and a status is a finding, not a failure.
         needs: What it is told beside the mechanism, or cannot do without: "times", "trajectory" and "steps" (of a
             path); "loads", "cause" (of a motion: loads, start values or what is prescribed) and "signals".
+        number: By which it is asked for, as in SPACAR; both this and the name are read from the name of the file.
+        name: The same as a word.
     """
 
-    number: int
-    name: str
-    run: Callable[[Question], Found]
+    run: Callable[[ModeRequest], Found]
     table: Callable[[dict[str, Any]], list[str]]
     increments: bool = False
     structural: bool = False
     needs: tuple[str, ...] = ()
+    number: int = -1
+    name: str = ""

@@ -11,8 +11,8 @@ from ..model.model import Entry, Model
 from ..model.roles import Role
 from ..spacar.lines import statements
 from ..spacar.series import described
+from .answer_parts import matrix, row
 from .answers import Answer, mode_of
-from .parts import matrix, row
 
 CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "R"}
 
@@ -55,11 +55,7 @@ def _counts(kind: str, roles: Sequence[Role]) -> str:
 
 
 def log(found: Answer, source: str) -> str:
-    """Log of a run: input, structure, numbers, transfer functions and results.
-
-    Args:
-        source: Text of the input file, echoed without its comments.
-    """
+    """Log of a run: input, structure, numbers, transfer functions and results."""
     data, model, lin = found.data, found.model, found.lin
     lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
     # Letters that a terminal would act on as their escapes, line by line.

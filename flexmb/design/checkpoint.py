@@ -46,9 +46,6 @@ class Stored:
     def __init__(self, path: Path, file: BinaryIO):
         """Read the beginning.
 
-        Args:
-            file: At its beginning.
-
         Raises:
             ValueError: The file is no checkpoint, or is damaged.
         """
@@ -123,13 +120,6 @@ class Checkpoint:
     ):
         """Open the file, or begin it.
 
-        Args:
-            path: Where.
-            meaning: What is compared with what the file says of its sweep, by the words for it.
-            designs: Of the sweep.
-            answers: Their names.
-            units: Units by name.
-
         Raises:
             ValueError: The file is no checkpoint, is damaged, belongs to another sweep or is in use.
             OSError: It cannot be read or written.
@@ -150,11 +140,6 @@ class Checkpoint:
 
     def add(self, rows: np.ndarray, values: Arrays, codes: np.ndarray) -> None:
         """Write the answers of some designs.
-
-        Args:
-            rows: Which designs, (k,).
-            values: Answers by name, (k, ...).
-            codes: Codes of RESULTS, (k,).
 
         Raises:
             OSError: It cannot be written.

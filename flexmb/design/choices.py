@@ -20,10 +20,6 @@ Options = dict[str, dict[str, Any]]
 def options_of(choices: Mapping[str, Any], dimensions: Sequence[str]) -> Options:
     """Values by label, by the name of the choice.
 
-    Args:
-        choices: By name lists of values, or dictionaries of values by label.
-        dimensions: Names of the dimensions.
-
     Raises:
         ValueError: No list, an empty one, a name that a dimension has, or too many combinations.
     """

@@ -56,13 +56,7 @@ class Chunk(NamedTuple):
 
 
 def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Chunk:
-    """Some of the designs.
-
-    Args:
-        designs: Dimensions by name, (designs, ...).
-        rows: Which, at most ``size``.
-        size: Of the part.
-    """
+    """Some of the designs."""
     filled = np.concatenate([rows, np.repeat(rows[-1:], size - len(rows))])
     return Chunk({name: array[filled] for name, array in designs.items()}, len(rows))
 
@@ -71,11 +65,7 @@ class Worker:
     """Computes parts, on the cores of this machine or by an executor, and compiles once."""
 
     def __init__(self, task: Task, executor: Executor | None):
-        """Begin.
-
-        Args:
-            executor: Where; None for the cores of this machine.
-        """
+        """Begin."""
         self.executor = executor
         self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
 
@@ -111,11 +101,7 @@ def _packed(task: Task) -> Any:
 
 
 def _work(sent: Any, part: Chunk, asking: int, cache: str | None) -> Values:
-    """One part in a worker, which may be another process than the one that asks.
-
-    Raises:
-        ValueError: The process is a fork.
-    """
+    """One part in a worker, which may be another process than the one that asks."""
     if os.getpid() not in (asking, _IMPORTED_BY):
         # A copy of a process with threads of JAX, which do not run here: what waits for them waits for ever.
         raise ValueError(
@@ -140,11 +126,7 @@ def _unpacked(sent: bytes) -> Callable[[Chunk], Values]:
 
 
 def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
-    """What computes a part.
-
-    Args:
-        threads: How many designs at a time.
-    """
+    """What computes a part."""
     if not task.compiled or task.example is None:
         return functools.partial(_one_by_one, task.build, task.functions)
     return _Compiled(task, task.example, threads)
@@ -250,13 +232,7 @@ def one_shape(name: str, shape: tuple, other: tuple) -> str:
 def gathered(
     count: int, names: list[str], parts: list[tuple[np.ndarray, Values]]
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Answers and codes of all designs, NaN where a design failed or is not among the parts.
-
-    Args:
-        count: Number of designs.
-        names: Of the answers.
-        parts: Which designs, (k,), with their answers by name and codes.
-    """
+    """Answers and codes of all designs, NaN where a design failed or is not among the parts."""
     codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
     for rows, (_, own) in parts:
         codes[rows] = own

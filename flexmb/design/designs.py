@@ -83,9 +83,6 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
 def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of a dimension.
 
-    Args:
-        bounds: Two numbers, or two arrays for a dimension with several entries.
-
     Raises:
         ValueError: Not two, not finite, or the lower one is not below the upper one.
     """

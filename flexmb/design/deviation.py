@@ -74,11 +74,7 @@ class Response:
         return np.concatenate([*self.B.mT, *self.C, self.nodes])
 
     def restricted(self, z: np.ndarray) -> "Response":
-        """The same where the degrees of freedom are z times new ones.
-
-        Args:
-            z: (n, k).
-        """
+        """The same where the degrees of freedom are z times new ones."""
         k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
         parts = {"B": z.T @ self.B, "C": self.C @ z, "nodes": self.nodes @ z}
         return dataclasses.replace(self, K=k, M=m, D=d, **parts)
@@ -94,11 +90,7 @@ class Response:
         return moved * (self.orders == 0), self.nodes @ np.linalg.solve(self.K, self.nodes.T)
 
     def transfer(self, hertz: np.ndarray) -> np.ndarray:
-        """Outputs for inputs at each frequency.
-
-        Args:
-            hertz: (k,) [Hz].
-        """
+        """Outputs for inputs at each frequency."""
         found = []
         for w in 2 * np.pi * hertz:
             rates = (1j * w) ** np.arange(3)
@@ -110,9 +102,6 @@ class Response:
 
 def response(lin: Linearization, nodes: Sequence[str]) -> Response:
     """Numbers of a linearised model that questions are answered by.
-
-    Args:
-        nodes: Nodes whose compliance matters.
 
     Raises:
         AnalysisError: The state is not stable.
@@ -156,11 +145,7 @@ def in_band(frequencies: np.ndarray, bandwidth: float) -> int:
 
 
 def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
-    """Largest relative differences of a lean model from a full one.
-
-    Args:
-        bandwidth: Frequencies up to here matter [Hz].
-    """
+    """Largest relative differences of a lean model from a full one."""
     ours, theirs = lean.frequencies(), full.frequencies()
     count = in_band(theirs, bandwidth)
     if len(ours) < count:

@@ -37,9 +37,6 @@ class UntraceableError(TypeError):
 def traceable(what: str) -> Iterator[None]:
     """Within, functions of the user that cannot be traced are told with their line and a remedy.
 
-    Args:
-        what: Which function it is, as the begin of a sentence.
-
     Raises:
         UntraceableError: In place of JAX's own.
     """
@@ -70,10 +67,6 @@ def _is_of_libraries(file: str) -> bool:
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
     """Answers by name.
 
-    Args:
-        answers: Functions of what ``build`` returns, or texts of questions such as "frequency 1": a dictionary, or one
-            or several with names of their own.
-
     Raises:
         TypeError: Something among them is neither a function nor a text.
         ValueError: None is given, or two have the same name.
@@ -98,9 +91,6 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
 
 def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
     """Refuse names that would meet in a table or a file.
-
-    Args:
-        reserved: Names of what else stands there.
 
     Raises:
         ValueError: Names the dimension or answer.
@@ -171,11 +161,7 @@ class Layout(NamedTuple):
         return found
 
     def split(self, flat: Any) -> dict[str, Any]:
-        """Named arrays from one vector, also with further axes behind the first.
-
-        Args:
-            flat: (n, ...).
-        """
+        """Named arrays from one vector, also with further axes behind the first."""
         ends = np.cumsum(self.sizes)
         parts = [flat[end - size : end] for size, end in zip(self.sizes, ends, strict=True)]
         return {
@@ -184,11 +170,7 @@ class Layout(NamedTuple):
         }
 
     def stacked(self, points: Any) -> dict[str, Any]:
-        """Named arrays with the designs first, from one row a design.
-
-        Args:
-            points: (designs, n).
-        """
+        """Named arrays with the designs first, from one row a design."""
         return {name: np.moveaxis(np.asarray(part), -1, 0) for name, part in self.split(np.asarray(points).T).items()}
 
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
@@ -208,22 +190,14 @@ class Layout(NamedTuple):
 
 
 def layout_of(values: Mapping[str, Any]) -> Layout:
-    """Layout of named numbers or arrays.
-
-    Args:
-        values: By name, or anything with a shape.
-    """
+    """Layout of named numbers or arrays."""
     return Layout(tuple(values), tuple(np.shape(v) for v in values.values()))
 
 
 def evaluate(
     build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
 ) -> tuple[dict[str, Float[Array, "..."]], Int[Array, ""]]:
-    """Answers and a code of RESULTS, for use under a trace.
-
-    Returns:
-        Answers by name; the first failure of their analyses, or not_finite where an answer is NaN.
-    """
+    """Answers and a code of RESULTS, for use under a trace."""
     values = {}
     with collected() as codes:
         # Designs that a concrete build refuses are found beforehand (`possible`).
@@ -244,11 +218,7 @@ def evaluate(
 def evaluate_concretely(
     build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
 ) -> tuple[dict[str, np.ndarray] | None, int]:
-    """Answers and a code of RESULTS of one design, for analyses that cannot be traced.
-
-    Returns:
-        Answers by name, None where there are none; code.
-    """
+    """Answers and a code of RESULTS of one design, for analyses that cannot be traced."""
     try:
         try:
             made = build(**dimensions)
@@ -279,9 +249,6 @@ def _real(name: str, value: Any) -> Float[Array, "..."]:
 def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     """Build on concrete numbers, where everything is checked and degrees of freedom are found.
 
-    Returns:
-        The models that are built on the way.
-
     Raises:
         ModelError: As ``build`` raises.
     """
@@ -292,9 +259,6 @@ def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
 
 def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Model]]:
     """The first design that can be built, and its models.
-
-    Args:
-        designs: Dimensions with the designs first, (designs, ...), by name.
 
     Raises:
         ModelError, SpacarError: Not one can be built; what is said of the first.
@@ -310,15 +274,7 @@ def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[s
 
 
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):
-    """A function from one vector of dimensions to one vector of answers, and their code.
-
-    Args:
-        layout: Of the dimensions.
-        models: See :func:`build_once`.
-
-    Returns:
-        Function of (n,) with results (m,) and code; layout of the answers.
-    """
+    """A function from one vector of dimensions to one vector of answers, and their code."""
 
     def function(flat: Float[Array, "n"]):
         with carried(models):

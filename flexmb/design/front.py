@@ -12,12 +12,6 @@ def nondominated(costs: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
 
     Equal designs dominate one another not, so that all of them stay.
 
-    Args:
-        costs: What should be small of each design, without NaN, (n, k) [any].
-
-    Returns:
-        True on the front, (n,).
-
     Source:
         Definition. Sorted by one cost after the other, a design is dominated by earlier ones alone; if by any, by one
         of the front so far, since whoever dominates that one dominates it too. So n times the size of the front pairs

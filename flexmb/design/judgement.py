@@ -97,20 +97,11 @@ class Verdict(Result):
         return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
 
     def measured(self, name: str, state: Any) -> str:
-        """A number of a curve with its unit.
-
-        Args:
-            name: Of the curve.
-            state: Which, from 0.
-        """
+        """A number of a curve with its unit."""
         return measured(float(self.curves[name][state]), self.units[name])
 
     def where(self, state: Any) -> str:
-        """The stroke of a state, as "at 5 mm".
-
-        Args:
-            state: Which, from 0.
-        """
+        """The stroke of a state, as "at 5 mm"."""
         return f"at {measured(float(self.stroke[state]), self.unit)}"
 
     def states(self) -> States:

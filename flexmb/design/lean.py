@@ -228,12 +228,6 @@ def lean(
 def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:
     """Refuse a question that has no answer.
 
-    Args:
-        model: What it is asked of, None where that is not yet built.
-        bandwidth: Frequencies up to here matter [Hz].
-        tolerance: Relative error to allow.
-        nodes: Nodes whose compliance matters.
-
     Raises:
         ModelError: One of them is not positive and finite, or not there.
     """

@@ -14,25 +14,14 @@ class _Meeting:
     """Where searches wait until each that is still under way has a design to compute."""
 
     def __init__(self, kernel: Callable[[np.ndarray], tuple], size: int, count: int):
-        """Begin with so many searches.
-
-        Args:
-            kernel: Of designs (size, n) to arrays with as many rows.
-            size: Designs in one call.
-            count: Number of searches, at most ``size``.
-        """
+        """Begin with so many searches."""
         self.kernel, self.size, self.under_way = kernel, size, count
         self.asked: dict[int, np.ndarray] = {}
         self.answered: dict[int, Any] = {}
         self.changed = threading.Condition()
 
     def compute(self, search: int, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        """Answers of one design of a search.
-
-        Args:
-            search: Number of the search.
-            unit: Design, (n,).
-        """
+        """Answers of one design of a search."""
         with self.changed:
             self.asked[search] = np.array(unit, float)
             self._meet()
@@ -69,12 +58,6 @@ def in_lockstep(
     search: Callable[[Kernel, Any], Any], starts: Sequence[Any], kernel: Callable[[np.ndarray], tuple], size: int
 ) -> list[Any]:
     """Results of a search from every start, some at a time, each as it would be alone.
-
-    Args:
-        search: Of a kernel for one design and a start; calls the kernel again and again.
-        starts: Starts.
-        kernel: Of designs (size, n) to arrays with as many rows: answers, derivatives, codes.
-        size: How many at a time.
 
     Raises:
         BaseException: As a search or the kernel raises.

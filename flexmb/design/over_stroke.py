@@ -106,11 +106,6 @@ class StrokeQuestions:
 
         Each is looked for from the undeformed mechanism: the search goes there by load steps of its own, and from the
         equilibrium before it comes no further.
-
-        Args:
-            last: Stroke with an equilibrium, () [m or rad].
-            missing: Stroke without, () [m or rad].
-            close: How near to each other both are to come, () [m or rad].
         """
         while abs(missing - last) > close:
             middle = (last + missing) / 2
@@ -272,12 +267,7 @@ def _buckling(at: AtStroke, rest: Any) -> dict[str, Any]:
 
 
 def unit_of_curve(name: str, of_stroke: str) -> str:
-    """Unit of a curve.
-
-    Args:
-        name: Its name.
-        of_stroke: "m" or "rad".
-    """
+    """Unit of a curve."""
     force = "N" if of_stroke == "m" else "N m"
     if name in ("force", "drive stiffness"):
         return force if name == "force" else f"{force}/{of_stroke}"

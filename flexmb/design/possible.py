@@ -29,13 +29,6 @@ def refusal(
     of blocks and sections must meet (:func:`flexmb.arguments.noting`). On the host numbers must be finite, and
     sections and the elements' companions ``check`` are asked for faults, as in a concrete build. A check that finds
     fault with the example, which was built, is not asked.
-
-    Args:
-        models: Those it builds of the example, see :func:`flexmb.design.evaluate.build_once`.
-        example: Dimensions of a design that can be built, by name.
-
-    Returns:
-        Function of dimensions with the designs first, (designs, ...) by name, to (designs,) of bool.
     """
 
     def numbers(dimensions: dict[str, Any]):

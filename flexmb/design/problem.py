@@ -71,19 +71,11 @@ class TuningProblem:
         return float(max(np.max(part, initial=0.0) for part in parts))
 
     def missed(self, residuals: Any) -> list[str]:
-        """Targets that are not met, and by how much.
-
-        Args:
-            residuals: Of the targets, (rows,) [-].
-        """
+        """Targets that are not met, and by how much."""
         return _worst("misses by", [(self.targets, np.asarray(residuals))], MET)
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
-        """Constraints that are violated, and by how much.
-
-        Args:
-            tolerance: Relative violation that is none.
-        """
+        """Constraints that are violated, and by how much."""
         parts = (self.equal, np.abs(self.equal(answers))), (self.limits, np.maximum(self.limits(answers), 0.0))
         return _worst("by", parts, tolerance)
 
@@ -138,16 +130,6 @@ def make_problem(
     margin: float,
 ) -> TuningProblem:
     """Problem from the user's words.
-
-    Args:
-        layout: Of the answers.
-        start: Answers at the start, (m,), which scale the objective and whatever is compared with zero.
-        minimize: Name of a scalar answer, or None.
-        maximize: The same.
-        targets: Values by name; a :class:`Curve` counts relative to its largest.
-        equal: Values by name.
-        limits: Lower and upper value by name, None for none.
-        margin: By how much limits are tightened, relative to them, so that what is found keeps them.
 
     Raises:
         ValueError: An unknown answer, a shape that does not fit, or nothing to do.

@@ -17,10 +17,6 @@ class Scaling:
     def __init__(self, layout: Layout, bounds: Mapping[str, Any], scales: Mapping[str, str]):
         """Check and keep the bounds.
 
-        Args:
-            bounds: Lower and upper value by name.
-            scales: "log" or "linear" by name.
-
         Raises:
             ValueError: Names the dimension.
         """

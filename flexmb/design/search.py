@@ -110,17 +110,6 @@ def search(
 ) -> Attempt:
     """Search from one start.
 
-    Args:
-        problem: What is asked.
-        kernel: Answers, derivatives by the scaled dimensions, code.
-        of_unit: The same as a function to trace, answers and code.
-        refused: Whether designs (k, n) cannot be built, (k,).
-        start: Scaled dimensions, (n,).
-        optimizer: None, an optimiser of optax or a least-squares solver of optimistix.
-        tolerance: Relative violation that is none.
-        budget: Evaluations at most.
-        progress: Called after each.
-
     Raises:
         TypeError: The optimiser is neither.
         ValueError: A least-squares solver where more than targets is asked.

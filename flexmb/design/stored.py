@@ -38,9 +38,6 @@ class Contents(NamedTuple):
 def read(path: str | os.PathLike) -> Contents:
     """Read a sweep.
 
-    Args:
-        path: Of a .npz, a .mat, or a checkpoint; what it is, its content says.
-
     Raises:
         ValueError: The file is no saved sweep, or is damaged.
         OSError: It cannot be read, or is no regular file.

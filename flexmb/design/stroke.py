@@ -79,14 +79,6 @@ class StrokeDrive:
     def at(self, model: Model, stroke: float, *, throw: bool = True) -> AtStroke:
         """The equilibrium at a stroke under the constant loads; differentiable in model and stroke.
 
-        Args:
-            model: Mechanism of the structure that this was made of; its numbers may be traced.
-            stroke: From where the coordinate is without a drive or loads, or from where it is prescribed, () [m, rad].
-            throw: Raise where there is no equilibrium.
-
-        Returns:
-            AtStroke.
-
         Raises:
             AnalysisError: As for ``flexmb.linearize``.
 
@@ -135,11 +127,7 @@ def _let_go(
     *,
     of: str,
 ) -> _LetGo:
-    """The held state in the structure in which the driven coordinate is a degree of freedom.
-
-    Args:
-        structure: That in which it is held, its numbers, and the factors of the loads.
-    """
+    """The held state in the structure in which the driven coordinate is a degree of freedom."""
     factors, near, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
     at, force = state(topology, parameters, factors, held.x, near), held.reactions[index]
     if of == "e":
@@ -176,11 +164,6 @@ def name_of(entry: Entry) -> str:
 
 def driven(model: Model, name: str | None) -> StrokeDrive:
     """What is driven in a model, with the structures in which it is held and let go.
-
-    Args:
-        model: Mechanism, with concrete numbers.
-        name: Such as "top.x" or "hinge.e1"; None where the model says it: what is PRESCRIBED as an increment, else what
-            its one input acts on, else its one degree of freedom.
 
     Raises:
         StrokeError: No such coordinate or deformation, none is named where the model does not say it, or it is fixed.
@@ -265,12 +248,7 @@ def _what_moves(model: Model, name: str = "") -> str:
 
 
 def unit_of_driven(model: Model, what: StrokeDrive) -> str:
-    """Unit of a stroke, "m" or "rad": a mechanism of twice the size has the same derivatives of its angles by angles.
-
-    Args:
-        model: Mechanism, with concrete numbers.
-        what: What is driven.
-    """
+    """Unit of a stroke, "m" or "rad": in a mechanism of twice the size, angles have the same derivatives by angles."""
     if what.kind == "x":
         return unit_of(what.entry)
     top, reference = model.topology, np.array(model.parameters.reference)

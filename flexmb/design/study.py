@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, SpacarError, StudyError
+from ..errors import ModelError, SpacarError, StudyError, first_line
 from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
@@ -64,7 +64,7 @@ class Study:
                 bounds = {} if self.choices and not self.bounds else self._bounded()
                 return tune(self.build, self.answers, self.values, bounds, scales=scales, **wanted)
             except UNTRACEABLE as fault:
-                raise StudyError(f"{self.name}: {UNTRACED}: {_first_line(fault)}") from fault
+                raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep` on it, compiled where the model and the answers allow it.
@@ -139,14 +139,10 @@ class Study:
         except (StudyError, SpacarError, ModelError):
             raise
         except ValueError as fault:
-            raise StudyError(f"{self.name}: {key + ' ' if key else ''}{_first_line(fault)}") from fault
+            raise StudyError(f"{self.name}: {key + ' ' if key else ''}{first_line(fault)}") from fault
 
 
 UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced by JAX"
-
-
-def _first_line(fault: Exception) -> str:
-    return (str(fault).splitlines() or [""])[0]
 
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:

@@ -146,9 +146,6 @@ def kinds() -> dict[str, Question]:
 def read_study(path: str | os.PathLike) -> Study:
     """Read a study.
 
-    Args:
-        path: Of a TOML file; the model and functions it names are looked for beside it.
-
     Raises:
         StudyError: The file is wrong, with file and key.
         OSError: It cannot be read.
@@ -158,13 +155,6 @@ def read_study(path: str | os.PathLike) -> Study:
 
 def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, ...]], list[str]]:
     """What a study says of its parameters; its functions are neither looked for nor called.
-
-    Args:
-        path: Of a TOML file.
-
-    Returns:
-        The model as the study names it; value, or value and bounds, of each parameter, and of a choice the first; and
-        the Python functions that the study names.
 
     Raises:
         StudyError: The file is wrong, with file and key.

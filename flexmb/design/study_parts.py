@@ -63,11 +63,7 @@ class FromFile:
     warnings: list[str] = dataclasses.field(default_factory=list)
 
     def __call__(self, **free: Any) -> Model:
-        """The model of a design.
-
-        Args:
-            free: Values of the parameters with bounds.
-        """
+        """The model of a design."""
         numbers = _Noted({**dict(self.fixed), **free})
         read = read_spacar(self.source, numbers=numbers)
         for name in self.free:
@@ -101,12 +97,7 @@ class Called:
     is_answer: bool = False
 
     def __call__(self, *arguments: Any, **free: Any) -> Any:
-        """What the function returns.
-
-        Args:
-            arguments: What an answer is asked of.
-            free: Values of the parameters with bounds, where a model is built.
-        """
+        """What the function returns."""
         try:
             found = self.function(*arguments, **dict(self.fixed), **free)
         except (StudyError, SpacarError, AnalysisError, ModelError, *UNTRACEABLE):
@@ -133,11 +124,6 @@ def said(fault: BaseException) -> str:
 
 def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
     """A function named as module:function, the module in a folder or installed.
-
-    Args:
-        about: File and key of the study, for messages.
-        folder: Where the module is looked for first.
-        text: What the study has.
 
     Raises:
         StudyError: There is none.

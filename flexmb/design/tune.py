@@ -183,11 +183,7 @@ class _StartError(ValueError):
 
 
 def _best_combination(question: _Question, build: Build, options: Options) -> Tuned:
-    """The best of all combinations, with what became of each.
-
-    Raises:
-        ValueError, ModelError: Not one combination has answers at the start; what is said of the first.
-    """
+    """The best of all combinations, with what became of each."""
     tried: list[Combination] = []
     faults: list[Exception] = []
     dependence, reference = [], None
@@ -266,12 +262,7 @@ class _Kernel:
 def _searched(
     question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
 ) -> tuple[Tuned, np.ndarray, np.ndarray]:
-    """The best design from all starts, dimensions on which nothing depends, and the answers at the start.
-
-    Args:
-        reference: Answers that scale the objective, (m,); None: those at the start.
-        alone: Whether there is no other combination, on which a dimension may depend.
-    """
+    """The best design from all starts, dimensions on which nothing depends, and the answers at the start."""
     q, scaling, layout = question, question.scaling, question.scaling.layout
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)

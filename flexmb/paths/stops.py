@@ -72,10 +72,6 @@ class Stops(NamedTuple):
 def stops_of(model: Model, stop: Mapping[str, Any] | None, state_at: Callable[[Any], Any]) -> Stops:
     """Conditions that end a path, from what the user gives.
 
-    Args:
-        stop: Values by name, or None.
-        state_at: Function of a step that returns what questions are asked of: a linearisation, or a path of one state.
-
     Raises:
         TypeError: It is no mapping, or a value is no number.
         ValueError: A value is out of its range; the stress is not below it where the path begins.
@@ -135,14 +131,7 @@ def _question(model: Model, name: str, target: float, state_at: Callable[[Any], 
 
 
 def unmet(stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition, ...], found: int) -> str:
-    """How near a path that ended by itself came to each condition.
-
-    Args:
-        stop: What the user gave.
-        steps: States of the path.
-        conditions: Made of it.
-        found: Number of critical points on the path.
-    """
+    """How near a path that ended by itself came to each condition."""
     parts = []
     for condition in conditions:
         if condition.name:

@@ -9,21 +9,21 @@ from ..display import unit_of
 from ..math.derivative import root_or_zero
 from ..model.by_name import TURNS
 from ..model.model import Labels
-from .question import ANGLES, Question, at_rest, split
+from .question import ANGLES, Question, at_rest, on_host, split
 
 
 def _coordinate(state: Any, text: str) -> Any:
     labels = state.labels
     names = [str(entry) for entry in labels.x]
     if text in names:
-        return at_rest(state).x[..., names.index(text)]
+        return on_host(state, at_rest(state).x)[..., names.index(text)]
     node, _, component = text.rpartition(".")
     if labels.coordinates(node) and component.isdecimal():
         # By its number, as lines of input files have it.
         places = labels.coordinates(node)
         if not 1 <= int(component) <= len(places):
             raise KeyError(f"component = {component}, but node '{node}' has coordinates 1 to {len(places)}")
-        return at_rest(state).x[..., places[int(component) - 1]]
+        return on_host(state, at_rest(state).x)[..., places[int(component) - 1]]
     if component in ANGLES and labels.coordinates(node):
         return at_rest(state).rotation(node, component)
     near = [str(entry) for entry in labels.x if entry.of in (node, text)]
@@ -49,7 +49,7 @@ def _displacement(state: Any, text: str) -> Any:
     if entry not in names:
         return at_rest(state).position(node, component)
     at = names.index(entry)
-    return at_rest(state).x[..., at] - state_reference(state)[at]
+    return on_host(state, at_rest(state).x)[..., at] - on_host(state, state_reference(state))[at]
 
 
 def state_reference(state: Any) -> Any:

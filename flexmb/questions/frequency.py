@@ -26,7 +26,7 @@ def _frequency(state: Any, rest: str) -> Any:
         values = state.frequencies
     else:
         values = frequencies_along(state.linearizations().matrices)
-    return finite_or_nan(numbered(values, "frequency", rest))
+    return finite_or_nan(numbered(np.asarray(values), "frequency", rest))
 
 
 def frequencies_along(m: Matrices) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from ..linear.buckling import buckling_loads
 from ..model.model import Model
 from .question import Question, finite_or_nan, is_many, numbered
@@ -20,7 +22,7 @@ def _multiplier(state: Any, rest: str) -> Any:
             "a path by sparse matrices has no load multipliers of all states: ask about one, as"
             " fm.buckling_loads(model, count=1, at=path, step=-1)"
         )
-    return finite_or_nan(numbered(state.multipliers, "multiplier", rest))
+    return finite_or_nan(numbered(np.asarray(state.multipliers), "multiplier", rest))
 
 
 QUESTIONS = (Question("multiplier", "number", _multiplier, "-", of_many=True, of_loads=True),)

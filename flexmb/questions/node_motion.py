@@ -1,21 +1,15 @@
 """Velocities and accelerations of a node in a motion: "velocity top.x", "acceleration top.phi"."""
 
-from typing import Any
+from .question import Question, by_component, of_component
 
-from .question import ANGLES, Question, by_component, split
-
-
-def _velocity(state: Any, rest: str) -> Any:
-    node, component = split(rest)
-    return (state.angular_velocity if component in ANGLES else state.velocity)(node, component)
-
-
-def _acceleration(state: Any, rest: str) -> Any:
-    node, component = split(rest)
-    return (state.angular_acceleration if component in ANGLES else state.acceleration)(node, component)
-
-
-QUESTIONS = (
-    Question("velocity", "node", _velocity, by_component("m/s", "rad/s"), of_many=True, differentiable=False),
-    Question("acceleration", "node", _acceleration, by_component("m/s²", "rad/s²"), of_many=True, differentiable=False),
+QUESTIONS = tuple(
+    Question(
+        name,
+        "node",
+        of_component(name, f"angular_{name}"),
+        by_component(f"m/{per}", f"rad/{per}"),
+        of_many=True,
+        differentiable=False,
+    )
+    for name, per in {"velocity": "s", "acceleration": "s²"}.items()
 )

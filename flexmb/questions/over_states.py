@@ -19,12 +19,6 @@ class Along(ManyStates):
         (of buckling) of a path; "time", "velocity top.x", "acceleration top.x", "kinetic", "elastic", "potential",
         "energy" (their sum) of a motion. Each file of ``flexmb/questions`` adds its own.
 
-        Args:
-            text: The question.
-
-        Returns:
-            Series with values (states,) and their unit.
-
         Raises:
             KeyError: There is no such quantity, node, element or component.
         """

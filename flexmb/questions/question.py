@@ -7,7 +7,6 @@ import pkgutil
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -90,10 +89,6 @@ class Asked:
     def parsed(self, labels: Labels | None = None, kind: str = "") -> tuple[Question, str]:
         """The question, and the words after its name.
 
-        Args:
-            labels: Of the mechanism: what names a coordinate there is that coordinate, whatever its node is called.
-            kind: "path" or "motion" that is asked.
-
         Raises:
             KeyError: There is no such question.
         """
@@ -110,12 +105,6 @@ class Asked:
 
     def __call__(self, state: Any) -> Float[Array, ""]:
         """The answer of one state.
-
-        Args:
-            state: A Model at its equilibrium, or a Linearization; may be traced.
-
-        Returns:
-            () [unit of the question].
 
         Raises:
             KeyError: The mechanism has no such node, element, component or number.
@@ -196,11 +185,6 @@ def split(text: str) -> tuple[str, str]:
 def numbered(values: Any, word: str, text: str) -> Any:
     """One of numbers that stand along the last axis.
 
-    Args:
-        values: (.., n).
-        word: What they are, for the error.
-        text: Which, from 1.
-
     Raises:
         KeyError: There is no such number.
     """
@@ -228,11 +212,26 @@ def axes_of(labels: Labels, node: str) -> list[str]:
     return axes
 
 
+def of_component(method: str, about: str = "") -> Callable[[Any, str], Any]:
+    """Value that a result answers by a method of node and component; about axes by another one, where it is named."""
+
+    def value(state: Any, rest: str) -> Any:
+        node, component = split(rest)
+        return getattr(at_rest(state), about if about and component in ANGLES else method)(node, component)
+
+    return value
+
+
 def by_component(along: str, about: str) -> Callable[[str, Labels | None], str]:
     """Unit of a component of a node: one along axes, another about them."""
     return lambda rest, labels: about if rest.rpartition(".")[2] in ANGLES else along
 
 
-def finite_or_nan(values: Any) -> Any:
+def on_host(state: Any, values: Any) -> Any:
+    """Values of a path or a motion as numpy's, since JAX compiles a program for each place; others as they are."""
+    return np.asarray(values) if is_many(state) else values
+
+
+def finite_or_nan(values: np.ndarray) -> np.ndarray:
     """The same, NaN where it is not finite."""
-    return jnp.where(jnp.isfinite(values), values, jnp.nan)
+    return np.where(np.isfinite(values), values, np.nan)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from ..linear.stress import Stress, stress
 from ..model.model import Model
-from .question import Question
+from .question import Question, on_host
 
 
 def stress_of(state: Any) -> Stress:
@@ -20,7 +20,7 @@ def _stress(state: Any, element: str) -> Any:
         return known.maximum
     if element not in known.names:
         raise KeyError(f"no stress of an element '{element}'; there is {', '.join(known.names)}")
-    return known.by_element[..., known.names.index(element)]
+    return on_host(state, known.by_element)[..., known.names.index(element)]
 
 
 def _utilisation(state: Any, rest: str) -> Any:

@@ -59,18 +59,6 @@ def meet(
 
     The designs that are looked at are told as they come. What is found is not written anywhere: see "ops".
 
-    Args:
-        document: The document.
-        wants: See :func:`flexmb.workbench.wants.wants_of`.
-        free: Names that may change; all whose values are numbers if there are none.
-        job: Told "design" (values of the free names by name), "values" (answers by key), "fraction" and "text".
-        node: Node whose support stiffness and displacements are meant.
-
-    Returns:
-        "status", failed where not all is met; "text"; "design" and "values" in the end; "ops" and "label" of the one
-        edit that writes it, empty where nothing changes; "met", whether all is as wanted: where not, the design is the
-        nearest, and the text says what limits it; "stopped"; "assumed", bounds of names that have none.
-
     Raises:
         ValueError: What is wanted, or may change, is none.
         ModelError: The document builds no mechanism, or its answers are not there.
@@ -99,8 +87,8 @@ class _Tuning:
         self.start = np.array([names[name] for name in self.free])
         self.scaling = Scaling(layout_of({name: names[name] for name in self.free}), bounds, {})
         # A change by the whole range, relative where the dimension keeps its sign.
-        ratio = np.where(self.scaling.log, self.scaling.upper / np.where(self.scaling.log, self.scaling.lower, 1.0), 1.0)
-        self.size = np.where(self.scaling.log, np.log(ratio), 1.0)
+        log, lower, upper = self.scaling.log, self.scaling.lower, self.scaling.upper
+        self.size = np.where(log, np.log(np.where(log, upper, 1.0) / np.where(log, lower, 1.0)), 1.0)
         self.keys = list(dict.fromkeys(want.key for want in self.wants))
         model = self._model()
         idle = [key for key in self.keys if _is_of_loads(key)]
@@ -228,12 +216,14 @@ class _Tuning:
             if self.best[0] >= missed:
                 return
 
-    def _search(self, values: np.ndarray, targets: Any, equal: Any, limits: Any, begin: np.ndarray, budget: int) -> None:
+    def _search(
+        self, values: np.ndarray, targets: Any, equal: Any, limits: Any, begin: np.ndarray, budget: int
+    ) -> None:
         """Search as ``fm.tune`` does; the best design so far is kept by :meth:`look`."""
         layout = layout_of({**dict.fromkeys(self.keys, 0.0), "change": np.zeros(len(self.free))})
         start = np.concatenate([values, np.zeros(len(self.free))])
-        wanted: dict[str, Any] = {"minimize": None, "maximize": None, "targets": targets, "equal": equal, "limits": limits}
-        problem = make_problem(layout, start, **wanted, margin=NEARLY)
+        wanted: dict[str, Any] = {"targets": targets, "equal": equal, "limits": limits}
+        problem = make_problem(layout, start, minimize=None, maximize=None, **wanted, margin=NEARLY)
         unit = self.scaling.to_unit(begin)
         search(problem, self.kernel, _untraced, _none_refused, unit, None, NEARLY, budget)
 
@@ -347,10 +337,5 @@ def _none_refused(units: np.ndarray) -> np.ndarray:
 
 
 def applied(document: Document, result: Mapping[str, Any]) -> Document:
-    """A document with what was found written into it.
-
-    Args:
-        document: The document.
-        result: Of :func:`meet`.
-    """
+    """A document with what was found written into it."""
     return apply(document, result["ops"])[0]

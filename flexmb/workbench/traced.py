@@ -34,11 +34,6 @@ Answer = Callable[[Linearization], Any]
 def answer_of(key: str, node: str | None = None) -> Answer:
     """An answer beside the drawing as a function of the linearised mechanism, which may be traced.
 
-    Args:
-        key: As the answers are called: "frequency 1", "multiplier 1", "stress", "utilisation", "mass", "stiffness x",
-            "displacement", "displacement x"; or any other question of a state.
-        node: Node of the support stiffness and of displacements along axes.
-
     Raises:
         ValueError: There is no such answer, or it needs a node.
     """
@@ -89,14 +84,7 @@ class Traced:
     """
 
     def __init__(self, document: Document, model: Model, keys: Sequence[str], node: str | None):
-        """Trace nothing yet.
-
-        Args:
-            document: Whose structure is meant.
-            model: That it builds.
-            keys: Answers.
-            node: See :func:`answer_of`.
-        """
+        """Trace nothing yet."""
         self.names, self.keys = tuple(free_names(document)), tuple(keys)
         self._document, self._plain = document, plain_of(document)
         functions = {key: answer_of(key, node) for key in keys}
@@ -128,15 +116,7 @@ class Traced:
         return np.array(free, float), np.array([values[address] for address in self._plain], float)
 
     def at(self, document: Document) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]:
-        """Answers by the free names of a document of this structure.
-
-        Args:
-            document: Whose other numbers are taken.
-
-        Returns:
-            Function of the values of the free names, (n,), with answers (m,), derivatives (m, n), and a code of
-            RESULTS: impossible_design where the Builder would refuse the numbers.
-        """
+        """Answers by the free names of a document of this structure."""
         plain = self._inputs(document)[1]
 
         def answers(free: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
@@ -169,12 +149,6 @@ def clamps_of(model: Model) -> tuple[tuple[float, ...], ...]:
 
 def traced(document: Document, model: Model, keys: Sequence[str], node: str | None = None) -> Traced:
     """The function of the free names of a document, kept for its structure.
-
-    Args:
-        document: The document.
-        model: That it builds, whose degrees of freedom are taken.
-        keys: Answers.
-        node: See :func:`answer_of`.
 
     Raises:
         ValueError: There is no such answer.

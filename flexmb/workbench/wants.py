@@ -50,10 +50,6 @@ class Want:
 def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
     """What is wanted, checked.
 
-    Args:
-        given: Each with "answer", "kind" and "value": a number, arithmetic of names, with or without its unit.
-        names: Values of the names.
-
     Raises:
         ValueError: Nothing is wanted, or what is no number.
     """
@@ -111,13 +107,7 @@ def text_of(value: float, unit: str) -> str:
 
 
 def number_like(text: str, value: float, digits: int) -> str:
-    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood.
-
-    Args:
-        text: The other number.
-        value: The number.
-        digits: Significant ones at most.
-    """
+    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood."""
     exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
     plain = f"{value:.{digits}g}"
     if exponent is None:

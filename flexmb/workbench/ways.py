@@ -52,28 +52,13 @@ class Ways:
     """Sensitivities of answers: compiled once for each structure and answer, in a thread of its own."""
 
     def __init__(self, changed: Callable[[], None]):
-        """Nothing is compiled yet.
-
-        Args:
-            changed: Called, from another thread, once something has been compiled that was asked for.
-        """
+        """Nothing is compiled yet."""
         self._changed = changed
         self._closures: dict[Any, _Closure | Exception | None] = {}
         self._names: dict[Any, Callable[..., Any]] = {}
 
     def of(self, document: Document, found: Answers, *, wait: bool = False) -> dict[str, Any]:
-        """Sensitivities of the answer that is wanted, as a message to pages.
-
-        Args:
-            document: What the answers are of; without problems.
-            found: Answers to it, all of them.
-            wait: Compile at once, rather than beside.
-
-        Returns:
-            answer, status ("ok", "computing" or "failed") and message; where it is ok by_field and by_name {address or
-            name: slope}, relative {address or name: d ln answer/d ln number}, by_element {element: relative slope by
-            all sizes of its section} and words about what is special.
-        """
+        """Sensitivities of the answer that is wanted, as a message to pages."""
         key = str(found.wants.sensitivity_of)
         told = {"answer": key, "message": "", "by_field": {}, "by_name": {}, "relative": {}, "by_element": {}}
         value = found.values.get(key, {}).get("value")

@@ -6,7 +6,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import answer
-from flexmb.answers.motion import _uniformly_accelerated
+from flexmb.answers.mode_1_simulate import _uniformly_accelerated
 from flexmb.spacar.actions import RATES_IDLE
 
 

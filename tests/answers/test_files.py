@@ -10,7 +10,7 @@ import scipy.io
 from cases.files import arrays_of
 
 import flexmb as fm
-from flexmb.answers.files import save
+from flexmb.answers.answer_files import save
 from flexmb.files import save_arrays
 
 NAMES = [

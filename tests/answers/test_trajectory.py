@@ -13,10 +13,9 @@ from cases.commands import command
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.answers.answers import answer
-from flexmb.answers.files import save
-from flexmb.answers.motion import _state_spaces
-from flexmb.answers.vibrations import MODES
+from flexmb.answers.answer_files import save
+from flexmb.answers.answers import answer, mode_of
+from flexmb.answers.mode_1_simulate import _state_spaces
 from flexmb.linear.linearize import Linearization
 from flexmb.mechanisms import mechanism_path
 from flexmb.results import RESULTS
@@ -42,7 +41,7 @@ def linearised():
 
 def table(data):
     """Lines of the terminal."""
-    return MODES[1].table(data)
+    return mode_of(6).table(data)
 
 
 # -- laws ---------------------------------------------------------------------------------------------------------
@@ -346,7 +345,7 @@ def test_what_is_not_used_is_told(monkeypatch):
         np.testing.assert_allclose(ends, [[0.05, 0.1], [-2e-3, 1e-3]], rtol=1e-12)
         raise fm.AnalysisError("seen", "")
 
-    monkeypatch.setattr("flexmb.answers.trajectory.inverse_dynamics", inverse_dynamics)
+    monkeypatch.setattr("flexmb.answers.nominal_motion.inverse_dynamics", inverse_dynamics)
     text = BASE.format(lines="TRAJE 1 1 0 0.6 1e-3\nSTARTDE 1 1 -2e-3 0.1", signals="NOMS 1 1 1\nREFX 1 2 1")
     found = asked(text, 2)
     velocity, late = found.data["warnings"]

@@ -26,8 +26,8 @@ import numpy as np
 
 import flexmb as fm
 from flexmb.answers import motion
+from flexmb.answers.answer_files import to_json
 from flexmb.answers.answers import answer
-from flexmb.answers.files import to_json
 from flexmb.answers.tables import log, table
 from flexmb.mechanisms import mechanism_path, mechanisms
 from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS

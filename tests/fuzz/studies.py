@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import flexmb as fm
-from flexmb.answers.files import to_json
+from flexmb.answers.answer_files import to_json
 from flexmb.design.study import Study, sweep_answer, sweep_table, tune_answer
 from flexmb.design.study_file import read_study
 from flexmb.errors import StudyError

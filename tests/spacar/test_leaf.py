@@ -14,7 +14,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.answers.motion import over_time
+from flexmb.answers.mode_1_simulate import over_time
 from flexmb.model.roles import Role
 
 fm.enable_x64()

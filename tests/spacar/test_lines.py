@@ -13,7 +13,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.answers.answers import modes
-from flexmb.answers.mode import Question
+from flexmb.answers.mode import ModeRequest
 from flexmb.errors import clean
 from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS
 from flexmb.spacar.lines import BLOCKS, LARGEST, LARGEST_FILE, SMALLEST
@@ -196,13 +196,13 @@ def test_what_a_simulation_takes_from_a_file(monkeypatch):
         taken.update(options, times=times)
         raise fm.AnalysisError("seen", "")
 
-    monkeypatch.setattr("flexmb.answers.motion.simulate", simulate)
+    monkeypatch.setattr("flexmb.answers.mode_1_simulate.simulate", simulate)
     extra = "TIMESTEP 2 4\nERROR 1e-3 1e-6\nINPUTX 5 1 2.5 3\nINPUTE 2 3 0.5 0 7"
     text = filled(PLANE, "dynamics", extra).replace("DYNX 9 1", "FIX 9\nRLSE 9 2")
     read = fm.read_spacar(text)
     model = read.builder.build(check=False)
-    asked = Question(read.builder, model, "text", "none", "named", 200, read.settings)
-    monkeypatch.setattr(Question, "checked", lambda self: self.model)
+    asked = ModeRequest(read.builder, model, "text", "none", "named", 200, read.settings)
+    monkeypatch.setattr(ModeRequest, "checked", lambda self: self.model)
     with pytest.raises(fm.AnalysisError, match=r"^$"):
         modes()[1].run(asked)
     np.testing.assert_array_equal(taken["times"], [0, 0.5, 1, 1.5, 2])

@@ -53,13 +53,6 @@ def _flat(data: dict[str, Any]) -> dict[str, Any]:
 def save(data: dict[str, Any], path: str | os.PathLike) -> None:
     """Save an answer as .npz or .mat, by the ending of the path.
 
-    Args:
-        data: Keys and values of an answer. Objects by node or element number become arrays "x_3", "sig_1", those of a
-            path or of steps "path_x_3", "steps_A" with the steps first; what a JSON file has as null is NaN here, since
-            these formats have no null. A .mat file says in "names_of_arrays" which names MATLAB does not take and what
-            they became.
-        path: Where; ends in .npz or .mat.
-
     Raises:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.

@@ -6,11 +6,11 @@ import numpy as np
 
 from ..linear.buckling import buckling
 from ..linear.loose import refuse_negative_mass
-from .mode import Found, Mode, Question
-from .parts import compliances, numbered, shapes, state_of
+from .answer_parts import compliances, numbered, shapes, state_of
+from .mode import Found, Mode, ModeRequest
 
 
-def _run(asked: Question) -> Found:
+def _run(asked: ModeRequest) -> Found:
     lin = asked.linearized()
     refuse_negative_mass(lin)
     found = buckling(asked.model)
@@ -31,4 +31,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return ["load multipliers:", *numbered([f"{v:.7g}" for v in data["load_multipliers"]])]
 
 
-MODES = (Mode(8, "buckling", _run, _table, increments=True, needs=("loads",)),)
+MODE = Mode(_run, _table, increments=True, needs=("loads",))

@@ -118,11 +118,7 @@ def matrices(lin: Linearization) -> dict[str, Any]:
 
 
 def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
-    """Poles, real and imaginary parts.
-
-    Args:
-        always: Also where frequencies say the same.
-    """
+    """Poles, real and imaginary parts."""
     damped = np.any(np.asarray(lin.matrices.C0) + np.asarray(lin.matrices.D0))
     if not (always or damped or not lin.matrices.symmetric):
         return {}
@@ -136,11 +132,7 @@ def compliances(lin: Linearization) -> dict[str, list[float]]:
 
 
 def shapes(columns: ArrayLike, labels: Labels) -> list[dict[str, list[float]]]:
-    """Motions by node.
-
-    Args:
-        columns: One motion a column, (n_x, motions).
-    """
+    """Motions by node."""
     return [by_owner(column, labels.x) for column in np.asarray(columns).T]
 
 

@@ -12,8 +12,8 @@ from ..spacar.laws import Way, laws_of, role_of, ways_of
 from ..spacar.reading import Channel
 from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS
 from ..trajectory.inverse import Nominal, inverse_dynamics
-from .mode import Question
-from .motion import motions_of, times_of
+from .mode import ModeRequest
+from .mode_1_simulate import motions_of, times_of
 
 KINDS = {"NOMF": "node", "NOMS": "element"}
 FORM = "TRAJX node coordinate start end value [quintic|septic|scurve], or TRAJE element deformation .."
@@ -25,7 +25,7 @@ def _channels(settings: dict[str, Any], keywords: Any) -> Iterator[tuple[str, Ch
     return iter(sorted(found, key=lambda pair: pair[1].number))
 
 
-def _driven(asked: Question, ways: dict[Key, Way], refuse: Callable[..., NoReturn]) -> list[Key]:
+def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoReturn]) -> list[Key]:
     """What is PRESCRIBED in the file and is driven by nominal inputs instead.
 
     An input that acts on it drives it; as many others as there are inputs left are driven by these.
@@ -75,7 +75,7 @@ def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
         builder.signals[side] = signals
 
 
-def _idle_velocities(asked: Question, released: bool) -> list[str]:
+def _idle_velocities(asked: ModeRequest, released: bool) -> list[str]:
     """What to say of start velocities that have no effect."""
     keys = [key for key, (_, velocity) in asked.builder.starts.items() if velocity != 0]
     idle = [key for key in keys if not released or key in ways_of(asked.settings)]
@@ -86,15 +86,8 @@ def _idle_velocities(asked: Question, released: bool) -> list[str]:
     ]
 
 
-def nominal_motion(asked: Question, number: int) -> tuple[Nominal, list[str]]:
+def nominal_motion(asked: ModeRequest, number: int) -> tuple[Nominal, list[str]]:
     """The motion along the trajectory of a file, with its nominal inputs and reference outputs.
-
-    Args:
-        asked: What is asked; it holds the mechanism as it was taken afterwards.
-        number: Number of the mode, for messages.
-
-    Returns:
-        The motion, and the names of what is led along the trajectory.
 
     Raises:
         SpacarError: The file says no trajectory or no times, or its nominal inputs do not fit.

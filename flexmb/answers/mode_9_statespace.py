@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from ..control.state_space import state_matrices
-from .mode import Found, Mode, Question
-from .parts import matrix, poles_of, state_of
+from .answer_parts import matrix, poles_of, state_of
+from .mode import Found, Mode, ModeRequest
 
 
-def _run(asked: Question) -> Found:
+def _run(asked: ModeRequest) -> Found:
     lin = asked.linearized()
     found, states = state_matrices(lin)
     data = {
@@ -34,4 +34,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines
 
 
-MODES = (Mode(9, "statespace", _run, _table, needs=("signals",)),)
+MODE = Mode(_run, _table, needs=("signals",))

@@ -1,6 +1,5 @@
-"""Modes 1 and 4: motion in time, and the linearised equations along it."""
+"""Mode 1: motion in time; and what modes 2 to 6 share with it."""
 
-import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -25,8 +24,8 @@ from ..results import RESULTS
 from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
 from ..trajectory.about_motion import inputs_that_move, outputs_of
-from .mode import Found, Mode, Question
-from .parts import SHOWN_VALUES, is_shown, row
+from .answer_parts import SHOWN_VALUES, is_shown, row
+from .mode import Found, Mode, ModeRequest
 
 RTOL = 1e-5
 # What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
@@ -44,15 +43,7 @@ def _uniformly_accelerated(
 
 
 def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
-    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration.
-
-    Args:
-        model: The mechanism.
-        settings: What the file says beside it.
-
-    Returns:
-        By the names of coordinates and deformations.
-    """
+    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration."""
     found = {}
     for keyword, entries, start in (
         ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
@@ -81,12 +72,6 @@ PARTLY = (
 def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str = "") -> np.ndarray:
     """Output times that TIMESTEP asks for, (n_t,) [s].
 
-    Args:
-        name: Name of the file.
-        settings: What is not part of the mechanism.
-        numbers: How many numbers the answer has at every time.
-        needed: Line and keyword of what needs it, unless modes 1 and 4 do.
-
     Raises:
         SpacarError: There is no TIMESTEP, or the answer would be too large.
     """
@@ -107,12 +92,7 @@ def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str 
 
 
 def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
-    """Columns of a history by the node or element they belong to, one row a time.
-
-    Args:
-        values: A row for each time, (n_t, entries).
-        entries: Names of the columns.
-    """
+    """Columns of a history by the node or element they belong to, one row a time."""
     grouped: dict[str, list[int]] = {}
     for i, entry in enumerate(entries):
         if is_shown(entry):
@@ -122,11 +102,7 @@ def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
 
 
 def origins(model: Model) -> np.ndarray:
-    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,).
-
-    Args:
-        model: Mechanism.
-    """
+    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,)."""
     start = np.asarray(model.parameters.reference)
     there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
     return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
@@ -139,11 +115,7 @@ def _signals(found: Motion) -> dict[str, Any]:
 
 
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
-    """Linearised equations at every time, null where there are none, and what to say of that.
-
-    Args:
-        found: The motion.
-    """
+    """Linearised equations at every time, null where there are none, and what to say of that."""
     along, labels = linearize_motion(found), found.labels
     named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
     # Once as numpy's, of which the parts at a time cost nothing.
@@ -186,7 +158,7 @@ def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.nd
     return found
 
 
-def _idle_ways(asked: Question) -> list[str]:
+def _idle_ways(asked: ModeRequest) -> list[str]:
     """What to say where a degree of freedom, which moves by itself, is led somewhere."""
     return [
         f"{way.keyword} on line {way.legs[0].line} is of a degree of freedom, which moves by itself here; it acts in"
@@ -196,7 +168,7 @@ def _idle_ways(asked: Question) -> list[str]:
     ]
 
 
-def _run(asked: Question, linearised: bool = False) -> Found:
+def run(asked: ModeRequest, linearised: bool = False) -> Found:
     """Motion in time from TIMESTEP, ERROR, INPUTX and INPUTE; with ``linearised`` at every output time the matrices."""
     model, settings = asked.checked(), asked.settings
     n_x, n_e, n_q = len(model.labels.x), len(model.labels.e), model.topology.n_q
@@ -244,7 +216,8 @@ def _run(asked: Question, linearised: bool = False) -> Found:
     return Found(data, found)
 
 
-def _table(data: dict[str, Any]) -> list[str]:
+def table(data: dict[str, Any]) -> list[str]:
+    """Lines of the terminal of a motion."""
     if "time" not in data:
         return []
     times, energy = np.asarray(data["time"]), {name: np.asarray(e) for name, e in data["energy"].items()}
@@ -264,7 +237,4 @@ def frequencies_at_ends(data: dict[str, Any]) -> list[str]:
     return lines
 
 
-MODES = (
-    Mode(1, "simulate", _run, _table, needs=("cause", "times")),
-    Mode(4, "simulate-linearise", functools.partial(_run, linearised=True), _table, needs=("cause", "times")),
-)
+MODE = Mode(run, table, needs=("cause", "times"))

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from ..linear.modes import modes
-from .mode import Found, Mode, Question
-from .parts import hertz_of, numbered, poles_of, shapes, state_of
+from .answer_parts import hertz_of, numbered, poles_of, shapes, state_of
+from .mode import Found, Mode, ModeRequest
 
 
-def _run(asked: Question) -> Found:
+def _run(asked: ModeRequest) -> Found:
     lin = asked.linearized()
     if not lin.matrices.symmetric:
         silent = "The stiffness is unsymmetric (moments about fixed axes, follower loads): `poles` answers alone."
@@ -43,4 +43,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines
 
 
-MODES = (Mode(7, "frequencies", _run, _table),)
+MODE = Mode(_run, _table)

@@ -1,24 +1,18 @@
-"""Modes 2 and 3: what drives a mechanism along a trajectory, and its linearised equations there."""
+"""Mode 2: what drives a mechanism along a trajectory; and what modes 3, 5 and 6 share with it."""
 
-import functools
 from typing import Any
 
 import numpy as np
 
 from ..trajectory.inverse import Nominal
-from .mode import Found, Mode, Question
-from .motion import frequencies_at_ends, origins, over_time, steps_of
-from .parts import SHOWN_VALUES, row
-from .trajectory import nominal_motion
+from .answer_parts import SHOWN_VALUES, row
+from .mode import Found, Mode, ModeRequest
+from .mode_1_simulate import frequencies_at_ends, origins, over_time, steps_of
+from .nominal_motion import nominal_motion
 
 
 def told(found: Nominal, motion: Any = None) -> dict[str, Any]:
-    """Times, coordinates, nominal inputs and reference outputs.
-
-    Args:
-        found: The nominal motion.
-        motion: The motion to be told, where it is another.
-    """
+    """Times, coordinates, nominal inputs and reference outputs."""
     motion = found.motion if motion is None else motion
     labels = motion.labels
     trajectory = over_time(motion.x, labels.x)
@@ -34,19 +28,14 @@ def told(found: Nominal, motion: Any = None) -> dict[str, Any]:
     }
 
 
-def linearised(asked: Question, found: Nominal) -> dict[str, Any]:
-    """The linearised equations at every time.
-
-    Args:
-        asked: What is asked, where warnings go.
-        found: The nominal motion.
-    """
+def linearised(asked: ModeRequest, found: Nominal) -> dict[str, Any]:
+    """The linearised equations at every time."""
     along, warnings = steps_of(found.motion)
     asked.warnings += warnings
     return along
 
 
-def _run(asked: Question, matrices: bool = False) -> Found:
+def run(asked: ModeRequest, matrices: bool = False) -> Found:
     """Inverse dynamics along the trajectory; with ``matrices`` those of the linearised equations at every time."""
     found, _ = nominal_motion(asked, 3 if matrices else 2)
     return Found({**told(found), **(linearised(asked, found) if matrices else {})}, found.motion)
@@ -65,7 +54,4 @@ def table(data: dict[str, Any]) -> list[str]:
     return lines + frequencies_at_ends(data)
 
 
-MODES = (
-    Mode(2, "inverse", _run, table, needs=("trajectory", "times")),
-    Mode(3, "trajectory-linearisation", functools.partial(_run, matrices=True), table, needs=("trajectory", "times")),
-)
+MODE = Mode(run, table, needs=("trajectory", "times"))

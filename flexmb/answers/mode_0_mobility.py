@@ -3,8 +3,8 @@
 from typing import Any
 
 from ..checks.mobility import Mobility, Share, mobility
-from .mode import Found, Mode, Question
-from .parts import number
+from .answer_parts import number
+from .mode import Found, Mode, ModeRequest
 
 
 def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
@@ -26,7 +26,7 @@ def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
     return over + under
 
 
-def _run(asked: Question) -> Found:
+def _run(asked: ModeRequest) -> Found:
     found = mobility(asked.model)
     data = {
         "status": found.status,
@@ -38,4 +38,4 @@ def _run(asked: Question) -> Found:
     return Found(data, found)
 
 
-MODES = (Mode(0, "mobility", _run, lambda data: [], structural=True),)
+MODE = Mode(_run, lambda data: [], structural=True)

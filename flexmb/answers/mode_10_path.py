@@ -7,8 +7,8 @@ import numpy as np
 from ..linear.spectrum import to_frequency
 from ..paths.path import Path, path
 from ..results import RESULTS
-from .mode import Found, Mode, Question
-from .parts import by_owner, compliances, configuration, hertz_of, matrices
+from .answer_parts import by_owner, compliances, configuration, hertz_of, matrices
+from .mode import Found, Mode, ModeRequest
 
 
 def _step(found: Path, i: int) -> dict[str, Any]:
@@ -46,7 +46,7 @@ def _path(found: Path) -> dict[str, Any]:
     }
 
 
-def _run(asked: Question) -> Found:
+def _run(asked: ModeRequest) -> Found:
     model = asked.checked()
     # Its answer tells matrices and all frequencies of each state.
     found = path(model, max_steps=asked.max_steps, progress=asked.reported, sparse=False, throw=False)
@@ -73,4 +73,4 @@ def _table(data: dict[str, Any]) -> list[str]:
     return lines + [f"  {c['kind']:<11} at load factor {c['load_factor']:.10g}" for c in critical]
 
 
-MODES = (Mode(10, "path", _run, _table, increments=True, needs=("loads", "steps")),)
+MODE = Mode(_run, _table, increments=True, needs=("loads", "steps"))

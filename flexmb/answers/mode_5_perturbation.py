@@ -1,16 +1,15 @@
-"""Modes 5 and 6: the perturbation method about the motion along a trajectory."""
+"""Mode 5: the force on what is let go along a trajectory, of the perturbation method; and what mode 6 adds to it."""
 
-import functools
 from typing import Any
 
 import numpy as np
 
 from ..model.model import Model
 from ..trajectory.vibrations import Perturbation, perturbation
-from .inverse import linearised, table, told
-from .mode import Found, Mode, Question
-from .motion import RTOL
-from .trajectory import nominal_motion
+from .mode import Found, Mode, ModeRequest
+from .mode_1_simulate import RTOL
+from .mode_2_inverse import linearised, table, told
+from .nominal_motion import nominal_motion
 
 
 def _force(found: Any) -> np.ndarray:
@@ -25,7 +24,7 @@ def _start(model: Model, led: list[str]) -> np.ndarray:
     return np.where([name in led for name in names], 0.0, given)
 
 
-def _run(asked: Question, integrated: bool = False) -> Found:
+def run(asked: ModeRequest, integrated: bool = False) -> Found:
     """The linearised equations with the force on what is let go; with ``integrated`` also what vibrates then."""
     found, led = nominal_motion(asked, 6 if integrated else 5)
     along = linearised(asked, found)
@@ -47,15 +46,4 @@ def _superposed(found: Any, vibrations: Perturbation, along: dict[str, Any]) -> 
     return Found({**told(found, whole), "dq": np.asarray(vibrations.q), **along}, whole)
 
 
-def _table(data: dict[str, Any]) -> list[str]:
-    lines = table(data)
-    for i, d in enumerate(data["dofs"] if "dq" in data else []):
-        values = np.asarray(data["dq"])[:, i]
-        lines.append(f"  vibration {d['kind']} {d['of']}.{d['component']}: {values.min():.6g} to {values.max():.6g}")
-    return lines
-
-
-MODES = (
-    Mode(5, "perturbation", _run, table, needs=("trajectory", "times")),
-    Mode(6, "superposition", functools.partial(_run, integrated=True), _table, needs=("trajectory", "times")),
-)
+MODE = Mode(run, table, needs=("trajectory", "times"))
