@@ -25,8 +25,9 @@ class Question:
 
     Attributes:
         name: First words of the text. The question without a name is a coordinate, such as "top.x".
-        takes: What follows the name: "" for nothing, "number", "node", "element" or "deformation". More than one where
-            there is a choice, such as ("", "element").
+        takes: What follows the name: "" for nothing; a "number"; a "node" with a component; an "element"; a
+            "deformation", which is an element with a number; a "coordinate". Several where there is a choice: ("",
+            "element").
         value: Function of a state and of the words after the name. A state is a Model at its equilibrium, a
             Linearization, or with ``of_many`` also a path or a motion, whose states then stand in front.
         unit: SI unit, or a function of the words after the name and of the mechanism's labels, if they are known.

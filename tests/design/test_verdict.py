@@ -65,6 +65,17 @@ def page():
 
 
 @pytest.mark.slow
+def test_any_question_of_a_state_may_limit_the_stroke():
+    found = fm.verdict(guide(), {"P.x": DELTA}, steps=1, count=1, limits={"stress left": 1e6, "displacement B.x": 1.0})
+    # Both leaf springs bend alike.
+    np.testing.assert_allclose(found.curves["stress left"], found.curves["stress"], rtol=1e-6)
+    np.testing.assert_allclose(found.curves["displacement B.x"], found.stroke, rtol=1e-4, atol=1e-12)
+    assert (found.units["stress left"], found.units["displacement B.x"]) == ("Pa", "m")
+    assert found.limits[0].name == "stress left"
+    assert found.limits[0].stroke == approx(1e6 * LENGTH**2 / (3 * STEEL.E * T), rel=1e-3)
+
+
+@pytest.mark.slow
 def test_guide_is_the_closed_form(page):
     # What is left out is of the order of the square of the stroke over the length, 1e-6.
     close = {"rtol": 1e-5}
