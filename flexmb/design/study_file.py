@@ -119,13 +119,13 @@ TABLES = {
     "tune": TUNE,
     "sweep": SWEEP,
 }
-# What follows the name of a question: the kind of its value in a table, and a second key with its kind.
-TAKES: dict[str, tuple[Kind, tuple[str, Kind] | None]] = {
-    "number": (_whole(), None),
-    "node": (_node, ("axis", _text)),
-    "coordinate": (_node, ("component", _whole())),
-    "element": (_text, None),
-    "deformation": (_text, ("number", _whole())),
+# Kinds of what follows the name of a question.
+PARTS: dict[str, Kind] = {
+    "number": _whole(),
+    "component": _whole(),
+    "node": _node,
+    "element": _text,
+    "axis": _text,
 }
 
 
@@ -380,20 +380,16 @@ def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:
 def _text_of_question(key: str, kind: str, given: Mapping[str, Any]) -> str:
     """The text of a question that a table asks: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
     question, value = kinds()[kind], given[kind]
-    options = (question.takes,) if isinstance(question.takes, str) else question.takes
-    of_value, second = TAKES[options[-1]] if options[-1] else (_text, None)
-    if "" in options and (isinstance(value, bool) or options == ("",)):
-        if value is not True:
-            raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}: leave the answer out.")
-        second, rest = None, ""
-    else:
-        rest = None
-    known = {kind, *(second or ())[:1]}
-    if strangers := set(given) - known:
-        raise StudyError(f"{key}: {kind} does not take {clean(', '.join(sorted(strangers)))}.")
-    if missing := known - set(given):
-        raise StudyError(f"{key}: {kind} needs {', '.join(sorted(missing))}.")
-    if rest is None:
-        rest = f"{of_value(f'{key}: {kind}', value)}"
-        rest += "" if second is None else f".{second[1](f'{key}: {second[0]}', given[second[0]])}"
-    return f"{question.name} {rest}".strip()
+    takes = question.takes
+    if takes and takes[0].endswith("?") and isinstance(value, bool):
+        takes = ()
+    if not takes and value is not True:
+        raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}: leave the answer out.")
+    names = [kind, *takes[1:]]
+    if strangers := sorted(set(given) - set(names)):
+        raise StudyError(f"{key}: {kind} does not take {clean(', '.join(strangers))}.")
+    if missing := sorted(set(names) - set(given)):
+        raise StudyError(f"{key}: {kind} needs {', '.join(missing)}.")
+    parts = zip(names, takes, strict=False)
+    rest = [PARTS[part.removesuffix("?")](f"{key}: {name}", given[name]) for name, part in parts]
+    return f"{question.name} {'.'.join(map(str, rest))}".strip()

@@ -71,10 +71,10 @@ def _unit_of_displacement(text: str, labels: Labels | None) -> str:
 
 
 QUESTIONS = (
-    Question("", "coordinate", _coordinate, _unit, kind="coordinate", of_many=True),
+    Question("", ("node", "component"), _coordinate, _unit, kind="coordinate", of_many=True),
     Question(
         "displacement",
-        ("", "node"),
+        ("node?", "axis"),
         _displacement,
         _unit_of_displacement,
         "largest displacement",

@@ -16,6 +16,6 @@ def _resultant(state: Any, rest: str) -> Any:
 
 
 QUESTIONS = (
-    Question("deformation", "deformation", _deformation, "m, rad", of_many=True),
-    Question("stress resultant", "deformation", _resultant, "N, N m", of_many=True),
+    Question("deformation", ("element", "number"), _deformation, "m, rad", of_many=True),
+    Question("stress resultant", ("element", "number"), _resultant, "N, N m", of_many=True),
 )

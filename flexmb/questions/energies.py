@@ -15,7 +15,7 @@ def _energy(name: str, motion: Any, rest: str) -> Any:
 QUESTIONS = tuple(
     Question(
         name,
-        "",
+        (),
         functools.partial(_energy, name),
         "J",
         kind="energy",

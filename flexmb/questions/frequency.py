@@ -42,4 +42,4 @@ def frequencies_along(m: Matrices) -> np.ndarray:
     return rows
 
 
-QUESTIONS = (Question("frequency", "number", _frequency, "Hz", of_many=True),)
+QUESTIONS = (Question("frequency", ("number",), _frequency, "Hz", of_many=True),)

@@ -25,4 +25,4 @@ def _multiplier(state: Any, rest: str) -> Any:
     return finite_or_nan(numbered(np.asarray(state.multipliers), "multiplier", rest))
 
 
-QUESTIONS = (Question("multiplier", "number", _multiplier, "-", of_many=True, of_loads=True),)
+QUESTIONS = (Question("multiplier", ("number",), _multiplier, "-", of_many=True, of_loads=True),)

@@ -34,4 +34,4 @@ def _of_state(state: Any, rest: str) -> Any:
     return mass(model_of(state))
 
 
-QUESTIONS = (Question("mass", "", _of_state, "kg"),)
+QUESTIONS = (Question("mass", (), _of_state, "kg"),)

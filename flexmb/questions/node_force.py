@@ -4,4 +4,6 @@ from .question import Question, by_component, of_component
 
 UNIT = by_component("N", "N m")
 METHODS = {"force": "force_needed", "moment": "force_needed", "reaction": "reaction"}
-QUESTIONS = tuple(Question(name, "node", of_component(method), UNIT, of_many=True) for name, method in METHODS.items())
+QUESTIONS = tuple(
+    Question(name, ("node", "axis"), of_component(method), UNIT, of_many=True) for name, method in METHODS.items()
+)

@@ -5,7 +5,7 @@ from .question import Question, by_component, of_component
 QUESTIONS = tuple(
     Question(
         name,
-        "node",
+        ("node", "axis"),
         of_component(name, f"angular_{name}"),
         by_component(f"m/{per}", f"rad/{per}"),
         of_many=True,

@@ -70,4 +70,4 @@ def _compliances(found: Matrices, parts: Any) -> Float[Array, "states n n"]:
     return jax.vmap(lambda m: compliance_of(m, parts, local=False)[0])(found)
 
 
-QUESTIONS = (Question("stiffness", "node", _stiffness, by_component("N/m", "N m/rad"), of_many=True),)
+QUESTIONS = (Question("stiffness", ("node", "axis"), _stiffness, by_component("N/m", "N m/rad"), of_many=True),)

@@ -10,6 +10,6 @@ def _along(result: Any, rest: str) -> Any:
 
 
 QUESTIONS = (
-    Question("load factor", "", _along, "-", only="path", of_many=True, differentiable=False),
-    Question("time", "", _along, "s", only="motion", of_many=True, differentiable=False),
+    Question("load factor", (), _along, "-", only="path", of_many=True, differentiable=False),
+    Question("time", (), _along, "s", only="motion", of_many=True, differentiable=False),
 )

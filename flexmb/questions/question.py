@@ -25,9 +25,8 @@ class Question:
 
     Attributes:
         name: First words of the text. The question without a name is a coordinate, such as "top.x".
-        takes: What follows the name: "" for nothing; a "number"; a "node" with a component; an "element"; a
-            "deformation", which is an element with a number; a "coordinate". Several where there is a choice: ("",
-            "element").
+        takes: What follows the name, joined by points: "number", "element", or "node" and "axis". A first word such as
+            "element?" may be left out.
         value: Function of a state and of the words after the name. A state is a Model at its equilibrium, a
             Linearization, or with ``of_many`` also a path or a motion, whose states then stand in front.
         unit: SI unit, or a function of the words after the name and of the mechanism's labels, if they are known.
@@ -40,7 +39,7 @@ class Question:
     """
 
     name: str
-    takes: str | tuple[str, ...]
+    takes: tuple[str, ...]
     value: Callable[[Any, str], Any]
     unit: str | Callable[[str, Labels | None], str]
     label: str = ""

@@ -28,6 +28,6 @@ def _utilisation(state: Any, rest: str) -> Any:
 
 
 QUESTIONS = (
-    Question("stress", ("", "element"), _stress, "Pa", "largest von Mises stress", of_many=True, of_loads=True),
-    Question("utilisation", "", _utilisation, "-", "stress over strength", of_many=True, of_loads=True),
+    Question("stress", ("element?",), _stress, "Pa", "largest von Mises stress", of_many=True, of_loads=True),
+    Question("utilisation", (), _utilisation, "-", "stress over strength", of_many=True, of_loads=True),
 )

@@ -19,7 +19,7 @@ from flexmb.questions.question import Question, at_rest
 def _height(state, node):
     return 2 * at_rest(state).position(node, "y")
 
-QUESTIONS = (Question("double height", "element", _height, "m", of_many=True),)
+QUESTIONS = (Question("double height", ("node",), _height, "m", of_many=True),)
 """
 MODEL = """PLTRUSS 1 1 2
 PLTRUSS 2 2 3
