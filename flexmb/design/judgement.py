@@ -97,11 +97,20 @@ class Verdict(Result):
         return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
 
     def measured(self, name: str, state: Any) -> str:
-        """A number of a curve with its unit."""
+        """A number of a curve with its unit.
+
+        Args:
+            name: Of the curve.
+            state: Which, from 0.
+        """
         return measured(float(self.curves[name][state]), self.units[name])
 
     def where(self, state: Any) -> str:
-        """The stroke of a state, as "at 5 mm"."""
+        """The stroke of a state, as "at 5 mm".
+
+        Args:
+            state: Which, from 0.
+        """
         return f"at {measured(float(self.stroke[state]), self.unit)}"
 
     def states(self) -> States:
