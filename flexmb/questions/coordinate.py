@@ -9,7 +9,7 @@ from ..display import unit_of
 from ..math.derivative import root_or_zero
 from ..model.by_name import TURNS
 from ..model.model import Labels
-from .question import ANGLES, Question, at_rest, on_host, split
+from .question import ANGLES, Question, at_rest, model_of, on_host, split
 
 
 def _coordinate(state: Any, text: str) -> Any:
@@ -47,14 +47,11 @@ def _displacement(state: Any, text: str) -> Any:
         return at_rest(state).rotation(node, component)
     entry = f"{node}.rotation.phi" if component == "phi" and f"{node}.rotation.phi" in names else text
     if entry not in names:
-        return at_rest(state).position(node, component)
+        # Says which nodes and components there are.
+        at_rest(state).position(node, component)
+        raise KeyError(f"no coordinate '{text}' in this model")
     at = names.index(entry)
-    return on_host(state, at_rest(state).x)[..., at] - on_host(state, state_reference(state))[at]
-
-
-def state_reference(state: Any) -> Any:
-    """Coordinates of the undeformed mechanism, (n_x,) [m, rad, -]."""
-    return getattr(state, "model", state).parameters.reference
+    return on_host(state, at_rest(state).x)[..., at] - on_host(state, model_of(state).parameters.reference)[at]
 
 
 def _largest_displacement(state: Any) -> Any:
@@ -62,7 +59,7 @@ def _largest_displacement(state: Any) -> Any:
     for i, entry in enumerate(state.labels.x):
         if entry.kind == "position":
             nodes.setdefault(entry.of, []).append(i)
-    moved = (at_rest(state).x - state_reference(state))[..., np.array(list(nodes.values()))]
+    moved = (at_rest(state).x - model_of(state).parameters.reference)[..., np.array(list(nodes.values()))]
     return root_or_zero(jnp.max(jnp.sum(moved**2, axis=-1), axis=-1))
 
 
