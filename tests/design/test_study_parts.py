@@ -99,7 +99,7 @@ def expected():
         "bearing": -MOMENT,
         "push": -FORCE,
         "twist": MOMENT,
-        "bent": MOMENT * L**2 / (2 * ei),
+        "bent": -MOMENT * L**2 / (2 * ei),
         "normal": -FORCE,
         "text": 3 * ei / L**3,
         "own": 2 * (m + MASS),

@@ -127,6 +127,20 @@ def test_a_stress_is_met():
         fm.path(model, stop={"stress": 50e6})
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("sparse", [False, True])
+def test_any_question_ends_a_path(sparse):
+    # Half of the stiffness at rest, before the limit point; the frequency falls as its root.
+    start = fm.path(FLAT, max_steps=1, sparse=sparse, throw=False).along("stiffness apex.y").values[0]
+    path = fm.path(FLAT, sparse=sparse, stop={"stiffness apex.y": start / 2, "apex.y": -0.9})
+    assert path.stopped_by == "stiffness apex.y"
+    assert path.along("stiffness apex.y").values[-1] == approx(start / 2, rel=1e-6)
+    hertz = path.along("frequency 1").values
+    assert hertz[-1] / hertz[0] == approx(np.sqrt(0.5), rel=1e-3)
+    by_frequency = fm.path(FLAT, sparse=sparse, stop={"frequency 1": float(hertz[-1])})
+    assert float(by_frequency.load_factor[-1]) == approx(float(path.load_factor[-1]), rel=1e-5)
+
+
 def test_what_is_not_met_is_said():
     with pytest.warns(fm.FlexmbWarning, match=r"apex.y came to 0 m, not to 1 m; critical_points are 2, not 7"):
         path = fm.path(FLAT, stop={"apex.y": 1.0, "critical_points": 7})

@@ -53,6 +53,8 @@ def test_a_path_tells_what_its_closed_form_does(snap):
     np.testing.assert_allclose(snap.along("stiffness apex.y").values, slope, atol=1e-5)
     hertz = np.sign(slope) * np.sqrt(np.abs(slope) / MASS) / (2 * np.pi)
     np.testing.assert_allclose(snap.along("frequency 1").values, hertz, rtol=1e-5, atol=1e-4)
+    np.testing.assert_allclose(snap.along("displacement").values, HEIGHT - y, atol=1e-15)
+    np.testing.assert_array_equal(snap.along("mass").values, np.full(len(y), MASS))
     assert snap.along("load factor").values[-1] == 1.0
     assert (snap.along("frequency 1").axis, snap.along("stiffness apex.y").unit) == ("frequency 1 [Hz]", "N/m")
 
