@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit, unguarded
+from ..linear.about import linearized
 from ..linear.compliance import compliance, compliance_of, compliance_of_large
-from ..linear.linearize import Linearization, Matrices, linearized
-from ..linear.sparse_linearize import SparseLinearization
+from ..linear.linearize import Linearization, Matrices
 from ..model.model import Model
 from .question import Question, axes_of, by_component, each_linearization, is_many, split
 
@@ -48,7 +48,7 @@ def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool
 
 def _stiffness(state: Any, rest: str) -> Any:
     node, axis = split(rest)
-    if not is_many(state) and not isinstance(state, SparseLinearization):
+    if not is_many(state) and not (isinstance(state, Linearization) and state.large):
         return stiffness(state, node, axis)
     axes, places = axes_of(state.labels, node), tuple(state.labels.known(part) for part in state.labels.parts(node))
     if axis not in axes:
