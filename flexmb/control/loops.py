@@ -26,8 +26,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
 
     Beyond the limits the integrators of a linear controller are led back, so that what they ask for follows the limit
     with the time constant ``tracking``: z' = A z + B y + V (C V)^+ (sat(u) - u)/T, with the eigenvectors V of the
-    eigenvalues that do not decay. A sampled one takes the share 1 - exp(-h/T) of it a sample. States that decay by
-    themselves do not wind up and are left alone.
+    eigenvalues that do not decay. A sampled one takes the share 1 - exp(-h/T) of it a sample. Other states are left
+    alone.
 
     Args:
         controller: What :func:`flexmb.simulate` takes as ``control``. Of a :class:`flexmb.motion.Feedback` or Sampled
@@ -57,26 +57,31 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
         raise ModelError("Argument `tracking` is for integrators, which the controller has not: leave it out.")
     follow = _following(given, tracking)
 
-    def within(u: ArrayLike):
+    def within(t: Float[Array, ""], u: ArrayLike):
         u = jnp.atleast_1d(as_reals("What the controller gives", u, ModelError))
         if low.shape not in ((), u.shape):
             raise ModelError(f"Argument `limits` is for {low.shape[0]} outputs, but the controller has {u.shape[0]}.")
         return jnp.clip(u, low, high)
 
     def led_back(t: Float[Array, ""], u: ArrayLike):
-        return 0.0 if follow is None else at_time(follow, t) @ (within(u) - jnp.atleast_1d(jnp.asarray(u, float)))
+        return at_time(follow, t) @ (within(t, u) - jnp.atleast_1d(jnp.asarray(u, float)))
 
+    return _changed(given, within, None if follow is None else led_back)
+
+
+def _changed(given: Feedback | Sampled, output: Callable, more: Callable | None = None) -> Feedback | Sampled:
+    """A controller whose outputs u are ``output(t, u)``, ``more(t, u)`` added to the rate, or step, of its state."""
     if isinstance(given, Sampled):
         step = given.step
 
-        def limited(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
+        def changed(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
             u, then = step(t, z, y)
-            return within(u), then if follow is None else then + led_back(t, u)
+            return output(t, u), then if more is None else then + more(t, u)
 
-        return dataclasses.replace(given, step=limited)
-    output, rate = given.output, given.rate
-    rates = rate if rate is None or follow is None else lambda t, z, y: rate(t, z, y) + led_back(t, output(t, z, y))
-    return dataclasses.replace(given, output=lambda t, z, y: within(output(t, z, y)), rate=rates)
+        return dataclasses.replace(given, step=changed)
+    own, rate = given.output, given.rate
+    rates = rate if rate is None or more is None else lambda t, z, y: rate(t, z, y) + more(t, own(t, z, y))
+    return dataclasses.replace(given, output=lambda t, z, y: output(t, own(t, z, y)), rate=rates)
 
 
 def _limits(limits: Any) -> tuple[Any, Any]:
@@ -142,16 +147,7 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
             raise ModelError(f"Argument `law` gives shape {extra.shape}, but the controller has {u.shape[0]} outputs.")
         return u + extra
 
-    if isinstance(given, Sampled):
-        step = given.step
-
-        def sampled(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
-            u, then = step(t, z, y)
-            return added(t, u), then
-
-        return dataclasses.replace(given, step=sampled)
-    output = given.output
-    return dataclasses.replace(given, output=lambda t, z, y: added(t, output(t, z, y)))
+    return _changed(given, added)
 
 
 def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:

@@ -81,10 +81,7 @@ def _realised(
     condensed: tuple[int, ...],
     modes: tuple[int, ...] = (),
 ) -> _Realised:
-    """First-order form of a second-order one, with massless motions condensed statically; along a motion each.
-
-    Where modes are given, all others are condensed.
-    """
+    """First-order form of a second-order one, motions without mass condensed, or all modes but some; at each time."""
 
     def one(parts: tuple[Array, ...]):
         return _realised_at(parts, np.array(orders, int), np.array(moves, float), condensed, modes)
@@ -287,7 +284,7 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
         form = second_order(lin)
         if not traced:
             plain = jax.tree.map(np.asarray, undifferentiated(form))
-            _refuse_idle_inputs(known, plain, condensed)
+            refuse_idle_inputs(known, plain)
         kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
         names = [f"mode {i + 1}" for i in kept]
         if not traced and not kept:
@@ -401,13 +398,8 @@ def _all_massless(lin: Linearization) -> tuple[int, ...]:
 
 
 def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
-    """Raise ModelError of inputs that move nothing, of concrete numbers; ``whole`` is the second-order form."""
-    plain: Any = jax.tree.map(np.asarray, whole)
-    _refuse_idle_inputs(lin, plain, _all_massless(lin))
-
-
-def _refuse_idle_inputs(lin: Linearization, whole: SecondOrder, condensed: tuple[int, ...]) -> None:
-    """Refuse inputs whose columns of B and D, in plain numbers, are zero but for round-off, at all times."""
+    """Raise ModelError of inputs whose columns of B and D are zero but for round-off, at all times; known numbers."""
+    whole, condensed = jax.tree.map(np.asarray, whole), _all_massless(lin)
     if not len(whole.orders):
         return
     if condensed:
