@@ -24,7 +24,7 @@ from .building import build, free_names, numbers_of
 from .document import Document, apply
 from .formulas import formulas
 from .from_builder import document_of
-from .references import call_of
+from .references import call_of, called
 from .study_beside import names_beside, write_beside
 
 # Lines of a file that belong to an analysis and name no node or element, so that they can stay when it is written anew.
@@ -114,7 +114,7 @@ def cannot_hold(document: Document) -> list[str]:
 
 def incomplete(document: Document) -> list[str]:
     """What is not in the mechanism yet, since something is wrong with it: neither answers nor files know of it."""
-    return [f"{_called(document, one['address'])}: {one['message']}" for one in build(document).problems]
+    return [f"{clean(called(document.by_id, one['address']))}: {one['message']}" for one in build(document).problems]
 
 
 def refused(document: Document) -> list[str]:
@@ -143,11 +143,6 @@ def refused(document: Document) -> list[str]:
 
 def _joined(builder: Builder) -> set[str]:
     return {node for member in builder.members.values() if not member.hidden for node in member.nodes}
-
-
-def _called(document: Document, address: str) -> str:
-    thing = document.by_id.get(address.partition("/")[0])
-    return clean(address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip())
 
 
 def _without_strength(builder: Builder) -> Builder:

@@ -273,7 +273,9 @@ class _Image:
         scalars = [key for key, value in own.items() if key in ("apart", "fold") and isinstance(value, str)]
         if self.d == 2 and thing["call"] == "blocks.folded_leaf_spring" and "fold" not in own:
             scalars.append("fold")
-        wanted = self._points(self.document, thing["id"])
+        if thing["id"] not in self.built.made:
+            raise EditError(thing["id"], "A block cannot be mirrored before its problems are solved.")
+        wanted = {name: self._reflected(place) for name, place in self._points(self.built, thing).items()}
         inner = self._inner(thing)
         for flips in sorted(itertools.product((False, True), repeat=len(scalars)), key=sum):
             signs = {
@@ -296,16 +298,10 @@ class _Image:
                     found.add(name.removeprefix(f"{thing['name']} ") if name.startswith(f"{thing['name']} ") else "")
         return {name for name in found if name}
 
-    def _points(self, document: Document, id: str) -> dict[str, np.ndarray]:
-        made = self.built.made.get(id)
-        if made is None:
-            raise EditError(id, "A block cannot be mirrored before its problems are solved.")
-        name = document.by_id[id]["name"]
-        return {
-            n: self._reflected(np.asarray(self.built.builder.nodes[n].start, float))
-            for n in (call.positional[0] for call in made if call.method == "node")
-            if n.startswith(f"{name} ")
-        }
+    def _points(self, built: Built, block: dict[str, Any]) -> dict[str, np.ndarray]:
+        """Places of the nodes that a block makes and that bear its name."""
+        made = [call.positional for call in built.made.get(block["id"], []) if call.method == "node"]
+        return {name: np.asarray(place, float) for name, place in made if name.startswith(f"{block['name']} ")}
 
     def _reflected(self, point: np.ndarray) -> np.ndarray:
         return self.turned * point + np.where(np.arange(self.d) == self.axis, 2 * self._value(self.at), 0.0)
@@ -320,13 +316,7 @@ class _Image:
             raise EditError(f"{thing['id']}/base", "A block cannot be mirrored before its problems are solved.")
         place = self._reflected(np.asarray(start.start, float))
         node = {"id": "0", "call": "node", "name": base, "args": {"position": [repr(float(v)) for v in place]}}
-        built = build(self.document.with_things([*records, node, thing]))
-        nodes = built.builder.nodes
-        return {
-            n: np.asarray(nodes[n].start, float)
-            for n in nodes
-            if n.startswith(f"{thing['name']} ") and nodes[n].kind.part == "position"
-        }
+        return self._points(build(self.document.with_things([*records, node, thing])), thing)
 
     def _agrees(self, found: dict[str, np.ndarray], wanted: dict[str, np.ndarray], inner: set[str]) -> bool:
         """Whether points are the same, those that others refer to by their names."""

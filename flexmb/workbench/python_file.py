@@ -12,7 +12,7 @@ from ..errors import clean
 from ..spacar.arithmetic import names_in
 from .building import Arguments, arranged, build, free_names, numbers_of
 from .document import Document
-from .references import call_of
+from .references import call_of, called
 
 # Words that a variable of the script must not be called.
 RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "fm", "planar", "spatial", "pi"}
@@ -106,16 +106,13 @@ class _Script:
         return told[0] if len(told) == 1 else "\n\n".join([told[0], "\n".join(told[1:])]) + "\n"
 
     def _left_out(self) -> list[str]:
-        problems = {f"{self._called(one['address'])}: {one['message']}" for one in self.built.problems}
+        things = self.document.by_id
+        problems = {f"{called(things, one['address'])}: {one['message']}" for one in self.built.problems}
         told = {one["address"].partition("/")[0] for one in self.built.problems}
         problems |= {
-            f"{self._called(id)}: what it refers to is left out" for id in self.built.skipped if id not in told
+            f"{called(things, id)}: what it refers to is left out" for id in self.built.skipped if id not in told
         }
         return [f"# Left out: {clean(' '.join(one.split()))}" for one in sorted(problems)] + [""] * bool(problems)
-
-    def _called(self, address: str) -> str:
-        thing = self.document.by_id.get(address.partition("/")[0])
-        return address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip()
 
     def _derived(self) -> list[str]:
         """Names that follow from others, each after those."""

@@ -1,7 +1,7 @@
 """Which things of a document refer to which, by name, and how a name that changes is followed."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from ..model.by_name import FRAME_OF, TURN_OF, TURNS
@@ -26,6 +26,12 @@ SPACES = {
 def call_of(thing: dict[str, Any]) -> Call | None:
     """What a thing calls; None where this version knows no such call."""
     return calls().get(thing["call"])
+
+
+def called(things: Mapping[str, dict[str, Any]], address: str) -> str:
+    """Call and name of the thing to which an address belongs; the address where there is none."""
+    thing = things.get(address.partition("/")[0])
+    return address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip()
 
 
 def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], str]]:
