@@ -10,6 +10,7 @@ from ..build.description import Key
 from ..model.model import Labels
 from ..model.roles import Role
 from ..trajectory.laws import Law, quintic, scurve, septic
+from .actions import start_of
 from .reading import Leg
 from .trajectories import WAYS
 
@@ -88,6 +89,6 @@ def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Ro
         kind, of, number = key
         if only in (None, role_of(builder, key)):
             start = given.get(key, builder.starts.get(key, (0.0, 0.0))[0])
-            reference = builder.nodes[of].start[number - 1] if kind == "node" else 0.0
+            reference = start_of(builder, kind, of, number)
             found[_name(labels, key)] = law_of(way.legs, float(start), float(reference))
     return found
