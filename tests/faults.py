@@ -2901,7 +2901,7 @@ FAULTS = [
     ),
     Fault(
         "compilation/by_meaning.py",
-        "@functools.lru_cache(compile.MOST)\n",
+        "@functools.lru_cache(compile.MOST_VARIANTS)\n",
         "",
         "compilation/test_by_meaning.py -k anew",
     ),

@@ -69,7 +69,7 @@ def _called(found: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
     return jax.tree.unflatten(found.code.results, run(None, (), [*found.numbers, *leaves]))
 
 
-@functools.lru_cache(compile.MOST)
+@functools.lru_cache(compile.MOST_VARIANTS)
 def run_of(code: Code) -> Callable[..., Any]:
     """What runs a program on its numbers and arguments; the last ones are remembered, others with who holds them."""
     count = len(code.jaxpr.constvars)

@@ -41,7 +41,7 @@ if jax.__version_info__ >= (0, 11):
 # JAX takes options at the outermost call only: a kernel within another is compiled as that one is.
 OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
 # So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.
-MOST = 32
+MOST_VARIANTS = 32
 # Compiled code is given back where a process has used this share of the memory maps that it may have. A program takes
 # some 300 and that of a motion in space 2000; beyond the limit, on Linux 65 530, the compiler ends the process. To
 # count them takes 10 ms, so that it is done only where programs since the last count may have reached the share.
@@ -139,7 +139,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
     def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         return jax.tree.map(_strong, function(structure, fixed, *leaves))
 
-    @functools.lru_cache(MOST)
+    @functools.lru_cache(MOST_VARIANTS)
     def variant(structure: Any, fixed: tuple[Any, ...], mode: str, keeps: bool, _: Any):
         own = functools.partial(whole, structure, fixed)
         things = (whole, structure, fixed) if keeps else None
@@ -150,7 +150,7 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
             return kept.called(own, things, leaves)
 
         # Beside it, whether a program of it has been found to call the host.
-        return named(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
+        return under_name(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
 
     @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
@@ -176,7 +176,7 @@ def _is_anywhere(leaves: list[Any]) -> bool:
     return jax.default_backend() == "cpu" or not any(getattr(leaf, "committed", False) for leaf in leaves)
 
 
-def named(function: Callable[..., Any], name: str, options: dict[str, Any] | None) -> Any:
+def under_name(function: Callable[..., Any], name: str, options: dict[str, Any] | None) -> Any:
     """A function of arrays to be compiled by JAX, under a name."""
 
     def program(*leaves: Any):

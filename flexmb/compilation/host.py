@@ -29,7 +29,7 @@ import numpy as np
 # The name by which programs call the host.
 TARGET = "flexmb_host"
 # So many different calls are remembered as they are written in programs.
-MOST = 32
+MOST_CALLS = 32
 _lock = threading.Lock()
 _here = threading.local()
 
@@ -222,7 +222,7 @@ def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], w
         function, *trees = pickle.loads(zlib.decompress(base64.b85decode(text())))
         call = function, *map(jax.tree.structure, trees)
         with _lock:
-            while len(_calls) >= MOST:
+            while len(_calls) >= MOST_CALLS:
                 del _calls[next(iter(_calls))]
             _calls[digest] = call
     function, structure, results = call

@@ -14,7 +14,7 @@ import jax.core
 import numpy as np
 
 from ..arguments import as_whole, shown
-from .element_text import repr_of, text_of
+from .element_text import help_of, repr_of
 from .nodes import STATIC, NodeKind
 
 EMPTY = inspect.Parameter.empty
@@ -364,7 +364,7 @@ class _Text:
         self.own = own
 
     def __get__(self, element: Element | None, owner: type) -> str | None:
-        return self.own if element is None else text_of(element)
+        return self.own if element is None else help_of(element)
 
 
 Element.__doc__ = _Text(Element.__doc__)  # pyright: ignore[reportAttributeAccessIssue]

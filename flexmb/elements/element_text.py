@@ -18,7 +18,7 @@ def repr_of(element: Any) -> str:
     return f"<{_name(element)}: {'; '.join(parts)}>"
 
 
-def text_of(element: Any) -> str:
+def help_of(element: Any) -> str:
     """Name and text of an element type, then what ``Builder.add`` takes of it."""
     kinds = ", ".join(f"{name} ({kind.part})" for name, kind in element.nodes.items() if kind.part != "internal")
     ends = list(_ends(element))

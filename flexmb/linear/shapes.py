@@ -4,7 +4,7 @@ from typing import Any
 
 from jaxtyping import Array, Float
 
-from ..model.by_name import ByName, moved
+from ..model.by_name import ByName, node_motions
 from ..model.model import Labels
 from .linearize import AboutState
 
@@ -41,4 +41,4 @@ class Shapes(ByName, AboutState):
             Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
             component; of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
         """
-        return moved(self.labels, self.lin.x, self.shapes, node, component)
+        return node_motions(self.labels, self.lin.x, self.shapes, node, component)

@@ -23,7 +23,7 @@ from .linear import uneven
 # larger than LEFT, is refused.
 DONE, LEFT = 1e-13, 1e-6
 # So many are made.
-MOST = 20
+MOST_CORRECTIONS = 20
 # Round-off of forces, as share of the largest.
 NOISE = 10 * float(np.finfo(float).eps)
 
@@ -163,7 +163,7 @@ def refined(
     soft = softness(solve, sizes, len(right), right.dtype) if soft is None else soft
     still = NOISE * soft * np.max(np.abs(right[:n]) * sizes[:, None], axis=0, initial=0.0)
     before = np.inf
-    for _ in range(MOST):
+    for _ in range(MOST_CORRECTIONS):
         step = solve(right - product(z))
         found = size(step)
         share = np.max(np.where(found <= still, 0.0, found / np.maximum(size(z), np.finfo(float).tiny)), initial=0.0)

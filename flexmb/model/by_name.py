@@ -210,7 +210,7 @@ class ByName:
         return _along_axes(self.labels, self.x, values, node, component, 0.5)
 
 
-def moved(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
+def node_motions(labels: Any, x: Any, shapes: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
     """Displacements, then rotations about global axes, of small motions about a state.
 
     Raises KeyError: No such node or component.

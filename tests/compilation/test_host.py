@@ -109,7 +109,7 @@ def test_what_no_program_can_name_and_other_devices_are_served_too(monkeypatch, 
 
 
 def test_calls_beyond_the_number_that_is_remembered_are_read_again(monkeypatch):
-    monkeypatch.setattr(host, "MOST", 1)
+    monkeypatch.setattr(host, "MOST_CALLS", 1)
     host.forget()
     like = {"x": jax.ShapeDtypeStruct((), float)}
     times = [functools.partial(mirrored, by=by) for by in (2.0, 3.0)]
