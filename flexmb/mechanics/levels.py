@@ -13,7 +13,6 @@ from ..compilation.record import Record, static
 from ..math.block_tridiagonal import BlockFactors, factorise_blocks, parts_of
 from ..model.topology import Block, Topology
 from .blocks import scatter_vector
-from .turning import Turning, turning_of
 
 # By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
 # on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
@@ -32,7 +31,6 @@ class Levels(Record):
             upper blocks; one past the last for none, (3, b, b, count, most).
         empty: Ones on the diagonal of places without an unknown, (b, b, count).
         unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
-        turning: Which of them turn with which rotations.
         holds: Whether deformations of each such block are held.
     """
 
@@ -41,7 +39,6 @@ class Levels(Record):
     table: Int[Array, "three b b count most"]
     empty: Float[Array, "b b count"]
     unknowns: tuple[Int[Array, "elements k"], ...]
-    turning: Turning
     holds: tuple[bool, ...] = static()
 
     def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> BlockFactors:
@@ -144,7 +141,7 @@ def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
         return None
     # What is found within a trace would be of that trace alone.
     place, back, table, empty, unknowns = jax.device_put(found)
-    return Levels(place, back, table, empty, unknowns, turning_of(topology, moving), holds)
+    return Levels(place, back, table, empty, unknowns, holds)
 
 
 def unknowns_of(topology: Topology, moving: list[Block]) -> tuple[list[np.ndarray], tuple[bool, ...], int]:

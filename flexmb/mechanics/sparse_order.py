@@ -18,7 +18,6 @@ from ..errors import AnalysisError
 from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
-from .turning import Turning, turning_of
 
 # Factors of so many matrices are kept: two of a step, and those that bring back onto the constraints.
 MOST = 4
@@ -94,13 +93,11 @@ class SparseOrder(Record):
 
     Attributes:
         unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
-        turning: Which of them turn with which rotations.
         holds: Whether deformations of each such block are held.
         places: Where the entries of the element matrices lie.
     """
 
     unknowns: tuple[Int[Array, "elements k"], ...]
-    turning: Turning
     holds: tuple[bool, ...] = static()
     places: Places = static()
 
@@ -176,7 +173,7 @@ def sparse_order_of(topology: Topology) -> SparseOrder:
     """Unknowns of a mechanism and where its matrices have entries, on the host; found once for equal structures."""
     moving = moving_blocks(topology)
     unknowns, holds, count = unknowns_of(topology, moving)
-    return SparseOrder(tuple(jax.device_put(unknowns)), turning_of(topology, moving), holds, _places(unknowns, count))
+    return SparseOrder(tuple(jax.device_put(unknowns)), holds, _places(unknowns, count))
 
 
 # As long as one of them is in use, equal structures share it and the code that was compiled with it.

@@ -20,7 +20,7 @@ from .chain_form import ChainForm
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
 from .protocol import MotionState
-from .stages import hermite
+from .stages import Taken, between, hermite, z_within
 
 # A step may gain or lose at most so many times the relative tolerance of the greatest energy. At ten times, twenty
 # impacts between walls added up to more than is warned of; at three they do not (tests/motion/test_balance.py).
@@ -120,9 +120,49 @@ def kinetic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> F
     return w @ inertia[:n] / 2
 
 
-def noise_of(mass: Float[Array, "n n"], h: Float[Array, ""], atol: Any) -> Float[Array, ""]:
-    """Kinetic energy of velocities that move everything by the absolute tolerance within a step [J]."""
-    return jnp.trace(mass) / 2 * (atol / jnp.where(h == 0, 1.0, h)) ** 2
+class StepError(NamedTuple):
+    """Error estimate of a step with its energy balance, as a solver hands both to its step size controller.
+
+    Attributes:
+        state: Error of the state.
+        gained: Energy that the step gains without a cause [J].
+        energy: Kinetic plus elastic energy at its end [J].
+        inertia: Half the trace of the mass matrix, for :meth:`Balance.after`'s noise.
+    """
+
+    state: MotionState
+    gained: Float[Array, ""]
+    energy: Float[Array, ""]
+    inertia: Float[Array, ""]
+
+
+def balanced_error(
+    equations: Any,
+    times: tuple[Any, Any],
+    states: tuple[MotionState, MotionState],
+    z: Float[Array, "r"],
+    taken: Taken,
+) -> StepError:
+    """Error of a Rosenbrock step with its energy balance.
+
+    Args:
+        equations: Equations of motion.
+        times: Begin and end of the step [s].
+        states: There, on the constraints.
+        z: Accelerations and multipliers at its begin, (n + m,).
+        taken: What the step led to.
+    """
+    (t0, t1), n = times, states[0].u.shape[0]
+    h, rates, own = t1 - t0, (z[:n], taken.z[:n]), slice(n - equations.states)
+
+    def at(share: Float[Array, ""]):
+        t = t0 + share * h
+        state, rate = jax.jvp(lambda t: between(times, states, rates, t), (t,), (jnp.ones_like(t),))
+        return t, state, jnp.append(rate.w, z_within((z, taken.z), taken.bows, share)[n:])
+
+    mass, w = jnp.asarray(taken.mass), states[1].w[own]
+    energy = w @ mass[own, own] @ w / 2 + elastic_energy(equations, t1, states[1])
+    return StepError(taken.error, gained_along(equations, h, at), energy, jnp.trace(mass) / 2)
 
 
 def gained_along(

@@ -5,18 +5,19 @@ left to :mod:`flexmb.mechanics.levels` for chains and to :mod:`flexmb.mechanics.
 """
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Inexact
+from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.levels import Levels, bordered, moving_blocks
-from ..mechanics.sparse_order import Factors, SparseOrder, solution
+from ..mechanics.sparse_order import SparseOrder, solution
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
@@ -50,18 +51,45 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
     return None
 
 
-class ResidualPieces(NamedTuple):
-    """Derivatives of the residual, element by element; coordinates of elements come before their held deformations.
+class ElementTangent(NamedTuple):
+    """Derivatives of the residual, element by element, with the methods of :class:`.protocol.Tangent`.
+
+    Coordinates of elements come before their held deformations.
 
     Attributes:
+        order: Of the unknowns.
         by_z: Of each block, (elements, k, k).
         by_w: (elements, k, k).
         by_u: (elements, k, k).
+        by_t: (n + m,), or None where no load depends on time.
+        held: Number m of multipliers.
     """
 
+    order: Levels | SparseOrder
     by_z: tuple[Float[Array, "elements k k"], ...]
     by_w: tuple[Float[Array, "elements k k"], ...]
     by_u: tuple[Float[Array, "elements k k"], ...]
+    by_t: Float[Array, "r"] | None
+    held: int
+
+    @property
+    def mass(self) -> None:
+        """No dense mass matrix is formed."""
+        return None
+
+    def solver(self, step: Any) -> Callable[[Float[Array, "r"]], Float[Array, "r"]]:
+        """Return the function that solves with R_z + step R_w + step^2 R_u, for a right-hand side (n + m,)."""
+        every = zip(self.by_z, self.by_w, self.by_u, strict=True)
+        order: Any = self.order
+        pieces = tuple(z + step * (w + step * u) for z, w, u in every)
+        factors = order.factors(pieces)
+        return lambda right: solution(order, factors, pieces, jnp.zeros_like(right), right)
+
+    def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
+        """Change R_w w + R_u u of the residual, (n + m,)."""
+        every = ((self.by_w, w), (self.by_u, u))
+        by_w, by_u = (self.order.product(of, jnp.append(moved, jnp.zeros(self.held))) for of, moved in every)
+        return by_w + by_u
 
 
 class ChainForm(Record):
@@ -142,7 +170,7 @@ class ChainForm(Record):
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
 
-    def pieces(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> ResidualPieces:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> ElementTangent:
         """Derivatives of the residual, element by element.
 
         Source:
@@ -174,24 +202,21 @@ class ChainForm(Record):
                 by_z = bordered(by_z, e, e.mT, self._corner(block, e))
                 by_w, by_u = bordered(by_w, 2 * ed), bordered(by_u, edd)
             every.append((by_z, by_w, by_u))
-        return ResidualPieces(*(tuple(of) for of in zip(*every, strict=True)))
+        by_t = None
+        if form.driven:
+            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        by_z, by_w, by_u = (tuple(of) for of in zip(*every, strict=True))
+        return ElementTangent(self.order, by_z, by_w, by_u, by_t, form.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
         """What keeps redundant constraints solvable; see :meth:`CoordinatesForm.system`."""
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
         return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
 
-    def factors_of_step(self, pieces: ResidualPieces, step: Inexact[Array, ""]) -> Factors:
-        """Factors of by_z + step by_w + step^2 by_u, of a real or complex step."""
-
-        def of_step(z: Float[Array, "elements k k"], w: Float[Array, "elements k k"], u: Float[Array, "elements k k"]):
-            return z.astype(step.dtype) + step * (w.astype(step.dtype) + step * u.astype(step.dtype))
-
-        return self.order.factors(tuple(map(of_step, *pieces)))
-
-    def product(self, pieces: tuple[Array, ...], moved: Float[Array, "n"]):
-        """Product of the sum of element matrices with a change of the coordinates that move, (unknowns,)."""
-        return self.order.product(pieces, jnp.append(moved, jnp.zeros(self.form.held.shape[0])))
+    @property
+    def unknowns(self) -> int:
+        """Number of accelerations and multipliers."""
+        return self.form.unknowns
 
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
@@ -201,13 +226,11 @@ class ChainForm(Record):
             THEORY.md 9 (b), eq. (9.2).
         """
         z = jnp.zeros(self.size + self.form.held.shape[0])
-        order: Any = self.order
-        pieces = self.pieces(t, state, z).by_z
-        factors = order.factors(pieces)
+        solve = self.tangent(t, state, z).solver(0.0)
 
         def corrected(z: Float[Array, "r"], _: None):
             left = self.residual(t, state, z)
-            return z - solution(order, factors, pieces, jnp.zeros_like(z), left), jnp.max(jnp.abs(left))
+            return z - solve(left), jnp.max(jnp.abs(left))
 
         # The second time removes what keeps redundant constraints solvable; what a singular system leaves is more.
         z, left = jax.lax.scan(corrected, z, None, length=3)

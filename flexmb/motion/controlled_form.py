@@ -167,11 +167,6 @@ class ControlledForm(Record):
         return self.form.size + self.states
 
     @property
-    def linear(self) -> bool:
-        """Not where outputs that follow from accelerations make inputs, by any function, which change these."""
-        return not self.places.late
-
-    @property
     def unknowns(self) -> int:
         """Number of accelerations, rates of the controller, and multipliers."""
         return self.form.unknowns + self.states
@@ -293,11 +288,7 @@ class ControlledForm(Record):
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
     def _closed(self, t: Float[Array, ""], own: MotionState, states: Float[Array, "n_z"], z: Float[Array, "r"] | None):
-        """Outputs and inputs at one time; the inputs may depend on what they cause.
-
-        Args:
-            z: Accelerations and multipliers of the mechanism; None where they are to be found.
-        """
+        """Outputs and inputs at one time; the inputs may depend on what they cause."""
         if not self.places.late:
             y = self.measured(t, own)
             return y, self._inputs(t, states, y)

@@ -114,11 +114,6 @@ class CoordinatesForm(Record):
         return self.free.shape[0]
 
     @property
-    def linear(self) -> bool:
-        """Accelerations and multipliers follow from their matrix."""
-        return True
-
-    @property
     def unknowns(self) -> int:
         """Number of accelerations and multipliers."""
         return self.size + self.held.shape[0]

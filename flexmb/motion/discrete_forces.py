@@ -65,17 +65,7 @@ def _pulled(
     change: tuple[Any, Any],
     forces: tuple[Any, Any],
 ):
-    """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot.
-
-    Args:
-        f: Of the coordinates, (e, s).
-        middle: Coordinates halfway, (k,).
-        step: Their change, (k,).
-        scale: Sizes that make changes pure numbers, (k,).
-        fall: Accelerations of free fall, (k,), or None.
-        change: Change of (e, s).
-        forces: sigma, and (s_ddot, H); None where there is none.
-    """
+    """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot."""
     (_, at_middle), pull = jax.jvp(f, (middle,), (step,)), jax.vjp(f, middle)[1]
     sigma, inertia = forces
     weight = None

@@ -268,11 +268,7 @@ def _rotation_prescribed(labels: Labels, name: str) -> str:
 
 
 def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:
-    """A function of time as it is now, which gives as many numbers as are driven, or if so said one for all.
-
-    Raises:
-        ModelError: It is no function, or gives another number of them.
-    """
+    """A function of time as it is now, which gives as many numbers as are driven, or if so said one for all."""
     if not callable(value):
         raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
     if isinstance(value, Table):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,26 +17,22 @@ from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
 from ..results import RESULTS
-from .balance import Before, is_seen
+from .balance import Before
 from .chain_form import chain_form
-from .chain_march import march_chain
-from .chain_march_back import radau
 from .controlled_form import ControlledForm, Feedback
 from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
-from .events import passing_of
 from .integrator import Integrator
-from .kinks import kinks_of
 from .loop import controlled_form, measuring, under_inputs
-from .march import Marched, march
-from .march_back import march_back
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
 from .start import Start, driven_start, driving, is_determined
-from .step_size import SMALLEST_STEP
-from .tape import Span, Tape
+from .steps_again import Span, pulled_back
 from .tree_form import TreeForm, tree_form
+
+if TYPE_CHECKING:
+    from .solve import Solved
 
 # Where a mechanism is not where it is driven by more than this share of its extent, it cannot be assembled there.
 MET = 1e-6
@@ -110,9 +105,9 @@ class Integrated(NamedTuple):
     jumped: Bool[Array, ""] | bool = False
 
 
-def _by_options(problem: Problem, integrator: Integrator) -> bool:
-    """Whether diffrax's own loop is asked for, by a solver, an adjoint and the like, or by jumps."""
-    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, problem.jumps)
+def _by_options(integrator: Integrator, jumps: Any) -> bool:
+    """Whether diffrax differentiates by its adjoint: with a solver, an adjoint and the like, or with jumps."""
+    own = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, jumps)
     return any(one is not None for one in own)
 
 
@@ -120,201 +115,40 @@ def _solved(
     equations: Equations,
     problem: Problem,
     integrator: Integrator,
-    t0: Float[Array, ""],
-    t1: Float[Array, ""],
-    times: Float[Array, "n_t"],
+    times: tuple[Float[Array, ""], Float[Array, ""], Float[Array, "n_t"]],
     start: MotionState,
     before: Before,
     derived: bool = False,
-    taped: bool = False,
-    known: tuple[Marched, Tape] | None = None,
-) -> tuple[Marched, Tape | None]:
-    """States at times between t0 and t1, what else is found on the way, and a tape where one is asked for.
+    known: tuple[Solved, Array] | None = None,
+) -> Solved:
+    """States at times."""
+    import diffrax
 
-    Args:
-        derived: Whether it is asked for beside a derivative, so that steps across kinks are short.
-        taped: Whether the way back is another program, which needs the tape.
-        known: What this one found, there.
-    """
+    from .solve import solve
+
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    if _by_options(problem, integrator):
-        onto = problem.jumps, problem.stops
-        return _by_diffrax(parts, equations, integrator, onto, t0, t1, times, start, before), None
+    span = Span(*times, problem.stops, problem.jumps)
+    if _by_options(integrator, problem.jumps):
+        adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
+        return solve(equations, span, start, integrator, before, parts, adjoint=adjoint, every=True)[0]
 
-    def given(*own: Any) -> Any:
-        equations, span, start, integrator, before = own
-
-        def first(fast: Float[Array, ""]):
-            return _first_step(integrator, fast, span.t1 - span.t0, parts, False)
-
-        allowed = (integrator.rtol, integrator.atol)
-        return equations, span, start, before, allowed, first, integrator.max_steps
-
-    own: tuple[Any, ...] = equations, Span(t0, t1, times, problem.stops), start, integrator, before
-
-    def marched(*own: Any, taped: bool, derived: bool):
-        if problem.order is not None:
-            return march_chain(*given(*own), taped=taped)
-        return march(*given(*own), taped=taped, kinks=kinks_of(own[0], derived))
+    def plain(equations: Any, span: Any, start: Any, *rest: Any):
+        if known is not None:
+            return known[0]
+        return solve(equations, span, start, *rest, parts, adjoint=diffrax.ForwardMode(), every=derived)[0]
 
     def ahead(*own: Any):
-        return marched(*own, taped=True, derived=True) if known is None else known
+        if known is not None:
+            return known
+        return solve(*own, parts, adjoint=diffrax.ForwardMode(), every=True, recorded=True)
 
-    if taped:
-        return ahead(*own)
-
-    def plain(*own: Any):
-        return (marched(*own, taped=False, derived=derived) if known is None else known)[0]
-
-    def back(parts: list[Varied], tape: Tape, changes: Marched):
-        equations, span, start, *rest = parts
-        if problem.order is None:
-            found = march_back(equations, span, start, tape, changes)
-        else:
-            by: Integrator = rest[0].whole(rest[0].numbers)
-            found = march_back(equations, span, start, tape, changes, radau((by.rtol, by.atol)))
+    def back(varied: list[Varied], ends: Array, changes: Solved):
+        found = pulled_back(varied[:3], ends, changes.states)
         # The tolerances and what came before choose the steps, which are as they are.
-        none = [[jnp.zeros_like(number) for number in part.numbers] for part in rest]
+        none = [[jnp.zeros_like(number) for number in part.numbers] for part in varied[3:]]
         return refusing_derivatives((*found, *none), ONCE)
 
-    return with_derivative(plain, ahead, back, *own), None
-
-
-def _by_diffrax(
-    parts: float,
-    equations: Equations,
-    integrator: Integrator,
-    onto: tuple[Array | None, Array | None],
-    t0: Float[Array, ""],
-    t1: Float[Array, ""],
-    times: Float[Array, "n_t"],
-    start: MotionState,
-    before: Before,
-) -> Marched:
-    """States at times, by any solver; the first step is so small a part of the time at most."""
-    import diffrax
-
-    from .collocation import carried_from
-    from .radau import Radau
-    from .rosenbrock import Rosenbrock
-    from .step_control import DisplacementController
-    from .term import MotionTerm
-
-    solver, controller = _solver_and_steps(equations, integrator, onto, t1 - t0, before)
-    adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
-    equal = isinstance(controller, diffrax.ConstantStepSize)
-    z0, regular = equations.acceleration(t0, start)
-    # Nothing is integrated where some motion has no mass.
-    t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
-    fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
-    dt0 = _first_step(integrator, fast, t1 - t0, parts, equal)
-    solution = diffrax.diffeqsolve(
-        MotionTerm(equations),
-        solver,
-        t0,
-        t1,
-        dt0,
-        start,
-        saveat=diffrax.SaveAt(ts=times, controller_state=True),
-        stepsize_controller=controller,
-        adjoint=adjoint,
-        event=integrator.event,
-        max_steps=integrator.max_steps,
-        solver_state=carried_from(z0) if isinstance(solver, Radau) else z0 if isinstance(solver, Rosenbrock) else None,
-        throw=False,
-    )
-    states: Any = solution.ys
-    if integrator.event is not None:
-        # What ends at once has its start all the same.
-        states = jax.tree.map(lambda row, own: jnp.where((times <= t0)[:, None], own, row), states, start)
-    result = _code(solution, equal, integrator.event)
-    result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
-    state: Any = solution.controller_state
-    if isinstance(controller, diffrax.ClipStepSizeController):
-        controller, state = controller.controller, state.inner_state
-    jumped = jnp.zeros((), bool)
-    if isinstance(controller, DisplacementController):
-        _, before, search = state
-        jumped = search.jumped
-    steps = solution.stats["num_steps"].astype(jnp.int32)
-    return Marched(states, before.moved, steps, result, jumped, before.balance)
-
-
-def _solver_and_steps(
-    equations: Equations,
-    integrator: Integrator,
-    onto: tuple[Array | None, Array | None],
-    span: Float[Array, ""],
-    before: Before,
-) -> tuple[Any, Any]:
-    """Solver and step size control of diffrax, as they are given, or as they are chosen here."""
-    import diffrax
-
-    from .projected import Projected
-    from .radau import Radau
-    from .rosenbrock import Rodas5P
-    from .step_control import DisplacementController
-
-    controller, (jumps, stops) = integrator.controller, onto
-    solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
-    if integrator.form == "chain":
-        solver = Radau(integrator.rtol, integrator.atol, jumps is not None)
-    adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
-    if controller is None and not adapts:
-        controller = diffrax.ConstantStepSize()
-    elif controller is None:
-        controller = DisplacementController(
-            rtol=integrator.rtol,
-            atol=integrator.atol,
-            pcoeff=0.1,
-            icoeff=0.3,
-            dtmin=SMALLEST_STEP * span,
-            force_dtmin=False,
-            before=before,
-            states=equations.states,
-            equations=equations if is_seen(equations) else None,
-            kinks=kinks_of(equations),
-            passing=passing_of(integrator.event, equations.states),
-        )
-    if isinstance(solver, Projected):
-        solver = solver.with_tolerances(controller)
-    if any(one is not None for one in onto) and isinstance(controller, diffrax.AbstractAdaptiveStepSizeController):
-        controller = diffrax.ClipStepSizeController(controller, step_ts=stops, jump_ts=jumps)
-    return solver, controller
-
-
-def _code(solution: Any, equal: bool, event: Any) -> Int[Array, ""]:
-    """Code of RESULTS of a solution of diffrax.
-
-    Args:
-        equal: Whether steps are of equal size.
-        event: What may end it, or None.
-    """
-    import diffrax
-
-    found, codes = solution.result, diffrax.RESULTS
-    failed = RESULTS.step_too_large if equal else RESULTS.step_too_small
-    result = jnp.where(found == codes.successful, RESULTS.successful, failed)
-    result = jnp.where(found == codes.max_steps_reached, RESULTS.motion_unfinished, result)
-    result = jnp.where(found == codes.internal_error, RESULTS.ran_away, result)
-    if event is not None:
-        ends = found == codes.event_occurred
-        lost = functools.reduce(jnp.logical_or, jax.tree.leaves(solution.event_mask)) & ~ends
-        return jnp.where(ends, RESULTS.successful, jnp.where(lost, RESULTS.event_not_found, result))
-    wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(solution.ys.u))
-    return jnp.where(wrong, failed, result)
-
-
-def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):
-    """First step: as given, or such that the greatest acceleration moves the mechanism by some ten tolerances."""
-    given = jnp.asarray(integrator.dt0)
-    guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
-    first = jnp.where(given > 0, given, guess)
-    if not equal:
-        return first
-    # A whole number of equal steps is not to become one more by round-off.
-    steps = jnp.round(span / first)
-    return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
+    return with_derivative(plain, ahead, back, equations, span, start, integrator, before)
 
 
 def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm | TreeForm:
@@ -389,7 +223,7 @@ def integrate(
         times: Times at which to give it, (n_t,) [s].
         given: Where it goes on from.
     """
-    return (_asked if _by_options(problem, integrator) else _marched)(problem, integrator, span, times, given)
+    return (_asked if _by_options(integrator, problem.jumps) else _stepped)(problem, integrator, span, times, given)
 
 
 def _integrated(
@@ -398,35 +232,44 @@ def _integrated(
     span: Float[Array, "2"],
     times: Float[Array, "n_t"],
     given: Reached,
-    known: tuple[Marched, Tape] | None = None,
+    known: tuple[Solved, Array] | None = None,
 ) -> Integrated:
-    return _with_tape(problem, integrator, span, times, given, False, known)[0]
-
-
-def _with_tape(
-    problem: Problem,
-    integrator: Integrator,
-    span: Float[Array, "2"],
-    times: Float[Array, "n_t"],
-    given: Reached,
-    taped: bool = True,
-    known: tuple[Marched, Tape] | None = None,
-) -> tuple[Integrated, tuple[Marched, Tape | None]]:
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
-    asked: dict[str, Any] = {"derived": taped, "taped": taped, "known": known}
-    found, tape = _solved(equations, problem, integrator, span[0], span[1], times, start, given.before, **asked)
-    states, moved, steps, result, jumped, balance = found
+    found = _solved(equations, problem, integrator, (*span, times), start, given.before, known=known)
+    return _whole(equations, times, found, begun, given)
+
+
+def _whole(
+    equations: Equations, times: Float[Array, "n_t"], found: Solved, begun: Int[Array, ""], given: Reached
+) -> Integrated:
+    """What a motion stands for."""
     # Between steps the state is interpolated, off the constraints.
-    rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, states))
-    result = jnp.where(begun == RESULTS.successful, result, begun)
-    jumped = jumped & (result == RESULTS.successful)
-    last = Reached(_last(states), given.memory, Before(moved, balance))
-    return Integrated(rows, steps, result, last, jumped), (found, tape)
+    rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, found[0]))
+    result = jnp.where(begun == RESULTS.successful, found.result, begun)
+    jumped = found.jumped & (result == RESULTS.successful)
+    last = Reached(_last(found.states), given.memory, Before(found.moved, found.balance))
+    return Integrated(rows, found.steps, result, last, jumped)
+
+
+def _recorded(
+    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], given: Reached
+) -> tuple[Integrated, tuple[Solved, Array]]:
+    """As :func:`_integrated`, with what its derivative needs: what was found, and the ends of the steps."""
+    import diffrax
+
+    from .solve import solve
+
+    equations = _equations(problem, integrator.form)
+    start, begun = _started(equations, problem, span[0], given.state)
+    own = Span(*span, times, problem.stops)
+    asked: Any = {"adjoint": diffrax.ForwardMode(), "every": True, "recorded": True}
+    found, ends = solve(equations, own, start, integrator, given.before, FIRST, **asked)
+    return _whole(equations, times, found, begun, given), (found, jnp.asarray(ends))
 
 
 _asked = jit_beside_options(_integrated)
-_marched = jit_beside_reverse(_integrated, _with_tape)
+_stepped = jit_beside_reverse(_integrated, _recorded)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -472,7 +315,7 @@ def _integrated_sampled(
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        found = _solved(equations, problem, integrator, begin, end, wanted, state, before, derived)[0]
+        found = _solved(equations, problem, integrator, (begin, end, wanted), state, before, derived)
         before = Before(found.moved, found.balance)
         return Reached(_last(found.states), (memory, u), before), (found.states, u, *found[2:5])
 
@@ -492,7 +335,7 @@ def _integrated_sampled(
 
 
 def _derived_sampled(*given: Any) -> tuple[Integrated, None]:
-    # Tapes of all intervals at once would fill the memory.
+    # The steps of all intervals at once would fill the memory.
     return _integrated_sampled(*given, derived=True), None
 
 
@@ -511,4 +354,6 @@ def integrate_sampled(
         times: Times at which to give it, (n_t,) [s].
         given: Where it goes on from.
     """
-    return (_asked_sampled if _by_options(problem, integrator) else _sampled)(problem, integrator, grid, times, given)
+    return (_asked_sampled if _by_options(integrator, problem.jumps) else _sampled)(
+        problem, integrator, grid, times, given
+    )

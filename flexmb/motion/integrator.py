@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, check_choice, check_number, check_whole, shown
+from ..arguments import as_floats, check_number, check_whole, shown
 from ..compilation.record import Record, static
-from ..errors import ModelError
-from ..mechanics.tree import Tree
 
 if TYPE_CHECKING:
     import diffrax
 
 
-FORMS = ("coordinates", "reduced", "chain", "tree")
+def is_energy_keeping(solver: Any) -> bool:
+    """Whether a solver is ``EnergyKeeping()``, which is loaded where a solver is given alone."""
+    if solver is None:
+        return False
+    from .energy_keeping import EnergyKeeping
+
+    return isinstance(solver, EnergyKeeping)
 
 
 class Integrator(Record):
@@ -27,10 +31,9 @@ class Integrator(Record):
             constraints after every step; no choice of degrees of freedom can fail on the way. "tree": the same, but
             that the last ends of spectral beams are computed from their first ends and strains wherever they close no
             loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
-            but it fails at a dead point. "chain": all coordinates of many elements, chains and nets alike, by
-            Radau's method and without matrices of the size squared; it is differentiated in reverse mode, but where
-            loads jump or an event ends the motion. Where a loose tolerance loses the way back, derivatives are NaN.
-            None: "chain" where there are many beams and it applies; "tree"
+            but it fails at a dead point. "chain": all coordinates of many elements, chains and nets alike, without
+            matrices of the size squared; it is differentiated in reverse mode, but where loads jump or an event ends
+            the motion. None: "chain" where there are many beams and it applies; "tree"
             where there are such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or
             "coordinates".
         rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
@@ -63,33 +66,15 @@ class Integrator(Record):
     event: diffrax.Event | None = None
     max_steps: int = static(default=200_000)
 
-    def _check_chain(self, controlled: bool) -> None:
-        """Refuse what does not go with the form of chains."""
-        if self.form != "chain":
-            return
-        if controlled:
-            raise ValueError('form="chain" takes no controller: leave `form` out.')
-        for name in ("solver", "controller", "adjoint"):
-            if getattr(self, name) is not None:
-                raise ValueError(f'form="chain" has its own solver and steps: leave `{name}` out, or `form`.')
-
-    def checked(self, *, controlled: bool, jumps: bool) -> Integrator:
+    def checked(self, *, jumps: bool) -> Integrator:
         """The same with its numbers as arrays, and with a solver that keeps the constraints.
 
         Args:
-            controlled: Whether there is a controller.
             jumps: Whether loads jump.
 
         Raises:
             ValueError, TypeError: See :func:`simulate`.
         """
-        if self.form is not None:
-            check_choice("form", self.form, FORMS)
-        self._check_chain(controlled)
-        if controlled and self.form in ("reduced", "tree"):
-            raise ValueError('A controller needs form="coordinates".')
-        if self.event is not None and self.form == "tree":
-            raise ValueError('An event sees the state of all coordinates: it needs form="coordinates".')
         check_number("rtol", self.rtol, above=0)
         check_number("atol", self.atol, least=0)
         if self.dt0 is not None:
@@ -97,7 +82,7 @@ class Integrator(Record):
         named = ("solver", "controller", "adjoint", "event")
         # The library of solvers takes long to load: the default needs it for derivatives alone.
         by_default = all(getattr(self, name) is None for name in named)
-        solver = None if by_default else self._checked_solver(controlled, jumps)
+        solver = None if by_default else self._checked_solver(jumps)
         return dataclasses.replace(
             self,
             rtol=as_floats(self.rtol),
@@ -108,11 +93,10 @@ class Integrator(Record):
             max_steps=check_whole("max_steps", self.max_steps, 1),
         )
 
-    def _checked_solver(self, controlled: bool, jumps: bool) -> diffrax.AbstractSolver | None:
+    def _checked_solver(self, jumps: bool) -> diffrax.AbstractSolver | None:
         """The solver, one that keeps the constraints; it and what goes with it are refused as :meth:`checked` says."""
         import diffrax
 
-        from .energy_keeping import EnergyKeeping
         from .projected import Projected
         from .solver import MotionSolver
 
@@ -126,8 +110,6 @@ class Integrator(Record):
             if value is not None and not isinstance(value, kind):
                 raise TypeError(f"Argument `{name}` must be {wanted}, not {shown(value)}.")
         solver = self.solver
-        if isinstance(solver, EnergyKeeping) and (controlled or self.form in ("reduced", "tree")):
-            raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
         if not isinstance(solver, diffrax.AbstractAdaptiveSolver | None) and self.controller is None:
             name = type(solver).__name__
             if self.dt0 is None:
@@ -137,27 +119,3 @@ class Integrator(Record):
                     f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
                 )
         return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)
-
-    def on(self, tree: Tree | None, *, controlled: bool) -> Integrator:
-        """The same with "tree" as its form where none is given and that serves, as checked before.
-
-        Args:
-            tree: Beams of the mechanism whose last ends can be computed.
-            controlled: Whether there is a controller.
-
-        Raises:
-            ModelError: The form is "tree", but there are no such beams.
-        """
-        if self.form == "tree" and tree is None:
-            raise ModelError(
-                'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
-                " mechanism whose connections are not traced. Leave `form` out, and what serves is chosen."
-            )
-        if self.form is not None:
-            return self
-        needs_all = controlled or self.event is not None or tree is None
-        if self.solver is not None and not needs_all:
-            from .energy_keeping import EnergyKeeping
-
-            needs_all = isinstance(self.solver, EnergyKeeping)
-        return self if needs_all else dataclasses.replace(self, form="tree")

@@ -178,15 +178,7 @@ def _halved(
     next_t1: Any,
     least: Any,
 ) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
-    """Whether a step is refused for a kink, the end of the next one, and the search as it goes on.
-
-    Args:
-        times: Its begin and end [s].
-        kept: Whether its error would be small enough.
-        functions: By how much each function that has a kink within changes, zero of the others, and slopes, (k,).
-        next_t1: End of the next step by its error.
-        least: Shortest step [s].
-    """
+    """Whether a step is refused for a kink, the end of the next one, and the search as it goes on."""
     (t0, t1), (changes, slopes) = times, functions
     seeking, h = search.by > t0, t1 - t0
     length = jnp.where(seeking, search.length, h)
@@ -255,11 +247,7 @@ def _forces(of: Kinks, t: Float[Array, ""], state: MotionState) -> Float[Array, 
 
 
 def _is_kinked(values: Float[Array, "places k"], steep: Float[Array, "k"]) -> Bool[Array, "k"]:
-    """Which functions have a kink, by their values at equal distances.
-
-    Args:
-        steep: Changes from place to place that a kink is measured by, (k,).
-    """
+    """Which functions have a kink, by their values at equal distances."""
     second = jnp.abs(jnp.diff(values, 2, axis=0))
     # Wherever between two places a kink lies, it shows at these two.
     bend, usual = jnp.max(second[1:] + second[:-1], axis=0), jnp.median(second, axis=0)

@@ -55,8 +55,8 @@ class Motion(ByName, Along, Result, Record):
         solver: Name of the solver.
         energy_error: Greatest energy that was gained or lost although no force did that work, over the greatest kinetic
             plus elastic energy, () [-]. NaN: not computed (``form="chain"``, fixed steps, a ``controller`` of yours, a
-            motion without energy; with jumps, events or a ``solver`` only elements with laws are looked at, where
-            nothing is prescribed and nothing controlled).
+            motion without energy; with a ``solver`` other than ``Rodas5P()`` only elements with laws are looked at,
+            where nothing is prescribed and nothing controlled).
     """
 
     t: Float[Array, "n_t"]

@@ -1,8 +1,11 @@
 """What a solver of motion asks of the equations: states, residual, and how to stay on the constraints."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 from jaxtyping import Array, Bool, Float
+
+from ..math.linear import factorise
 
 # Rates of the places whose velocities make up the kinetic energy, of each block of elements; None: it has no mass.
 InertiaRates = tuple[Float[Array, "elements k d"] | None, ...]
@@ -55,6 +58,21 @@ class Tangent(NamedTuple):
     by_z: Float[Array, "r r"]
     by_t: Float[Array, "r"] | None
 
+    @property
+    def mass(self) -> Float[Array, "n n"]:
+        """Mass matrix of the coordinates that move, (n, n)."""
+        n = self.by_u.shape[1]
+        return self.by_z[:n, :n]
+
+    def solver(self, step: Any) -> Callable[[Float[Array, "r"]], Float[Array, "r"]]:
+        """Return the function that solves with R_z + step R_w + step^2 R_u, for a right-hand side (n + m,)."""
+        n = self.by_u.shape[1]
+        return factorise(self.by_z.at[:, :n].add(step * self.by_w + step**2 * self.by_u)).solve
+
+    def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
+        """Change R_w w + R_u u of the residual, (n + m,)."""
+        return self.by_w @ w + self.by_u @ u
+
 
 class Equations(Protocol):
     """Equations of motion 0 = R(t, u, w, z) with z = (accelerations (n,), multipliers (m,)), linear in z.
@@ -71,11 +89,6 @@ class Equations(Protocol):
     @property
     def states(self) -> int:
         """Number of velocities, the last ones, that are states of a controller."""
-        ...
-
-    @property
-    def linear(self) -> bool:
-        """Whether z follows from R and its derivatives at z = 0 alone, and :meth:`regular` from these."""
         ...
 
     @property
@@ -103,8 +116,8 @@ class Equations(Protocol):
         """R: forces out of balance along what moves, and second rates of the constraints, (n + m,)."""
         ...
 
-    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of R."""
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
+        """Derivatives of R: a :class:`Tangent`, or element matrices with the same methods."""
         ...
 
     def regular(self, by_z: Float[Array, "r r"]) -> Bool[Array, ""]:

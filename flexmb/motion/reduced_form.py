@@ -42,11 +42,6 @@ class ReducedForm(Record):
         return self.sizes.shape[0]
 
     @property
-    def linear(self) -> bool:
-        """Not where the degrees of freedom may determine nothing, which their mass alone does not tell."""
-        return False
-
-    @property
     def unknowns(self) -> int:
         """Number of second rates."""
         return self.size

@@ -7,6 +7,7 @@ import equinox as eqx
 import jax
 
 from ..compilation.compile import jit_beside_options
+from .balance import balanced_error
 from .protocol import MotionState
 from .solver import MotionSolver
 from .stages import RODAS5P, Tableau, step_taken
@@ -22,6 +23,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
     Attributes:
         tableau: Coefficients.
         jumps: Whether loads may jump, so that accelerations are found anew there.
+        balanced: Whether the error of a step comes with its energy balance, for :class:`DisplacementController`.
 
     Source:
         See :func:`step_taken`.
@@ -29,6 +31,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
 
     tableau: eqx.AbstractClassVar[Tableau]
     jumps: eqx.AbstractVar[bool]
+    balanced: eqx.AbstractVar[bool]
 
     def order(self, terms: Any) -> int:
         """Order of the method."""
@@ -54,9 +57,12 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         if self.jumps:
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
         taken = step_taken(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
-        y1 = equations.settle(t1, taken.end, taken.by_z[:n, :n])
+        y1 = equations.settle(t1, taken.end, taken.mass)
+        error: Any = taken.error
+        if self.balanced:
+            error = balanced_error(equations, (t0, t1), (y0, y1), z0, taken)
         dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=taken.z[:n])
-        return y1, taken.error, dense, taken.z, diffrax.RESULTS.successful
+        return y1, error, dense, taken.z, diffrax.RESULTS.successful
 
 
 class Rodas5P(Rosenbrock):
@@ -64,6 +70,7 @@ class Rodas5P(Rosenbrock):
 
     Attributes:
         jumps: Whether loads may jump, so that accelerations are found anew there.
+        balanced: Whether the error of a step comes with its energy balance; set by :func:`simulate`.
 
     Source:
         Steinebach (2023), BIT Numerical Mathematics 63, 27.
@@ -71,3 +78,4 @@ class Rodas5P(Rosenbrock):
 
     tableau: ClassVar[Tableau] = RODAS5P  # pyright: ignore[reportIncompatibleVariableOverride]
     jumps: bool = False
+    balanced: bool = False

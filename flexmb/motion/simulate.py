@@ -18,11 +18,8 @@ from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
-from ..math.sparse import LARGE
-from ..mechanics.levels import Levels
 from ..mechanics.signals import terms_of
-from ..mechanics.sparse_order import SparseOrder, order_of
-from ..mechanics.tree import tree_of
+from ..mechanics.sparse_order import SparseOrder
 from ..model.model import Model, as_model
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.coarse import warn_of_coarse
@@ -30,12 +27,12 @@ from ..statics.configuration import Configuration, configuration
 from ..statics.equilibrium import Equilibrium, warn_of_increment
 from ..statics.strained import warn_of_needless_strain, warn_of_stressed_start
 from .balance import at_start
-from .chain_form import obstacle
 from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
-from .drives_by_name import Drives, acted_on, driven_by, jump_times
+from .drives_by_name import Drives, driven_by, jump_times
 from .events import as_it_is, check_at_start, conditions_of
+from .form_choice import check_form, chosen_form
 from .full_turns import warn_of_full_turns
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
 from .integrator import Integrator
@@ -49,10 +46,6 @@ from .sudden import sudden_changes
 if TYPE_CHECKING:
     import diffrax
 
-# From so many coordinates on mechanisms that are no chains are solved on the host by themselves. Nets in the plane and
-# lattices in space take the time of dense matrices at 320 to 340, and a net of 480 half of it (benchmarks/nets.py); to
-# compile takes longer, once.
-NET = 400
 # A motion that gains or loses more energy than so many times its relative tolerance, without a cause, is warned of.
 UNBALANCED = 100.0
 # Smaller shares of the greatest energy are round-off. Four bars that pass their singular position at rtol 1e-11 end at
@@ -174,7 +167,8 @@ def simulate(
     driven = driven_by(model, drives)
     jumps = jump_times(drives, driven)
     given_solver = integrator.solver
-    integrator = integrator.checked(controlled=loop.control is not None, jumps=jumps is not None)
+    check_form(integrator, loop.control is not None)
+    integrator = integrator.checked(jumps=jumps is not None)
     start = _initial(model, initial)
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers: leave it out inside jax.jit, jax.grad, jax.vmap.")
@@ -199,7 +193,7 @@ def simulate(
     order = problem.order
     if isinstance(order, SparseOrder) and order.places.too_large and is_concrete(result):
         result = jnp.full_like(result, RESULTS.out_of_memory)
-    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P" if order is None else "Radau"
+    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P"
     found = Motion(
         times,
         x,
@@ -259,17 +253,11 @@ def _problem(
     start: Start,
 ) -> tuple[Problem, Integrator]:
     """What is integrated, and the integrator with the form that is taken."""
-    chosen, order = _in_its_form(integrator, model, driven, feedback, (times, start), jumps)
-    tree = None
-    if order is None and integrator.form in (None, "tree"):
-        tree = tree_of(model.topology, acted_on(model, driven))
-        chosen = integrator.on(tree, controlled=feedback is not None)
-    # Where none of these serves.
-    integrator = chosen if chosen.form is not None else dataclasses.replace(chosen, form="coordinates")
+    form, order, tree = chosen_form(integrator, model, driven, feedback is not None, jumps, (times, start))
+    integrator = dataclasses.replace(integrator, form=form)
     # No number of the program where no rotation in space is measured.
     rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
     whence = start.x if rotations else None
-    tree = tree if integrator.form == "tree" else None
     return Problem(model.without_names(), driven, feedback, jumps, whence, order, tree), integrator
 
 
@@ -293,11 +281,7 @@ def _stops(
 
 
 def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: Start, progress: Any) -> Integrated:
-    """The motion: in parts where its progress is told, between the samples of a controller, or in one go.
-
-    Args:
-        wanted: Times, which may be known within a trace, (n_t,) [s].
-    """
+    """The motion: in parts where its progress is told, between the samples of a controller, or in one go."""
     times = jnp.asarray(wanted, float)
     feedback = problem.feedback
     none = np.zeros(len(problem.model.labels.inputs))
@@ -316,11 +300,7 @@ def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: St
 
 
 def _tell(found: Motion, jumped: Any, throw: bool) -> None:
-    """Raise where a motion failed, and warn of forces that jump while numbers are differentiated.
-
-    Raises:
-        AnalysisError: See :func:`simulate`.
-    """
+    """Raise where a motion failed, and warn of forces that jump while numbers are differentiated."""
     about = ""
     if throw and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass:
         about = without_mass(found.model)
@@ -368,11 +348,7 @@ def _reached(found: Motion) -> np.ndarray:
 
 
 def _refuse_not_finite(found: Motion, drives: Drives, loop: Loop) -> None:
-    """Refuse numbers of the model, and functions of time, that are not finite: a motion that failed met them.
-
-    Raises:
-        AnalysisError: not_finite.
-    """
+    """Refuse numbers of the model, and functions of time, that are not finite: a motion that failed met them."""
     model = found.model
     for path, leaf in jax.tree_util.tree_leaves_with_path(model.parameters):
         if not np.all(np.isfinite(np.asarray(leaf))):
@@ -413,11 +389,7 @@ def _rates(law: Callable, t: float) -> tuple[Any, Any]:
 
 
 def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, start: Start, found: Motion) -> None:
-    """Refuse a controller that returned NaN or infinity. The motion, which failed, is computed once more to find out.
-
-    Raises:
-        AnalysisError: not_finite, with the input and the time.
-    """
+    """Refuse a controller that returned NaN or infinity: the motion that failed is computed once more."""
     feedback: Any = problem.feedback
     seen: list[tuple[Any, ...]] = []
     if feedback is None:
@@ -465,36 +437,6 @@ def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, st
 def _flat(given: Any) -> Float[Array, "k"]:
     """All numbers of a pytree in a row."""
     return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(jnp.asarray(leaf, float)) for leaf in jax.tree.leaves(given))])
-
-
-def _in_its_form(
-    integrator: Integrator,
-    model: Model,
-    driven: tuple[Driven, ...],
-    feedback: Feedback | Sampled | None,
-    numbers: tuple[Any, ...],
-    jumps: Any,
-) -> tuple[Integrator, Levels | SparseOrder | None]:
-    """The integrator with the form that is taken, and the order of the unknowns where it is that of chains and nets."""
-    if integrator.form not in (None, "chain"):
-        return integrator, None
-    asked, top = integrator.form == "chain", model.topology
-    why = obstacle(top, driven)
-    if why is None and not is_concrete(top):
-        why = "its connections are traced (a model that is an argument of jax.jit, jax.grad or jax.vmap)"
-    # These are left to diffrax's loop, whose derivatives do not pass through Newton's method.
-    by_diffrax = jumps is not None or integrator.event is not None
-    if why is None and by_diffrax and not is_concrete((model, driven, numbers, jumps, integrator)):
-        why = "numbers are traced (jax.jit, jax.grad, jax.vmap) of a motion with jumps or an event"
-    if asked and why is not None:
-        raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
-    own = (integrator.solver, integrator.controller, integrator.adjoint, feedback)
-    size, order = top.x.free.shape[0], None
-    if asked or (why is None and size >= LARGE and all(one is None for one in own)):
-        order = order_of(top)
-    if not asked and isinstance(order, SparseOrder) and size < NET:
-        order = None
-    return dataclasses.replace(integrator, form="coordinates" if order is None else "chain"), order
 
 
 def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str, Any]) -> Group:

@@ -12,7 +12,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..math.linear import factorise
 from .protocol import Equations, MotionState
 
 
@@ -139,12 +138,6 @@ RODAS5P = Tableau(
     order=5,
 )
 
-# Of a step of no length that begins without accelerations and multipliers: its first stage finds them, its second
-# removes what keeps redundant constraints solvable.
-STILL_STAGES = 2
-_STILL_ROWS = np.concatenate([np.tri(8, k=-1), np.zeros((8, 10))], axis=1)
-_STILL_WEIGHTS = np.concatenate([(np.arange(8) < STILL_STAGES)[None], np.zeros((4, 8))])
-
 
 def _coefficients(tableau: Tableau) -> np.ndarray:
     """A row for each stage: weights in arguments and in right-hand sides, its time, weight of the rate by time."""
@@ -158,14 +151,14 @@ class Taken(NamedTuple):
         end: State at its end, not yet brought back onto the constraints.
         z: Accelerations and multipliers there, (n + m,).
         error: Estimate of the error of the state.
-        by_z: Derivative of the residual by z at its begin, (n + m, n + m).
+        mass: Mass matrix at its begin, (n, n), or None where no dense one is formed.
         bows: What makes z leave the straight line within the step, (3, n + m), see :func:`z_within`.
     """
 
     end: MotionState
     z: Float[Array, "r"]
     error: MotionState
-    by_z: Float[Array, "r r"]
+    mass: Float[Array, "n n"] | None
     bows: Float[Array, "3 r"]
 
 
@@ -176,7 +169,6 @@ def step_taken(
     h: Float[Array, ""],
     state: MotionState,
     z: Float[Array, "r"],
-    known: Any = True,
     end: Any = None,
 ) -> Taken:
     """One step of a Rosenbrock method.
@@ -187,7 +179,6 @@ def step_taken(
         h: Length [s].
         state: State at the begin.
         z: Accelerations and multipliers there, (n + m,).
-        known: Whether z is known. If it is traced and false, the length must be zero, and z too: it is found.
         end: Its end, where round-off of begin and length must not lead beyond it, as over a jump of the loads [s].
 
     Source:
@@ -195,14 +186,11 @@ def step_taken(
     """
     n, stages = state.u.shape[0], len(tableau.m)
     rows, weights = _coefficients(tableau), np.vstack([tableau.m, tableau.error, tableau.within])
-    if known is not True:
-        rows, weights = jnp.where(known, rows, _STILL_ROWS), jnp.where(known, weights, _STILL_WEIGHTS)
     tangent = equations.tangent(t, state, z)
     hg = h * tableau.gamma
     # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.
     rate = 1.0 / jnp.where(h == 0, 1.0, h)
-    factors = factorise(tangent.by_z.at[:, :n].add(hg * tangent.by_w + hg**2 * tangent.by_u))
-    by_both = jnp.concatenate([tangent.by_w, tangent.by_u], axis=1)
+    solve = tangent.solver(hg)
 
     def apart(row: Float[Array, "k"]):
         return row[:n], row[n : 2 * n], row[2 * n :]
@@ -220,8 +208,7 @@ def step_taken(
             r = r + gamma * h * tangent.by_t
         # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
         right_u, right_w = own.w + cu * rate, z_own[:n] + cw * rate
-        right = r + by_both @ jnp.concatenate([hg * right_w, hg * (right_u + hg * right_w)])
-        own_z = -factors.solve(right)
+        own_z = -solve(r + tangent.product(hg * right_w, hg * (right_u + hg * right_w)))
         own_w = hg * (own_z[:n] + right_w)
         own_u = hg * (own_w + right_u)
         return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([own_u, own_w, own_z]), i, 0)
@@ -230,7 +217,7 @@ def step_taken(
     found = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
     (du, dw, dz), (error_u, error_w, _) = map(apart, found[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
-    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.by_z, found[2:, 2 * n :])
+    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, found[2:, 2 * n :])
 
 
 def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[Array, ""]) -> Float[Array, "r"]:

@@ -9,12 +9,23 @@ import jax
 import jax.numpy as jnp
 import optimistix as optx
 
-from .balance import Balance, Before, at_start, elastic_energy, gained_between, kinetic_energy
+from .balance import Balance, Before, StepError, at_start, elastic_energy, gained_between, kinetic_energy
 from .events import Passing
 from .kinks import Kinks, search_of
 from .protocol import MotionState
-from .step_size import FAR, greatest
-from .step_size import LARGE as LARGE
+
+# Displacement beyond which a tolerance grows no more (extents, radians).
+LARGE = 0.5
+# A motion that comes as far runs away: it would end in numbers that are not finite, after very many steps.
+FAR = 1e8
+# Smallest step, as share of the time.
+SMALLEST_STEP = 1e-12
+
+
+def greatest(before: Any, state: MotionState):
+    """Greatest displacement so far, at most what is large."""
+    now = jnp.max(jnp.abs(jax.lax.stop_gradient(state.u)), initial=0.0)
+    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE), before)
 
 
 class DisplacementController(diffrax.PIDController):
@@ -72,6 +83,11 @@ class DisplacementController(diffrax.PIDController):
     ) -> Any:
         """Whether to keep a step, and the next one."""
         before_step, (moved, balance), search = controller_state
+        gain: Any = 0.0
+        after_step = balance
+        if isinstance(y_error, StepError):
+            gain, after_step = self._balanced_by(balance, y_error, t1 - t0)
+            y_error = y_error.state
         after = greatest(moved, y1_candidate)
         n = y0.u.shape[0]
         mechanism = jnp.arange(n) < n - self.states
@@ -81,6 +97,9 @@ class DisplacementController(diffrax.PIDController):
         error_u, error_w = (jnp.where(jnp.isfinite(error), error, jnp.inf) for error in (error_u, error_w))
         measured = MotionState(error_u, error_w, jnp.zeros_like(y_error.memory))
         begin, end = (MotionState(jnp.broadcast_to(after, (n,)), y.w, y.memory) for y in (y0, y1_candidate))
+        # The energy counts as an error too, by its share of what is allowed.
+        begin, end = (begin, after), (end, after)
+        measured = measured, gain * (self.atol + self.rtol * after)
         # Steps stay where they are when what they end at moves, but for their beginning: were the next one longer in
         # proportion, after one that a jump cut short all others would move by many times as much, and their errors.
         fixed = jax.lax.stop_gradient((t0, t1))
@@ -103,15 +122,21 @@ class DisplacementController(diffrax.PIDController):
             small = unbalanced & (0.5 * (t1 - t0) < least)
             result = diffrax.RESULTS.where(small, diffrax.RESULTS.dt_min_reached, result)
             refused = refused | unbalanced
-            balance = jax.tree.map(lambda a, b: jnp.where(keep & ~refused, a, b), after_step, balance)
         if any(one is not None for one in (self.passing, self.kinks, self.equations)):
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
         # For which diffrax has no code of its own.
         away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
+        balance = jax.tree.map(lambda a, b: jnp.where(keep, a, b), after_step, balance)
         before = Before(jnp.where(keep, after, moved), balance)
         return keep, next_t0, next_t1, made_jump, (state, before, search), result
+
+    def _balanced_by(self, balance: Balance, found: StepError, h: Any):
+        """As :meth:`_balanced`, by what the solver found along the step."""
+        balance, found, h = jax.lax.stop_gradient((balance, found, h))
+        noise = found.inertia * (self.atol / jnp.where(h == 0, 1.0, h)) ** 2
+        return balance.after(found.gained, found.energy, self.rtol, noise)
 
     def _balanced(self, balance: Balance, times: tuple[Any, Any], states: tuple[MotionState, MotionState]):
         """What a step gains over what it may gain, and the balance behind it."""

@@ -89,11 +89,6 @@ class TreeForm(Record):
         return self.form.size
 
     @property
-    def linear(self) -> bool:
-        """Accelerations and multipliers follow from their matrix."""
-        return True
-
-    @property
     def unknowns(self) -> int:
         """Number of accelerations and multipliers."""
         return self.size + self.tree.held_places.shape[0]
@@ -266,11 +261,7 @@ class TreeForm(Record):
         return jnp.concatenate([force[form.free] * form.sizes, self.held(edd) - self.wanted(at.edd)])
 
     def _besides(self, t: Float[Array, ""], at: AllCoordinates, on_ends: list[tuple[Array, Array]]):
-        """Nodal forces, (n_x,) [N, N m], of beams on their first ends, less those that are applied.
-
-        Args:
-            on_ends: Indices and forces of the beams of each block.
-        """
+        """Nodal forces, (n_x,) [N, N m], of beams on their first ends, less those that are applied."""
         return scatter_vector(self.form.topology.n_x, on_ends) - self.form.applied(t, at.x)
 
     def _apart(self, rows: Float[Array, "beams k"]) -> list[tuple[Array, ...]]:

@@ -10,8 +10,6 @@ import pytest
 import flexmb as fm
 from flexmb.arguments import is_concrete
 from flexmb.mechanics.sparse_order import order_of, solution
-from flexmb.motion import tape
-from flexmb.motion.chain_march_back import _iterated
 
 from .test_chain import arm, pendulum
 from .test_net import bob, net
@@ -80,14 +78,6 @@ def test_derivatives_are_those_of_central_differences(slopes):
         # Of steps whose lengths change, with a tolerance of 1e-7, over twice the step; velocities are some hundred
         # times as large.
         np.testing.assert_allclose(slope, (beside[0] - beside[1]) / (2 * step), rtol=2e-4, atol=1e-4)
-
-
-@pytest.mark.slow
-def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(slopes, monkeypatch):
-    monkeypatch.setattr(tape, "KEPT", 3)
-    # Newton's method ends elsewhere within its tolerance.
-    found = jax.grad(lambda factors: places(factors, max_steps=199_999))(AS_THEY_ARE)
-    np.testing.assert_allclose(found, slopes, rtol=1e-5)
 
 
 @pytest.mark.slow
@@ -174,11 +164,3 @@ def test_solutions_and_their_derivatives_are_those_of_the_dense_matrix(kind):
         for of in (solved, densely)
     )
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-8, atol=1e-11), own, wanted)
-
-
-def test_what_does_not_converge_is_no_number():
-    right = jnp.ones((3, 4))
-    found = _iterated(lambda z: 1.5 * z, lambda left: left, right, 4)
-    np.testing.assert_allclose(found, right / 1.5, rtol=1e-9)
-    assert np.all(np.isnan(_iterated(lambda z: 3.0 * z, lambda left: left, right, 4)))
-    assert not np.any(_iterated(lambda z: 3.0 * z, lambda left: left, 0.0 * right, 4))

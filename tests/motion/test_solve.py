@@ -1,23 +1,25 @@
-"""The way back over the steps of a motion, of equations whose solution is known: u = cos(w t), w^2 = k/m."""
+"""Derivatives of a motion by its steps taken again, of equations whose solution is known: u = cos(w t), w^2 = k/m."""
 
 import dataclasses
 import functools
 from typing import NamedTuple
 
+import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import mechanisms
+from jax.tree_util import Partial
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.math.derivative import with_derivative
-from flexmb.motion import Integrator, integrate, tape
+from flexmb.motion import Feedback, Integrator, Rodas5P, steps_again
 from flexmb.motion.balance import at_start
-from flexmb.motion.march import march
-from flexmb.motion.march_back import march_back
 from flexmb.motion.protocol import MotionState, Tangent, WholeMotion
-from flexmb.motion.tape import Span
+from flexmb.motion.solve import solve
+from flexmb.motion.steps_again import Span, pulled_back
 
 TIGHT = 1e-8
 # The second lies within the first step.
@@ -31,10 +33,6 @@ class Oscillator(NamedTuple):
     stiffness: jax.Array
 
     size, states, unknowns, cubic = 1, 0, 1, 0.0
-
-    @property
-    def linear(self) -> bool:
-        return True
 
     def residual(self, t, state, z):
         return self.mass * z - self.force(state)
@@ -70,32 +68,26 @@ class Oscillator(NamedTuple):
         return self.stiffness * e
 
 
-class Unsettled(Oscillator):
-    """The same, whose first accelerations are asked for."""
-
-    @property
-    def linear(self) -> bool:
-        return False
-
-
-class Stiffening(Unsettled):
+class Stiffening(Oscillator):
     """A spring that stiffens, so that steps depend on the accelerations that they begin with."""
 
     cubic = 5.0
 
 
+def solved(equations, span, start, most, **options):
+    integrator = Integrator(rtol=TIGHT, atol=0.0, dt0=1e-3, max_steps=most).checked(jumps=False)
+    return solve(equations, span, start, integrator, at_start(), 50.0, every=True, **options)
+
+
 def moved(equations, span, start, most=400):
-    """Marched states of which derivatives are those of the way back."""
-    one = jnp.asarray(1.0)
+    """States of which derivatives are those of the steps taken again."""
+    ahead = functools.partial(solved, most=most, adjoint=diffrax.ForwardMode())
 
-    def ahead(*own, **more):
-        return march(*own, at_start(), (TIGHT * one, 0.0 * one), lambda fast: 1e-3 * one, most, **more)
-
-    def back(parts, kept, changes):
-        return march_back(*parts, kept, changes)
+    def back(parts, ends, changes):
+        return pulled_back(parts, ends, changes.states)
 
     own = lambda *given: ahead(*given)[0]  # noqa: E731
-    return with_derivative(own, functools.partial(ahead, taped=True), back, equations, span, start)
+    return with_derivative(own, functools.partial(ahead, recorded=True), back, equations, span, start)
 
 
 def place(p, rows=ROWS, kind=Oscillator, most=400, stops=None, which=0):
@@ -114,10 +106,8 @@ def by_hand(p, rows=ROWS):
 P = jnp.array([0.7, 90.0, 0.4, 0.25, 2.25])
 
 
-@pytest.mark.slow("Oscillator")
-@pytest.mark.parametrize("kind", [Oscillator, Unsettled])
-def test_derivatives_by_numbers_start_and_times_are_those_by_hand(kind):
-    slopes = jax.jit(jax.jacrev(functools.partial(place, kind=kind)))(P)
+def test_derivatives_by_numbers_start_and_times_are_those_by_hand():
+    slopes = jax.jit(jax.jacrev(place))(P)
     expected = jax.jacobian(by_hand)(P)
     # Of some hundred steps, each with a tolerance of 1e-8.
     np.testing.assert_allclose(slopes[:, :3], expected[:, :3], rtol=0, atol=3e-6)
@@ -132,15 +122,13 @@ def by_diffrax(p, kind, stops):
     """The same by diffrax's loop, which JAX differentiates by itself."""
     mass, stiffness, begin, t0, t1 = p
     start = MotionState(begin[None], jnp.zeros(1), jnp.zeros(0))
-    integrator = Integrator(rtol=TIGHT, atol=0.0, dt0=1e-3).checked(controlled=False, jumps=False)
-    given = kind(mass, stiffness), integrator, (None, stops), t0, t1, t0 + (t1 - t0) * ROWS / 2.0, start
-    states = integrate._by_diffrax(50.0, *given, at_start()).states
+    span = Span(t0, t1, t0 + (t1 - t0) * ROWS / 2.0, stops)
+    adjoint = diffrax.RecursiveCheckpointAdjoint()
+    states = solved(kind(mass, stiffness), span, start, 2000, adjoint=adjoint)[0].states
     return jnp.stack([states.u[:, 0], states.w[:, 0]])
 
 
-def test_derivatives_are_those_of_the_steps_themselves(monkeypatch):
-    # The loop of diffrax looks at no energy balance here, which would make other steps.
-    monkeypatch.setattr("flexmb.motion.march.gained_along", lambda *given: jnp.zeros(()))
+def test_derivatives_are_those_of_the_steps_themselves():
     kind, stops = Stiffening, jnp.array([0.9, 1.7])
     own = jax.jit(jax.jacrev(functools.partial(place, kind=kind, stops=stops, most=2000, which=np.arange(2))))(P)
     other = jax.jit(jax.jacrev(functools.partial(by_diffrax, kind=kind, stops=stops)))(P)
@@ -148,11 +136,12 @@ def test_derivatives_are_those_of_the_steps_themselves(monkeypatch):
     np.testing.assert_allclose(own[..., [0, 1, 2, 4]], other[..., [0, 1, 2, 4]], rtol=1e-9, atol=1e-9)
 
 
-def test_a_long_motion_keeps_few_steps_and_takes_the_others_anew(monkeypatch):
+def test_a_long_motion_stores_few_states_and_computes_the_others_again(monkeypatch):
     slopes = jax.jit(jax.jacrev(place))(P)
-    for kept in (1, 7):
-        monkeypatch.setattr(tape, "KEPT", kept)
-        few = jax.jit(jax.jacrev(functools.partial(place, most=401 + kept)))(P)
+    monkeypatch.setattr(steps_again, "FEWEST", 1)
+    for stored in (1, 7):
+        monkeypatch.setattr(steps_again, "STORED", stored)
+        few = jax.jit(jax.jacrev(functools.partial(place, most=401 + stored)))(P)
         np.testing.assert_allclose(few, slopes, rtol=1e-12, atol=1e-14)
 
 
@@ -182,28 +171,6 @@ def test_what_is_not_reached_gives_no_derivative():
     assert np.all(np.isnan(slopes[~reached]))
 
 
-@pytest.mark.parametrize("bounds", [{"KEPT": 4}, {"NUMBERS": 16, "FEWEST": 1}, {"NUMBERS": 1, "FEWEST": 4}])
-def test_a_tape_finds_its_places(monkeypatch, bounds):
-    """Of four steps that are kept: so many, or the 16 numbers of these, or so many at least."""
-    for name, value in bounds.items():
-        monkeypatch.setattr(tape, name, value)
-    most, like = 20, MotionState(jnp.zeros(1), jnp.zeros(1), jnp.zeros(0))
-    own = tape.blank_tape(most, like, jnp.zeros(2))
-    for step in range(most + 1):
-        state = MotionState(jnp.full(1, float(step)), jnp.zeros(1), jnp.zeros(0))
-        own = own.with_step(step + 0.5, state, jnp.zeros(2), jnp.array(True))
-    assert int(own.steps) == most + 1
-    np.testing.assert_array_equal(own.ends[: most + 1], np.arange(most + 1) + 0.5)
-    kept = [step for step in range(most + 1) if step < 4 or (step - 4) % own.apart == 0]
-    assert own.apart == 5
-    assert len(own.carried) == 4 + len(kept[4:]) + 1 + own.apart
-    for step in kept:
-        assert own.at(own.place(step))[0].u[0] == step
-    rest = [int(own.place(step)) for step in range(most + 1) if step not in kept]
-    assert min(rest) > own.room
-    assert max(rest) < len(own.carried)
-
-
 def test_failures_are_raised_under_grad_too():
     """What has no derivative, as the outcome, is a number there as anywhere."""
     model = mechanisms.planar_guide(5e-4, elongation=False, force=(0.0, -1.0)).build()
@@ -215,3 +182,75 @@ def test_failures_are_raised_under_grad_too():
 
     with pytest.raises(fm.AnalysisError, match="max_steps"):
         jax.grad(last, allow_int=True)(model.parameters)
+
+
+def swinging(mass=2.0):
+    """A mass on a soft bar that swings, and a force and a place by which it may be controlled."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("mass", (1.0, 0))
+    b.add(planar.truss, "foot", "mass", name="bar", section=fm.Rigidity(EA=800.0), damping=fm.Damping(EA=1.0))
+    b.fix("foot")
+    b.mass("mass", mass)
+    b.force("mass", (0, -9.0))
+    b.input("mass", "y")
+    b.output("mass", "y")
+    return b.build()
+
+
+MODEL = swinging()
+# The first time is the start; others lie within one step and on the end.
+TIMES = np.array([0.0, 1e-4, 1.1e-4, 0.3, 1.0])
+
+
+def both(model=MODEL, times=TIMES, **options):
+    return [fm.simulate(model, times, throw=False, solver=solver, **options) for solver in (None, Rodas5P())]
+
+
+def output(t, z, y, gain):
+    return gain * z
+
+
+def lag(t, z, y):
+    return 5.0 * (y - z)
+
+
+def loop(gain):
+    """Feedback with a state of its own, whose error counts by itself; its first step is much too long and refused."""
+    control = Feedback(Partial(output, gain=gain), lag, jnp.zeros(1))
+    return dict(control=control, rtol=1e-7, dt0=0.5)
+
+
+def test_states_and_steps_are_those_of_the_solver_that_is_asked_for():
+    for own, other in (both(), both(**loop(-3.0))):
+        assert int(own.steps) == int(other.steps) > 10
+        # Round-off of some hundred steps, of accelerations some 1e4 times as large.
+        np.testing.assert_allclose(own.x, other.x, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(own.xd, other.xd, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(own.x[0], MODEL.parameters.reference)
+
+
+@pytest.mark.slow("-motion_unfinished")
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        (dict(max_steps=5), "motion_unfinished"),
+        (dict(model=swinging(mass=0.0)), "singular_mass"),
+        (loop(1e6), "ran_away"),
+    ],
+    ids=lambda of: of if isinstance(of, str) else "",
+)
+def test_failures_are_those_of_the_solver_that_is_asked_for(options, code):
+    own, other = both(**options)
+    assert {fm.RESULTS(int(found.result)).name for found in (own, other)} == {code}
+    np.testing.assert_array_equal(np.isfinite(own.x), np.isfinite(other.x))
+    assert int(own.steps) == int(other.steps)
+
+
+@pytest.mark.slow
+def test_motions_of_a_batch_end_each_at_its_own_time():
+    ends = jnp.array([0.2, 1.0])
+    rows = jax.vmap(lambda end: fm.simulate(MODEL, jnp.stack([jnp.zeros(()), end])).x[-1])(ends)
+    for row, end in zip(rows, ends, strict=True):
+        alone = fm.simulate(MODEL, np.array([0.0, end]))
+        np.testing.assert_allclose(row, alone.x[-1], rtol=0, atol=1e-10)

@@ -1,0 +1,199 @@
+"""Derivatives of a motion in reverse: its steps are taken again, and each is differentiated where it was taken.
+
+The lengths of the steps are as they were. The begin of a motion, and where it must stop, take the steps behind them
+along, up to its end.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..math.derivative import Varied
+from .protocol import MotionState
+from .stages import RODAS5P, between, step_taken
+
+# States of so many steps are stored at once, some ten megabytes; of many coordinates fewer, with some these numbers
+# together, but no fewer than the last.
+STORED, NUMBERS, FEWEST = 2048, 2**24, 300
+
+
+class Span(NamedTuple):
+    """Times of a motion.
+
+    Attributes:
+        t0: Begin [s].
+        t1: End [s].
+        times: At which it is given, (n_t,) [s].
+        stops: To be stepped onto, (k,) [s], or None.
+        jumps: To be stepped onto, where accelerations are computed anew, (k,) [s], or None.
+    """
+
+    t0: Float[Array, ""]
+    t1: Float[Array, ""]
+    times: Float[Array, "n_t"]
+    stops: Float[Array, "k"] | None = None
+    jumps: Float[Array, "k"] | None = None
+
+
+class _Back(NamedTuple):
+    """Derivatives on the way back.
+
+    Attributes:
+        step: Step to go back over.
+        row: Last row before its end.
+        end: By the state at the end of the step, and by accelerations and multipliers there.
+        numbers: By the numbers of the equations that vary.
+        edges: By the begins and ends of all steps, (most + 1,), and by the times of the rows, or None.
+    """
+
+    step: Int[Array, ""]
+    row: Int[Array, ""]
+    end: tuple[MotionState, Array]
+    numbers: list[Any]
+    edges: tuple[Array, Array] | None
+
+
+def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: MotionState) -> list[list[Any]]:
+    """Derivatives by the numbers that vary of equations, times and start, of states at times.
+
+    Steps are taken forward from the start, and every so many states are stored. From the last of these on, all states
+    are stored, and the way back goes over these steps; then over those before.
+
+    Args:
+        parts: Equations, :class:`Span` and start.
+        ends: Of the steps that were kept, infinite beyond the last [s].
+        changes: Derivatives by the states, in rows.
+
+    Returns:
+        Derivatives; NaN where a state is asked about that was not reached.
+
+    Source:
+        THEORY.md 10, eq. (10.5).
+    """
+    _, timed, start = (part.whole(part.numbers) for part in parts)
+    numbers, most = parts[0].numbers, ends.shape[0]
+    count = jnp.sum(jnp.isfinite(ends))
+    edges = jnp.concatenate([timed.t0[None], ends])
+    varied = bool(parts[1].numbers)
+
+    def accelerated(numbers: list[Any], state: MotionState, t0: Array):
+        return parts[0].whole(numbers).acceleration(t0, state)[0]
+
+    def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
+        of = parts[0].whole(numbers)
+        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z)
+        return of.settle(t1, taken.end, taken.mass), taken.z
+
+    z, by_start = jax.vjp(accelerated, numbers, start, timed.t0)
+    size = sum(one.size for one in jax.tree.leaves((start, z)))
+    room = min(most, max(FEWEST, min(STORED, NUMBERS // max(size, 1))))
+    stored, sparse = _rows(room, (start, z)), _put(_rows(-(-most // room) + 1, (start, z)), 0, (start, z))
+
+    def forward(m: tuple[Any, ...]):
+        step, at, stored, sparse = m
+        # What is not stored goes to the last place.
+        place = jnp.where(step % room == 0, step // room, -1)
+        stored, sparse = _put(stored, step % room, at), _put(sparse, place, at)
+        return step + 1, stepped(numbers, *at, edges[step], edges[step + 1]), stored, sparse
+
+    def backward(stored: Any, m: _Back):
+        t0, t1 = edges[m.step], edges[m.step + 1]
+        state, z = jax.tree.map(lambda rows: rows[m.step % room], stored)
+        if varied:
+            (after, z1), pull = jax.vjp(stepped, numbers, state, z, t0, t1)
+        else:
+            (after, z1), pull = jax.vjp(lambda *of: stepped(*of, t0, t1), numbers, state, z)
+        whole = (t0, t1), (state, after), (z, z1)
+        by_times = None if m.edges is None else m.edges[1]
+        row, (by_whole, by_times) = _over_rows(timed.times, changes, whole, m.row, by_times)
+        by_span, (by_begin, by_end), (by_z, by_z1) = by_whole
+        of_numbers, of_state, of_z, *of_span = pull(jax.tree.map(jnp.add, m.end, (by_end, by_z1)))
+        by_edges = None
+        if m.edges is not None and by_times is not None:
+            pair = jnp.stack([own + more for own, more in zip(of_span, by_span, strict=True)])
+            pair = pair + jax.lax.dynamic_slice(m.edges[0], (m.step,), (2,))
+            by_edges = jax.lax.dynamic_update_slice(m.edges[0], pair, (m.step,)), by_times
+        begin = jax.tree.map(jnp.add, (of_state, of_z), (by_begin, by_z))
+        return _Back(m.step - 1, row, begin, jax.tree.map(jnp.add, m.numbers, of_numbers), by_edges)
+
+    def part(m: tuple[Any, ...]):
+        limit, stored, sparse, back = m
+        first = (limit - 1) // room * room
+        # At first all steps, so that states are stored.
+        whence = jnp.where(limit == count, 0, first)
+        at = jax.tree.map(lambda rows: rows[whence // room], sparse)
+        steps = whence, at, stored, sparse
+        _, _, stored, sparse = jax.lax.while_loop(lambda m: m[0] < limit, forward, steps)
+        back = jax.lax.while_loop(lambda m: m.step >= first, functools.partial(backward, stored), back)
+        return first, stored, sparse, back
+
+    last = edges[count]
+    missed = (timed.times > last)[:, None]
+    saved = jnp.sum(timed.times <= last) - 1
+    nothing = jax.tree.map(jnp.zeros_like, ((start, z), numbers))
+    none = (jnp.zeros_like(edges), jnp.zeros_like(timed.times)) if varied else None
+    m = count, stored, sparse, _Back(count - 1, saved, *nothing, none)
+    *_, back = jax.lax.while_loop(lambda m: m[0] > 0, part, m)
+    (by_state, by_z), by_numbers = back.end, back.numbers
+    of_numbers, of_state, of_t0 = by_start(by_z)
+    still = (timed.times <= timed.t0)[:, None]
+    of_still = jax.tree.map(lambda rows: jnp.sum(jnp.where(still, rows, 0.0), axis=0), changes)
+    by_numbers = jax.tree.map(jnp.add, by_numbers, of_numbers)
+    by_state = jax.tree.map(lambda *of: sum(of), by_state, of_state, of_still)
+    found = [by_numbers, [], _by(parts[2].whole, parts[2].numbers, by_state)]
+    if back.edges is not None:
+
+        def known(numbers: list[Any]):
+            span: Span = parts[1].whole(numbers)
+            return span.t0, _moved_along(ends, timed, span), span.times
+
+        by_edges, by_times = back.edges
+        found[1] = _by(known, parts[1].numbers, (by_edges[0] + of_t0, by_edges[1:], by_times))
+    lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed) for rows in changes])
+    return jax.tree.map(lambda one: jnp.where(lost, jnp.nan, one), found)
+
+
+def _by(function: Callable[..., Any], numbers: list[Any], changes: Any) -> list[Any]:
+    return jax.vjp(function, numbers)[1](changes)[0]
+
+
+def _rows(count: int, like: Any) -> Any:
+    return jax.tree.map(lambda one: jnp.zeros((count, *one.shape)), like)
+
+
+def _put(rows: Any, place: Any, at: Any) -> Any:
+    return jax.tree.map(lambda rows, one: rows.at[place].set(one), rows, at)
+
+
+def _over_rows(times: Array, changes: MotionState, whole: Any, row: Any, by_times: Array | None):
+    """Derivatives of the rows within a step, from the last one, by what is at its ends, and by their times."""
+
+    def state(whole: Any, t: Float[Array, ""]):
+        n = whole[1][0].u.shape[0]
+        return between(whole[0], whole[1], tuple(z[:n] for z in whole[2]), t)
+
+    def within(at: tuple[Any, Any]):
+        return (at[0] >= 0) & (times[jnp.maximum(at[0], 0)] > whole[0][0])
+
+    def added(at: tuple[Any, Any]):
+        row, (by_whole, by_times) = at
+        by_ends, by_time = jax.vjp(state, whole, times[row])[1](jax.tree.map(lambda rows: rows[row], changes))
+        by_times = None if by_times is None else by_times.at[row].add(by_time)
+        return row - 1, (jax.tree.map(jnp.add, by_whole, by_ends), by_times)
+
+    return jax.lax.while_loop(within, added, (row, (jax.tree.map(jnp.zeros_like, whole), by_times)))
+
+
+def _moved_along(ends: Float[Array, "most"], known: Span, span: Span) -> Float[Array, "most"]:
+    """Ends of steps, moved along with the begin, the last stop before them, or the end of a motion."""
+    along = ends + (span.t0 - known.t0)
+    if span.stops is not None and known.stops is not None:
+        for stop, was in zip(span.stops, known.stops, strict=True):
+            along = jnp.where((ends >= was) & (was > known.t0), ends + (stop - was), along)
+    return jnp.where(ends == known.t1, span.t1, along)
