@@ -190,15 +190,15 @@ def _no_second_derivative(in_coordinates: bool, primals: tuple[Any, ...], tangen
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-def _limit_load(given: tuple[Any, ...], in_coordinates: bool):
+def _limit_load(given: tuple[Any, Any, Any, Any], in_coordinates: bool):
     found = _find_limit(*given, in_coordinates)
     return found.load, found.result
 
 
 def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
-    ((topology, parameters, *numbers),), ((_, changes, *_),) = primals, tangents
-    found = _find_limit_once(topology, parameters, *numbers, in_coordinates)
+    ((topology, parameters, first, most),), ((_, changes, *_),) = primals, tangents
+    found = _find_limit_once(topology, parameters, first, most, in_coordinates)
     changed = _change_in_coordinates if in_coordinates else _change_in_freedoms
     no_change: Any = np.zeros((), jax.dtypes.float0)
     return (found.load, found.result), (changed(topology, parameters, found, changes), no_change)
@@ -234,8 +234,8 @@ _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
 
 
 @kernel
-def _compiled_limit_load(topology: Topology, parameters: Parameters, *numbers: Array, in_coordinates: bool):
-    return _limit_load((topology, parameters, *numbers), in_coordinates)
+def _compiled_limit_load(topology: Topology, parameters: Parameters, first: Any, most: Any, *, in_coordinates: bool):
+    return _limit_load((topology, parameters, first, most), in_coordinates)
 
 
 @unguarded

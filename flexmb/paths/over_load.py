@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arguments import check_whole
 from ..display import AT_MOST, States, Summary, course, short
+from ..linear.linearize import Stressed
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.model import Model
 from ..results import told
@@ -41,6 +42,18 @@ class OverLoad:
         if not -count <= chosen < count:
             raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
         return chosen
+
+    def factors(self: Any, step: int) -> LoadFactors:
+        """Load factors of the constant and of the incremental loads at one step.
+
+        Args:
+            step: Which, from 0.
+        """
+        return factors_of(self.model, self.load_factor[step])
+
+    def stressed(self: Any) -> Stressed:
+        """What the stress of all steps is computed from."""
+        return Stressed(self.x, self.sigma, self.felt, self.e)
 
     def states(self: Any) -> States:
         """The equilibria, over the load factor."""

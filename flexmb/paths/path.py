@@ -1,7 +1,7 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Literal, NamedTuple, TypeVar, overload
+from typing import Any, ClassVar, Literal, NamedTuple, TypedDict, TypeVar, Unpack, overload
 
 import jax
 import jax.core
@@ -17,7 +17,7 @@ from ..display import Result, listed, short
 from ..errors import AnalysisError, warn
 from ..linear.about import is_large
 from ..linear.buckling import multipliers_of, scaled_stiffness
-from ..linear.linearize import AboutState, Linearization, Matrices, Stressed, matrices_at
+from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
 from ..math.linear_solver import DENSE, asked_solver
@@ -129,18 +129,6 @@ class Path(OverLoad, ByName, AboutState, Along, Result, Record):
         stable = np.zeros(len(found), bool)
         return Path(loads, matrices, values, multipliers, stable, self.critical_points, self.result, self.model)
 
-    def factors(self, step: int) -> LoadFactors:
-        """Load factors of the constant and of the incremental loads at one step.
-
-        Args:
-            step: Which, from 0.
-        """
-        return factors_of(self.model, self.load_factor[step])
-
-    def stressed(self) -> Stressed:
-        """What the stress of all steps is computed from."""
-        return Stressed(self.x, self.sigma, self.felt, self.e)
-
 
 class _Found(NamedTuple):
     """What a path reports of one state; eigenvalues that may be complex are found outside compiled code."""
@@ -189,48 +177,23 @@ def _look_at(
     )
 
 
+class _Options(TypedDict, total=False):
+    max_steps: int
+    step: float
+    stop: Mapping[str, float] | None
+    switch: bool | int | Mapping[int, int]
+    imperfection: Mapping[int, float] | None
+    progress: Callable[[int, float], None] | bool
+    solver: Literal["dense", "sparse"] | None
+    throw: bool
+
+
 @overload
-def path(
-    model: Model,
-    *,
-    sparse: Literal[True],
-    solver: Literal["sparse"] | None = None,
-    max_steps: int = 200,
-    step: float = 0.1,
-    stop: Mapping[str, float] | None = None,
-    switch: bool | int | Mapping[int, int] = False,
-    imperfection: Mapping[int, float] | None = None,
-    progress: Callable[[int, float], None] | bool = False,
-    throw: bool = True,
-) -> SparsePath: ...
+def path(model: Model, *, sparse: Literal[True], **options: Unpack[_Options]) -> SparsePath: ...
 @overload
-def path(
-    model: Model,
-    *,
-    sparse: Literal[False],
-    solver: Literal["dense"] | None = None,
-    max_steps: int = 200,
-    step: float = 0.1,
-    stop: Mapping[str, float] | None = None,
-    switch: bool | int | Mapping[int, int] = False,
-    imperfection: Mapping[int, float] | None = None,
-    progress: Callable[[int, float], None] | bool = False,
-    throw: bool = True,
-) -> Path: ...
+def path(model: Model, *, sparse: Literal[False], **options: Unpack[_Options]) -> Path: ...
 @overload
-def path(
-    model: Model,
-    *,
-    sparse: bool | None = None,
-    solver: Literal["dense", "sparse"] | None = None,
-    max_steps: int = 200,
-    step: float = 0.1,
-    stop: Mapping[str, float] | None = None,
-    switch: bool | int | Mapping[int, int] = False,
-    imperfection: Mapping[int, float] | None = None,
-    progress: Callable[[int, float], None] | bool = False,
-    throw: bool = True,
-) -> Path | SparsePath: ...
+def path(model: Model, *, sparse: bool | None = None, **options: Unpack[_Options]) -> Path | SparsePath: ...
 @unguarded
 def path(
     model: Model,

@@ -9,17 +9,16 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.record import Record, static
 from ..display import Result
-from ..linear.linearize import DENSE, Linearization, Stressed, about_state, moving_element_matrices
+from ..linear.linearize import DENSE, Linearization, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
-from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Model
 from ..questions.over_states import Along
 from ..results import RESULTS
 from ..statics.sparse import acting
 from .critical import CriticalPoint
-from .over_load import OverLoad, factors_of
+from .over_load import OverLoad
 from .sparse_walk import SparseEquations, as_arrays
 from .stepper import Ramp
 from .walk import Step, Walker
@@ -121,18 +120,6 @@ class SparsePath(OverLoad, ByName, Along, Result, Record):
         """
         self.check_critical()
         return self if self.critical_states is None else self.critical_states
-
-    def factors(self, step: int) -> LoadFactors:
-        """Load factors of the constant and of the incremental loads at one step.
-
-        Args:
-            step: Which, from 0.
-        """
-        return factors_of(self.model, self.load_factor[step])
-
-    def stressed(self) -> Stressed:
-        """What the stress of all steps is computed from."""
-        return Stressed(self.x, self.sigma, self.felt, self.e)
 
 
 def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> dict[str, Any]:

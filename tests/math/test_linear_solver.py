@@ -1,5 +1,7 @@
 """Solvers of the linear equations of a mechanism: both against NumPy's answers, and how one is asked for."""
 
+import dataclasses
+
 import jax
 import numpy as np
 import pytest
@@ -65,3 +67,27 @@ def test_a_solver_is_asked_for_by_name_object_or_flag():
         asked_solver(None, "skyline")
     with pytest.raises(TypeError, match="LinearSolver"):
         asked_solver(None, 3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Own:
+    """A solver of someone else."""
+
+    def factored(self, elements, mass=0.0, damping=0.0):
+        return DENSE.factored(elements, mass, damping)
+
+
+def test_an_equilibrium_takes_a_solver_of_ones_own():
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (0.1, 0))
+    b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 1e-3, STEEL), released=(2, 3))
+    b.fix("a")
+    b.force("b", (0, 1.0))
+    model = b.build(check=False)
+    own, sparse = (fm.equilibrium(model, solver=solver) for solver in (Own(), "sparse"))
+    # Both iterate to 1e-9 of the extent, beyond which the error is its square.
+    np.testing.assert_allclose(own.x, sparse.x, atol=1e-12)
+    np.testing.assert_allclose(own.sigma, sparse.sigma, atol=1e-8)
+    with pytest.raises(TypeError, match="here"):
+        fm.limit_load(model, solver=Own())
