@@ -99,7 +99,7 @@ class Run:
 def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
     """Result of a function of arrays of NumPy, inside compiled code; it has no derivatives.
 
-    Returns as ``like``. What the function raises becomes an error of JAX with its text.
+    The result has the form of ``like``. What the function raises becomes an error of JAX with its text.
 
     Args:
         function: Function of a module of this package, or such a one of which some arguments are given already

@@ -68,7 +68,10 @@ def cores() -> int:
 
 
 def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
-    """Compiled calls side by side, each with a LAPACK of one thread. Returns results in the order of the arguments."""
+    """Compiled calls side by side, each with a LAPACK of one thread.
+
+    Returns the results in the order of the arguments.
+    """
 
     def finished(argument: Any):
         return jax.block_until_ready(function(argument))

@@ -31,8 +31,8 @@ def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tup
 
     S = EI/(l0^3 (1 + Phi)) [[4 + Phi, -2 + Phi], [-2 + Phi, 4 + Phi]], Phi = 12 EI/(GAk l0^2).
 
-    Returns two coefficients, () [N/m]. Source: Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor; THEORY.md
-    2, eq. (2.6) and (2.7).
+    Returns the two coefficients, () [N/m]. Source: Tutorial WA 1239 (2012), eq. (3.7), with Timoshenko's factor;
+    THEORY.md 2, eq. (2.6) and (2.7).
     """
     phi = 12 * shear / l0**2
     first = ei / (l0**3 * (1 + phi))
@@ -60,7 +60,7 @@ def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
 
     S = GIt/(l0 (1 - t)) [[1, -t/2, -t/2], [., a, b], [., ., a]],  a + b = t/2,  a - b = (1 - t)/(2 u^2 t).
 
-    Returns four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
+    Returns the four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
 
     Args:
         eiw: Warping rigidity, () [N m^4]; zero leaves torsion as it is without warping.

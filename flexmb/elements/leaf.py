@@ -211,8 +211,8 @@ class Leaf(Sheared):
     def moments(self, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s g f c"]:
         """Strains at the three Gauss nodes of each step, such that their moments over the step are those of the leaf's.
 
-        Returns of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields order + 2)
-        [-].
+        Returns the strains of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields
+        order + 2) [-].
 
         Args:
             names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.

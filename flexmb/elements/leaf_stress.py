@@ -30,8 +30,8 @@ def leaf_stress(
 ) -> surface.WithAcross:
     """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
-    Returns stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2, eq.
-    (2.27) to (2.29).
+    Returns the stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2,
+    eq. (2.27) to (2.29).
 
     Args:
         twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.

@@ -49,7 +49,8 @@ def torsion_stress(
 
     With t the shorter side and w the longer: (t/It) (1 - (8/pi^2) sum over odd n of 1/(n^2 cosh(n pi w/2t))) on the
     longer side, which is the largest, and (t/It) (8/pi^2) sum of (-1)^((n-1)/2) tanh(n pi w/2t)/n^2 on the shorter.
-    Returns on the sides at the ends of y, and on those at the ends of z, () [1/m^3]; terms left out are below 1e-10.
+    Returns the stress on the sides at the ends of y, and on those at the ends of z, () [1/m^3]; terms left out are
+    below 1e-10.
 
     Source:
         Derivatives of Saint-Venant's stress function of a rectangle, Timoshenko and Goodier, Theory of Elasticity,
@@ -137,8 +138,8 @@ def ring(diameter: Scalar, inner: Scalar, resultants: Float[Array, "6"]) -> Stre
     """Stress on the circumference of a circle or a circular tube.
 
     Eight points: the two where combined bending is largest and the two a quarter turn from them, then the two along the
-    combined shear force and the two a quarter turn from them, where its stress is largest. Returns stress along x and
-    shear stress, (8,) [Pa].
+    combined shear force and the two a quarter turn from them, where its stress is largest. Returns the stress along x
+    and shear stress, (8,) [Pa].
 
     Source:
         N/A + (My z - Mz y)/I; T R/(2 I); V Q/(I b) at the height of the point, along the circumference:

@@ -21,7 +21,7 @@ DIFFERENTIATED = 2
 def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple) -> tuple[Any, Any]:
     """As ``jax.jvp``, for tangents of which many are symbolic zeros: nothing is traced for those.
 
-    Returns value of the function and its change.
+    Returns the value of the function and its change.
     """
     leaves, structure = jax.tree.flatten(primals)
     changes = jax.tree.leaves(tangents, is_leaf=lambda t: isinstance(t, SymbolicZero))

@@ -14,7 +14,7 @@ TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
 
 def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
-    """Copy of an array with rows replaced. Returns array of the shape of ``whole``."""
+    """Copy of an array with rows replaced. Returns an array of the shape of ``whole``."""
     if _known(whole, values):
         found = np.array(whole)
         found[indices] = values
@@ -23,7 +23,7 @@ def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
 
 
 def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
-    """Copy of an array with values added; an index may repeat. Returns array of the shape of ``whole``."""
+    """Copy of an array with values added; an index may repeat. Returns an array of the shape of ``whole``."""
     if _known(whole, values):
         found = np.array(whole)
         np.add.at(found, indices, values)

@@ -69,7 +69,7 @@ def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
 
-    Returns nodes, (n,), and weights, (n,), not to be written to.
+    Returns the nodes, (n,), and weights, (n,), not to be written to.
     """
     nodes, weights = legendre.leggauss(n)
     nodes, weights = (nodes + 1) / 2, weights / 2
@@ -81,7 +81,7 @@ def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
 def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Lobatto nodes and weights on [0, 1], both ends included, exact to degree 2 n - 3.
 
-    Returns nodes, (n,), and weights, (n,). Source: Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1)
+    Returns the nodes, (n,), and weights, (n,). Source: Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1)
     P_{n-1}(x)^2) on [-1, 1].
     """
     last = np.zeros(n)

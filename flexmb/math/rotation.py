@@ -37,7 +37,7 @@ def _cosine_and_sine_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]
 
 
 def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
-    """Rotation matrix in the plane. Returns matrix that turns a vector, (2, 2) [-]. Source: Definition."""
+    """Rotation matrix in the plane. Returns the matrix that turns a vector, (2, 2) [-]. Source: Definition."""
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.array([[c, -s], [s, c]])
 
@@ -45,7 +45,7 @@ def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
 def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Array, ""]:
     """Angle from one vector in the plane to another.
 
-    Returns counter-clockwise angle between -pi and pi, () [rad]. Source: Definition.
+    Returns the counter-clockwise angle between -pi and pi, () [rad]. Source: Definition.
     """
     return polar_angle(jnp.stack([start @ end, start[0] * end[1] - start[1] * end[0]]))
 
@@ -54,8 +54,8 @@ def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Arr
 def polar_angle(vector: Float[Array, "2"]) -> Float[Array, ""]:
     """Angle from the first axis of the plane to a vector.
 
-    Returns counter-clockwise angle between -pi and pi, () [rad]. Source: Definition; its derivative in fewer operations
-    than JAX has for it.
+    Returns the counter-clockwise angle between -pi and pi, () [rad]. Source: Definition; its derivative in fewer
+    operations than JAX has for it.
     """
     return jnp.arctan2(vector[1], vector[0])
 
@@ -118,8 +118,8 @@ def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
     """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``.
 
-    Returns matrix whose columns are the turned axes, (3, 3) [-]. Source: See :func:`lbar`; homogeneous of degree two,
-    so a norm that is off by d scales R by 1 + 2 d.
+    Returns the matrix whose columns are the turned axes, (3, 3) [-]. Source: See :func:`lbar`; homogeneous of degree
+    two, so a norm that is off by d scales R by 1 + 2 d.
     """
     return ((lam[:, None] * lam).reshape(16) @ SQUARES).reshape(3, 3)
 
@@ -183,7 +183,7 @@ def rotation_since(start: Float[Array, "4"], lam: Float[Array, "4"], local: bool
 def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3"] | None) -> Float[Array, "3 3"]:
     """Initial frame of a spatial element: local x along p to q, local y as near to ``y`` as can be.
 
-    Returns columns are the local x, y and z axes, (3, 3) [-]. Source: Rule of the predecessor's 2015 edition;
+    Returns the local x, y and z axes as columns, (3, 3) [-]. Source: Rule of the predecessor's 2015 edition;
     Gram-Schmidt.
 
     Args:

@@ -226,7 +226,7 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
     """A block that knows what functions of a user's own do now, so that none is taken for what it did before.
 
     Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
-    Returns both, with what was found.
+    Returns the two with the values found.
     """
     if _of_package(block.element) or not _compiles():
         return block, properties

@@ -59,7 +59,7 @@ def _shapes(
 
 
 def parts_of(kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str) -> list[np.ndarray]:
-    """Coordinates of the nodes of one kind. Returns for each such node, (elements, size)."""
+    """Coordinates of the nodes of one kind. Returns an array for each such node, (elements, size)."""
     pieces = np.split(values, splits, axis=1)
     return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
 

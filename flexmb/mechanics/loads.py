@@ -36,7 +36,7 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
     """Sum of the two sets of loads, each times its factor.
 
     Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the undeformed
-    mechanism, which the caller supplies by scaling differences (see statics). Returns loads; None stays None where
+    mechanism, which the caller supplies by scaling differences (see statics). Returns the loads; None stays None where
     neither set has the load.
     """
     first = jax.tree.map(lambda a: factors.initial * a, parameters.loads)

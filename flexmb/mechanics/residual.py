@@ -135,7 +135,7 @@ def reduced_response(
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
     """Change of x at constant q, and the force out of balance along q that is left after it, to first order.
 
-    Returns change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m]. Source: THEORY.md 6, eq.
+    Returns the change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m]. Source: THEORY.md 6, eq.
     (6.3): the Hessian of the Lagrangian, projected with Z = DFx.
 
     Args:
@@ -163,8 +163,8 @@ def linear_response(
 
     The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
 
-    Arguments as for :func:`reduced_response`. Returns change of x, (n_x,) [m, rad, -], and of q from its wanted value,
-    (n_q,) [m, rad]. Source: See :func:`reduced_response`.
+    Arguments as for :func:`reduced_response`. Returns the change of x, (n_x,) [m, rad, -], and of q from its wanted
+    value, (n_q,) [m, rad]. Source: See :func:`reduced_response`.
     """
     onto_constraints, residual = reduced_response(topology, at, excess, shift, imbalance)
     dq = factorise(at.K0 + at.G0).solve(-residual)

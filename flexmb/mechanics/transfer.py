@@ -97,7 +97,7 @@ def correction(
 ) -> Float[Array, "n_x"]:
     """Change of the DEPENDENT coordinates that removes, to first order, an excess of the held deformations.
 
-    Returns change of x, (n_x,) [m, rad, -]. Source: Newton's corrector of THEORY.md 4, eq. (4.2).
+    Returns the change of x, (n_x,) [m, rad, -]. Source: Newton's corrector of THEORY.md 4, eq. (4.2).
 
     Args:
         excess: Deformations minus their wanted values; DEPENDENT entries are ignored, (n_e,) [m, rad].

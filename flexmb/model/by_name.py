@@ -105,7 +105,7 @@ class ByName:
     def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """How fast a node turns.
 
-        Returns of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s].
+        Returns the rate of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s].
 
         Raises:
             KeyError: No such node or component, or the node has no rotation.
@@ -116,7 +116,8 @@ class ByName:
     def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Rate of :meth:`angular_velocity`.
 
-        Returns of the angle in the plane, (states,); about the global axes in space, (states, 3) [rad/s^2].
+        Returns the second rate of the angle in the plane, (states,); about the global axes in space, (states, 3)
+        [rad/s^2].
 
         Raises:
             KeyError: No such node or component, or the node has no rotation.

@@ -19,7 +19,7 @@ DATES = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 def image(answer: Any, format: str) -> bytes:
     """Draw an answer: by the picture that its mode names, or by that of its result; where there is stress, it too.
 
-    Returns content of the file.
+    Returns the content of the file.
     """
     stressed = answer.lin if answer.data.get("stress", {}).get("maximum") and not answer.picture else None
     return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture, stressed)

@@ -33,7 +33,7 @@ class Line(NamedTuple):
 
 
 def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
-    """Indices in x of every node of one kind. Returns indices by node name, in the order of the model."""
+    """Indices in x of every node of one kind. Returns the indices by node name, in the order of the model."""
     found: dict[str, list[int]] = {}
     for i, entry in enumerate(model.labels.x):
         if entry.kind == part:
@@ -49,7 +49,7 @@ def extent_of(points: Float[np.ndarray, "n d"]) -> float:
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
     """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
 
-    Returns names of points by name of the rotation.
+    Returns the names of points by name of the rotation.
     """
     found: dict[str, list[str]] = {}
     for block in model.topology.blocks:
@@ -72,8 +72,8 @@ def lines(
     """Every element with deformations as a line, at given coordinates.
 
     An element's ``shape`` companion says where its points are. Without one, two points and two rotations are joined by
-    the cubic along the axis that the undeformed element had, and other points by straight lines. Returns lines in the
-    order of the model.
+    the cubic along the axis that the undeformed element had, and other points by straight lines. Returns the lines in
+    the order of the model.
     """
     found: dict[str, Line] = {}
     companions = _companions(model)
@@ -102,7 +102,7 @@ def scaled_lines(
     """Every element as a line, its displacement from one state to another multiplied.
 
     The points are scaled, not the coordinates: a beam that bends is no linear function of its curvature, and would end
-    beside the nodes that it joins. Returns lines in the order of the model.
+    beside the nodes that it joins. Returns the lines in the order of the model.
     """
     if factor == 1:
         return lines(model, x)

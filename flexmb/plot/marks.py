@@ -39,7 +39,7 @@ class Mark(NamedTuple):
 def supports(model: Model) -> dict[str, list[str]]:
     """Nodes where something is fixed or prescribed, each under every one of :data:`SUPPORTS` that it is.
 
-    Returns names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported";
+    Returns the names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported";
     "prescribed".
     """
     roles = model.roles()[0]

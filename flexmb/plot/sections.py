@@ -30,7 +30,7 @@ class Shape(NamedTuple):
 
 
 def shapes_of(model: Model) -> dict[str, Shape]:
-    """Outlines of the elements whose section has one. Returns by name of the element."""
+    """Outlines of the elements whose section has one. Returns, by name of the element."""
     found: dict[str, Shape] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         names = names_of(model, block)
@@ -61,7 +61,7 @@ def across_of(
     """Direction of the width of every rectangular section in space, at the places of its line.
 
     At both ends it turns with the nodes; in between it goes along with the line without twist, and the twist that is
-    left between the ends is spread evenly. Returns unit vectors, by name of the element, each (places, 3) [-].
+    left between the ends is spread evenly. Returns the unit vectors, by name of the element, each (places, 3) [-].
     """
     if model.labels.dimension == 2:
         return {}
@@ -161,7 +161,7 @@ STRIDE = 6
 def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np.ndarray, "quads 4 d"]]:
     """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
 
-    Returns quadrilaterals of each element whose section has an outline, by its name, (quads, 4, d) [m].
+    Returns the quadrilaterals of each element whose section has an outline, by its name, (quads, 4, d) [m].
     """
     shapes = shapes_of(model)
     across = across_of(model, x, drawn, shapes)

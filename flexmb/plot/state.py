@@ -45,7 +45,7 @@ def states_of(shown: Any, at: Any = None) -> States:
 def state_of(
     shown: Any, at: Any = None, step: int | None = None, time: float | None = None
 ) -> tuple[Model, Float[np.ndarray, "n_x"]]:
-    """Model and coordinates of what is to be drawn. Returns model, and x (n_x,) [m, rad, -].
+    """Model and coordinates of what is to be drawn. Returns the model, and x (n_x,) [m, rad, -].
 
     Raises:
         TypeError: As for :func:`states_of`.
