@@ -108,19 +108,20 @@ NAMES = (
 
 
 @pytest.mark.slow(
-    "stress",
-    "equilibrium",
-    "equilibria",
-    "state",
     "compliance",
+    "equilibria",
+    "equilibrium",
+    "load multipliers",
+    "motion",
+    "noise",
     "poles",
     "response",
-    "load multipliers",
     "smooth stress",
-    "noise",
     "sparse equilibrium",
     "sparse load multipliers",
     "sparse poles",
+    "state",
+    "stress",
 )
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize("name", NAMES.split("; "))

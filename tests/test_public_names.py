@@ -43,6 +43,7 @@ def private_names(text: str) -> list[str]:
     return sorted({name for name in found if is_private(name)})
 
 
+@pytest.mark.slow("flexmb")
 @pytest.mark.parametrize("folder", [ROOT, Path(__file__).parent], ids=["flexmb", "tests"])
 def test_names_of_libraries_are_public(folder):
     every = {str(path.relative_to(folder)): private_names(path.read_text()) for path in folder.rglob("*.py")}

@@ -5,10 +5,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parent
 FILES = ("linear/test_linearize.py", "mechanics/test_turning.py", "motion/test_sudden.py")
 
 
+@pytest.mark.slow
 def test_arrays_are_as_annotations_say():
     given = ["-p", "shapes", "--slow=out", *[str(HERE / name) for name in FILES]]
     said = subprocess.run([sys.executable, "-m", "pytest", *given], cwd=HERE.parent, capture_output=True, text=True)

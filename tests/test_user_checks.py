@@ -29,6 +29,7 @@ def first(model):
     return fm.frequencies(model)[0]
 
 
+@pytest.mark.slow("ranks")
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize(
     "checked",
@@ -57,6 +58,7 @@ def test_answers_are_the_same_under_checks_of_a_user(checked):
         np.testing.assert_array_equal(own, other)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_derivatives_under_a_check_of_ranks():
     """Copies to a device are not checked here: ``jax.grad`` itself makes one."""

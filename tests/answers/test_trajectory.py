@@ -130,6 +130,7 @@ def test_torques_of_the_joints_are_those_of_rigid_links():
     assert [(d["kind"], d["of"], d["component"]) for d in data["dofs"]][:2] == [("e", 1, 1), ("e", 2, 1)]
 
 
+@pytest.mark.slow
 def test_a_unit_has_the_nominal_inputs(tmp_path):
     """A unit of mode 3 bears the torques of the rigid links at all times."""
     to = tmp_path / "arm.fmu"
@@ -256,6 +257,7 @@ def stretched(velocity):
     return t, found.y[0]
 
 
+@pytest.mark.slow
 def test_vibrations_on_a_base_that_moves():
     """What is linear is the same by the perturbation method, by the nonlinear motion and by hand."""
     text = BASE.format(lines="STARTDE 1 1 0 0.1", signals="REFX 1 2 1\nREFXDP 2 2 1")

@@ -188,7 +188,7 @@ SOLID = {
 }
 
 
-@pytest.mark.slow("parallel guide", "cross pivot")
+@pytest.mark.slow
 @pytest.mark.parametrize("case", SOLID)
 def test_stiffness_beside_solid_elements(case):
     block, sizes, place, expected = SOLID[case]
@@ -283,6 +283,7 @@ def stiffness_of_a_notch():
     return 3 / ((angle[1] - angle[0]) * (np.sum(weights * around[:-1]) - around[0] + around[-1])), rim
 
 
+@pytest.mark.slow
 def test_notch_hinge():
     b = fm.Builder()
     b.node("ground", (0.0, 0.0, 0.0))

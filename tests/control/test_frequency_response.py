@@ -95,6 +95,7 @@ def test_a_guide_as_python_control_and_scipy_have_it(coupled):
     assert found[peak, 0, 0] == approx(complex(sensed @ x), rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.errors.BeamTheoryWarning")
 def test_motions_almost_without_mass_are_summed_as_they_are():
     """Shear of two equal leaf springs vibrates at frequencies that round-off does not tell apart."""
@@ -228,7 +229,7 @@ def test_a_pendulum_on_its_head():
         np.testing.assert_allclose(found.of(), exact, rtol=1e-11)
 
 
-@pytest.mark.slow("0.99")
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_column_about_its_buckling_load(share):
     """By sparse factors; Euler's load of EI = L = 1, which four cubic elements put 1e-4 higher."""

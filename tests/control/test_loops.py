@@ -596,6 +596,7 @@ def test_a_loop_differentiates_by_a_dimension_and_by_a_gain():
     np.testing.assert_allclose(reverse(at[1]), differences[1], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_an_event_between_samples_ends_the_motion_without_a_failure():
     """A mass on a spring passes its middle after a quarter of a period; what observes it does nothing."""
     b = sprung_mass(stiffness=STIFFNESS, damping=0.0, mass=MASS)

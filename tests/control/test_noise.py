@@ -41,6 +41,7 @@ def shaken(stiffness=K, damping=D):
     return b.build()
 
 
+@pytest.mark.slow
 def test_white_noise_on_one_mass():
     """Of a force of two-sided density S the position has S/(2 d k), the velocity S/(2 d m); a floor acts by m a."""
     model, s = shaken(), FORCE / 2
@@ -95,6 +96,7 @@ def floor_guide(element, dofs=()):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "dofs"),
     [(planar.spectral_beam(4), ()), (planar.beam, ("x", "y", "phi"))],
@@ -119,6 +121,7 @@ def by_hand(stiffness, density, edges, factor=1.0):
     return np.sqrt(np.trapezoid(size * density(f), f))
 
 
+@pytest.mark.slow
 def test_lines_and_jumps_of_densities_that_are_functions():
     """Of what poles know nothing: a line beside a measured spectrum that is high in one of its bins, and a box."""
     # 0.1 % of its frequency wide, as narrow as is promised; and a box to beyond the resonance at 2.39 Hz.
@@ -324,7 +327,7 @@ def test_a_free_mass_held_by_its_controller_and_a_joint_without_mass():
         fm.control.noise_budget(lin, sources={"push joint": FORCE}, outputs="joint", **hold)
 
 
-@pytest.mark.slow("band")
+@pytest.mark.slow
 @pytest.mark.parametrize("band", [None, (0.5, 50.0)], ids=["exact", "band"])
 def test_derivatives_of_a_loop(band):
     """Stiffness and gain against central differences, forward and in reverse."""

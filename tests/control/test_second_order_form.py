@@ -73,6 +73,7 @@ def bent_leaf():
     return b
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_a_loaded_leaf_spring_on_a_floor_that_moves():
     """At rest: against nonlinear equilibria with the floor moved, and the moments in balance about it."""
@@ -118,6 +119,7 @@ def test_a_loaded_leaf_spring_on_a_floor_that_moves():
         assert gain[12, column] == approx(float(stress), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_weight_counts_once_whichever_loads_it_belongs_to():
     """A body beside a leaf spring, whose clamp turns, under gravity of the constant or of the incremental loads."""
     found = []

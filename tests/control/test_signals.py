@@ -438,6 +438,7 @@ def test_an_input_at_a_dead_point_of_a_motion_is_none_that_does_nothing():
 # -- about a motion -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_velocities_about_a_steady_motion_are_rates_of_positions():
     """Of a body on springs on a shaft that spins: rates of what is measured, the coordinates turning along."""
     b = fm.Builder()

@@ -305,6 +305,7 @@ def test_conditions_do_not_leave_a_program_of_the_build_itself():
     np.testing.assert_array_equal(refused({"width": np.array([2.0, 3.0])}), [False, False])
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_known_numbers_stay_so_beside_traced_ones():
     """Sections whose functions compute with constants, and constants that are arrays of JAX."""

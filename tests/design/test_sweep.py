@@ -340,6 +340,7 @@ def known_of_long(thickness):
     return hertz, 1e-6 * 0.1**3 / (3 * stiffness)
 
 
+@pytest.mark.slow
 def test_answers_of_large_mechanisms_in_sweeps():
     """By sparse factors on the host, under the trace of a sweep."""
     thickness = np.array([2e-4, 4e-4])

@@ -130,6 +130,7 @@ def test_the_page_says_what_limits_and_what_moves_it(page):
     assert "parasitic y [m]" in str(page)
 
 
+@pytest.mark.slow
 def test_what_is_not_judged_is_said(page):
     """A stack of which the rigidity alone is known: the stress of the leaf springs is judged, its own is not."""
     soft = fm.Rigidity(EA=1e-3)
@@ -309,6 +310,7 @@ def gimbal(axis=(0, 0, 1), tilt="fixed"):
     return b.build()
 
 
+@pytest.mark.slow("axis0-own0")
 @pytest.mark.parametrize(("axis", "own"), [((0, 0, 1), {"rz"}), ((1, 0, 1), set())])
 def test_what_turns_a_node_in_space_is_no_parasitic_motion(axis, own):
     found = fm.verdict(gimbal(axis), 1e-3, steps=1, count=1)

@@ -775,7 +775,7 @@ def test_extension_and_torsion_energy(l0, ea, git):
     assert stiffness_of(spatial.beam, section, l0)[1, 1] == approx(git / l0**3, rel=1e-13)
 
 
-@pytest.mark.slow("spatial")
+@pytest.mark.slow
 @pytest.mark.parametrize("element", [planar.beam, spatial.beam], ids=["planar", "spatial"])
 @given(st.data())
 def test_beam_mass_is_that_of_the_cubic_interpolation(element, data):

@@ -42,6 +42,7 @@ def along(found, quantity: str, point: int, places) -> np.ndarray:
     return np.interp(places, np.asarray(found.places), values)
 
 
+@pytest.mark.slow
 def test_restrained_warping_beside_its_closed_form():
     """Torque, neither end warps: E y z kappa' with kappa = T/GIt (1 - cosh((x - L/2)/l)/cosh(L/2l)), exact."""
     torque = 1e-5

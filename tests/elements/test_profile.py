@@ -207,6 +207,7 @@ def test_derivatives_by_every_dimension():
     np.testing.assert_allclose(jax.jacfwd(height)(d), differences, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_stress_and_resultants_follow_the_section():
     # A taper that hangs: at each place the weight beyond it, and the force at its end bends it.
     section = sections.taper(fm.Rectangle(0.01, 2e-3, STEEL), fm.Rectangle(0.01, 1e-3, STEEL))
@@ -243,7 +244,7 @@ def test_different_sections_stand_side_by_side():
     np.testing.assert_allclose(stiffness(*leaves), sum(stiffness(one) for one in leaves), rtol=1e-9)
 
 
-@pytest.mark.slow("True")
+@pytest.mark.slow
 @pytest.mark.parametrize("space", [False, True])
 def test_shape_of_a_stepped_cantilever_under_a_moment(space):
     # Closed form: slopes and deflections of three pieces, each an arc of small curvature M/EI.

@@ -104,7 +104,7 @@ PRINCETON = {  # A9, P = 8.896 N: load angle [deg], uy, uz, ux [m], twist [deg]
 }
 
 
-@pytest.mark.slow("0", "45")
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", PRINCETON)
 def test_princeton_beam(angle):
     e, g, w, t = 71.7e9, 71.7e9 / 2.62, 12.3777e-3, 3.2024e-3

@@ -173,7 +173,7 @@ def functions(tmp_path_factory):
         return library, found, whole(*GIVEN)
 
 
-@pytest.mark.slow("arithmetic", "elementary", "rounding")
+@pytest.mark.slow("arithmetic", "elementary", "rounding", "whole numbers")
 @needs_compiler
 @pytest.mark.parametrize("name", CASES)
 def test_a_primitive_is_that_of_jax(functions, name):
@@ -253,6 +253,7 @@ def test_a_guide_in_space_in_c_is_that_in_jax(tmp_path):
     np.testing.assert_allclose(np.concatenate(at_once), np.concatenate(slowly[-1]), rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_turns_are_counted_in_c_too(tmp_path):
     """Wheels that mesh with no stress, at once far from where they were."""
     still = [np.array([turn, -turn / 2, 0.0, 0.0]) for turn in (1.0, 4.0, -300.0)]

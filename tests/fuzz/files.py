@@ -25,7 +25,7 @@ import jax
 import numpy as np
 
 import flexmb as fm
-from flexmb.answers import motion
+from flexmb.answers import mode_1_simulate as motion
 from flexmb.answers.answer_files import to_json
 from flexmb.answers.answers import answer
 from flexmb.answers.tables import log, table

@@ -114,6 +114,7 @@ def test_what_carries_no_mass_is_named_in_a_simulation():
     assert fault.value.code == "singular_mass"
 
 
+@pytest.mark.slow
 def test_one_of_two_motions_that_carries_no_mass_is_named_in_a_simulation():
     b = motions.double_pendulum()
     b.members = {name: m for name, m in b.members.items() if not (m.hidden and "lower" in m.nodes)}
@@ -289,6 +290,7 @@ TRACED = {
 DERIVATIVES = {"grad": jax.grad, "jacfwd": jax.jacfwd, "jacrev": jax.jacrev}
 
 
+@pytest.mark.slow("sparse poles")
 @pytest.mark.parametrize("name", TRACED)
 def test_what_is_differentiated_is_refused_by_the_same_words_and_is_nan_in_a_program(name):
     def asked(factor):

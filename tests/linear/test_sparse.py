@@ -242,6 +242,7 @@ def test_few_motions_of_many_coordinates_are_found_one_and_all():
         fm.to_statespace(large, modes=8, sparse=True)
 
 
+@pytest.mark.slow
 def test_every_copy_of_a_repeated_value_is_found():
     """Sixty leaf springs alike have sixty lowest frequencies and load multipliers; iterations see one of each."""
     section = fm.Rectangle(0.01, 1e-3, STEEL)

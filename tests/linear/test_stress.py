@@ -164,7 +164,7 @@ def sections_of_rod(problem, places, z):
     return np.array(found)
 
 
-@pytest.mark.slow("inf")
+@pytest.mark.slow
 @pytest.mark.parametrize("shear", [np.inf, 30.0])
 def test_elastica_against_shooting(shear):
     rod = PlanarRod(1.0, 1.0, 1e4, shear, load=(0.3, -0.8))
@@ -460,7 +460,7 @@ def falling(s, rotary=0.0):
     return -(1 - s) - a * (1 - s**2) / 2, moment
 
 
-@pytest.mark.slow("beam-0.0", "beam-0.1", "spectral-0.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("rotary", [0.0, 0.1])
 @pytest.mark.parametrize(
     ("element", "released"),
@@ -485,7 +485,7 @@ def test_bar_that_falls_about_a_hinge(element, released, rotary):
     np.testing.assert_allclose(found.values[0, :, 4] / scale / L, moment, rtol=0, atol=1e-5)
 
 
-@pytest.mark.slow("spectral")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "released", "speed"),
     [(spatial.beam, (1,), 0.0), (spatial.spectral_beam(2), (7, 8), np.sqrt(LIGHT / L))],
@@ -741,6 +741,7 @@ def stepped(place, points=5, beams=1):
     return fm.stress(b.build(dofs="named"), points=points)
 
 
+@pytest.mark.slow
 def test_both_sides_of_a_break_are_looked_at():
     """Under a small force F: beside the step F L (1 - s)/W in its thin part."""
     found = stepped(0.37)
@@ -784,7 +785,7 @@ def test_stress_between_the_ends_of_a_spectral_beam():
     assert found.where.place == approx(np.pi / 5, abs=1 / 64)
 
 
-@pytest.mark.slow("breaks0")
+@pytest.mark.slow
 @pytest.mark.parametrize("breaks", [(), (0.1, 0.2)])
 def test_stress_in_a_groove_between_the_places(breaks):
     """Under a moment M alone 6 M/(w t^2) where a section is thinnest."""

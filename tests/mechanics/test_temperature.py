@@ -48,6 +48,7 @@ def cantilevers(dimension: int) -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_free_element_becomes_an_arc_without_stress(dimension):
     """Strain alpha T, curvature alpha g away from the warmer side."""
@@ -205,6 +206,7 @@ def test_a_path_of_heat_leaves_where_linear_buckling_says():
     np.testing.assert_allclose(point.load_factor, fm.buckling(model).multipliers[0], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_warm_spring_and_a_warm_rigid_arm_move_their_masses():
     """(m1 + m2) x'' + m2 a alpha T2'' = -k (x - alpha T1 L), and the energy gained is the work of the expansion."""
     k, m1, m2, arm = 90.0, 0.4, 0.3, 0.2

@@ -140,7 +140,7 @@ def lost(y):
     return jnp.where(y[:1] > 0, 0.0, jnp.nan)
 
 
-@pytest.mark.slow("state", "sampled")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("controller", "what"),
     [

@@ -51,6 +51,7 @@ def test_pendulum_in_all_coordinates(swing):
     assert np.max(np.abs(seen.ed)) < 1e-13
 
 
+@pytest.mark.slow
 def test_a_motion_begins_with_the_velocity_of_its_configuration(pendulum, swing):
     """On from the middle of another motion, told by degrees of freedom: it ends where that one does."""
     middle = 300
@@ -64,6 +65,7 @@ def test_a_motion_begins_with_the_velocity_of_its_configuration(pendulum, swing)
     assert on.shape == (3, swing.x.shape[1])
 
 
+@pytest.mark.slow
 def test_pendulum_by_an_explicit_solver(pendulum):
     found = fm.simulate(pendulum, TIMES, rtol=1e-9, atol=1e-9, solver=diffrax.Dopri8())
     np.testing.assert_allclose(found.at("mass")[-1], PENDULUM, atol=2e-7)
@@ -281,6 +283,7 @@ def exact_place(stiffness):
     return 1 + 0.1 * np.cos(omega * t), -0.1 * t * np.sin(omega * t) / (2 * omega)
 
 
+@pytest.mark.slow
 def test_derivative_of_a_motion():
     """Forward mode; reverse in the batch below."""
     (found, _), (forward, _) = jax.jvp(lambda s: place(s, adjoint=diffrax.ForwardMode()), (9.0,), (1.0,))
@@ -346,6 +349,14 @@ def sprung_wheel(start=None, stop="") -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow(
+    "stops0-coordinates",
+    "stops0-reduced",
+    "stops1-coordinates",
+    "stops1-reduced",
+    "stops3-coordinates",
+    "stops3-reduced",
+)
 @pytest.mark.parametrize("form", ["coordinates", "reduced"])
 @pytest.mark.parametrize("stops", [("", ""), ("before", ""), ("", "before"), ("before", "behind")])
 def test_turns_are_counted_on_from_where_a_motion_begins(form, stops):
@@ -365,6 +376,7 @@ def test_turns_are_counted_on_from_where_a_motion_begins(form, stops):
     )
 
 
+@pytest.mark.slow
 def test_a_motion_begins_with_the_turns_of_an_equilibrium():
     """Wheels that mesh, of which a torque has turned one by four radians and a spring the other back by eight."""
     b = meshing_wheels()

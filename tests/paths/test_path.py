@@ -186,6 +186,7 @@ def test_no_jump_past_a_nearby_branch():
     assert deflection[-1] > 0.5
 
 
+@pytest.mark.slow
 def test_preload_and_increment_are_told_apart():
     other = fm.path(column(8, 2.6, preload=0.4))
     path = fm.path(column(8, 2.0, preload=1.0))
@@ -259,6 +260,7 @@ def strut(axial, moment):
     return b.build()
 
 
+@pytest.mark.slow
 def test_stability_without_a_potential():
     # Divergence by the sign of the determinant: weak axis, pi^2 EI/4; 2 cubic beams, 5.1e-4 as the column with 4.
     path = fm.path(strut(1.2 * EULER, 0.0))
@@ -466,6 +468,7 @@ def round_bar(turn):
     return b.build()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [False, True])
 def test_a_branch_of_a_round_bar_that_may_turn_is_told(sparse):
     """It buckles to any side at once, pi^2 EI/(4 L^2): where a branch goes is said by an imperfection alone."""
@@ -614,10 +617,11 @@ def loose(what):
 
 
 @pytest.mark.slow(
-    "a rotation that is not clamped-ask2",
+    "a node that nothing joins-ask2",
     "a node that nothing joins-equilibrium",
     "a node that nothing joins-path",
-    "a node that nothing joins-ask2",
+    "a rotation that is not clamped-ask2",
+    "a rotation that is not clamped-path",
 )
 @pytest.mark.parametrize("ask", [fm.equilibrium, fm.path, functools.partial(fm.path, sparse=True)])
 @pytest.mark.parametrize("what", ["a rotation that is not clamped", "a node that nothing joins"])
@@ -641,6 +645,7 @@ def test_a_limit_load_of_what_nothing_elastic_resists_is_refused_by_its_name(wha
     assert info.value.code == "singular_stiffness"
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("sparse", [False, True])
 def test_damping_takes_stability_of_a_load_that_follows(sparse):
     """Ziegler's column (1952): bars of one length, masses 2 and 1, hinges of stiffness 1 and one small damping.

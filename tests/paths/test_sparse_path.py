@@ -75,6 +75,7 @@ def have_the_same_poles_at_them(sparse, dense):
         np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(wanted)), rtol=1e-7, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_what_is_driven_and_half_held_goes_through_the_same_critical_points():
     """Steps hang on round-off, where they go and where they end does not."""
     dense, sparse = (fm.path(arch(**{**HALF, **DRIVEN}, sparse=of), sparse=of) for of in (False, True))
@@ -191,6 +192,7 @@ def test_what_a_sparse_path_refuses():
         fm.path(b.build(check=False), sparse=True)
 
 
+@pytest.mark.slow
 def test_multipliers_about_a_path_without_a_potential_are_refused_by_name():
     path = fm.path(arch(beams=4, sparse=True, follower=True), sparse=True, stop={"load_factor": 0.05})
     with pytest.raises(fm.ModelError, match="loads that follow a body"):

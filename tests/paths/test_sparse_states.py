@@ -61,7 +61,15 @@ QUESTIONS = {
 
 
 @pytest.mark.slow(
-    "frequencies", "eigenvalues", "shapes", "compliance", "multipliers", "stress", "stress at all steps", "state space"
+    "compliance",
+    "eigenvalues",
+    "frequencies",
+    "multipliers",
+    "response",
+    "shapes",
+    "state space",
+    "stress",
+    "stress at all steps",
 )
 @pytest.mark.filterwarnings("ignore:The state space of 3")
 @pytest.mark.parametrize("question", QUESTIONS)
@@ -209,6 +217,7 @@ def test_sparse_factors_are_chosen_by_size_and_left_where_they_do_not_serve():
     np.testing.assert_allclose(multipliers, fm.buckling_loads(large, count=2, sparse=False), rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_hanging_body_is_left_to_dense_matrices(monkeypatch):
     b = fm.Builder()
     b.node("ceiling", (0.0, 0.0))
@@ -242,6 +251,7 @@ def test_a_path_ends_at_a_stress():
         fm.path(strip(False), sparse=True, stop={"stress": 1e3})
 
 
+@pytest.mark.slow
 def test_a_multiplier_has_its_derivative_where_held_and_free_deformations_are_coupled():
     def first(model, load):
         force = model.parameters.loads.force * load

@@ -102,6 +102,7 @@ def test_any_bifurcation_is_left_to_either_side():
     assert path.critical_points[-1].load_factor == approx(-top, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_stress_is_met():
     # A cantilever of square section under a moment at its tip, a fifth of it before the path begins: sigma = M/W in
     # every section.
@@ -172,6 +173,7 @@ def test_what_is_not_met_is_said():
         fm.path(FLAT, stop={"stress": 1e6})
 
 
+@pytest.mark.slow
 def test_imperfect_column():
     # Pinned, EI = 1, length 2, pressed by the displacement of its end: under a force P its middle is w0/(1 - P/Pcr)
     # aside. Cubic beams overestimate Pcr by 5.1e-4/16 (test_path.py), a tenth of which is told ten times here; the
@@ -188,6 +190,7 @@ def test_imperfect_column():
     assert np.max(np.abs(path.sigma[0])) < 1e-6
 
 
+@pytest.mark.slow
 def test_modes_of_an_imperfection_are_those_before_any_load():
     """Whatever load the path ends at, and whether some of it follows: as where loads are said to grow from zero."""
 
@@ -274,6 +277,7 @@ def leaning(start=None, more=None):
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_motion_of_an_imperfect_mechanism_starts_in_its_shape():
     """Nothing acts on it, so that it stays: in the equilibrium without loads, where nothing is stressed."""
     times, still = np.linspace(0.0, 0.1, 11), {"increment": lambda t: 0.0}
@@ -290,6 +294,7 @@ def test_a_motion_of_an_imperfect_mechanism_starts_in_its_shape():
         np.testing.assert_allclose(moving.parameters.start[1], [0.0, 0.0, 1.0])
 
 
+@pytest.mark.slow
 def test_a_motion_that_would_start_stressed_says_so():
     def driven(b):
         """Something else, which is prescribed."""
@@ -309,6 +314,7 @@ def test_a_motion_that_would_start_stressed_says_so():
         fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0, initial=given)
 
 
+@pytest.mark.slow
 def test_an_imperfection_is_no_strain_of_what_is_held():
     """Of norms of Euler parameters, by round-off."""
     b = fm.Builder()

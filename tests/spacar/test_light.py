@@ -239,6 +239,7 @@ def test_supports_carry_the_loads():
     np.testing.assert_array_equal(out.node(3).Freac, 0)
 
 
+@pytest.mark.slow
 def test_rotations_in_every_form():
     out = run_cross()
     node = out.step(3).node(3)
@@ -328,6 +329,7 @@ def test_slider_crank_turns_past_half_a_turn():
     assert out.element(2).e.shape == (1, 3, 5)
 
 
+@pytest.mark.slow
 def test_reactions_at_a_turned_support():
     # A wire whose tip is carried aside and turned about y, the other two rotations free: forces and moments balance.
     tip = {"displ_y": 0.002, "displ_z": 0.02, "rot_y": 0.4}

@@ -297,6 +297,7 @@ def test_the_moment_that_turns_a_shaft_in_motion():
         np.testing.assert_allclose(moment, expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_is_turned_is_moved_by_an_input_of_its_axis():
     """The moment of a drive by the acceleration that it gives: inertia, and stiffness over the square of s."""
     for name, prescribed in (("rx", {}), ("rotation", {"axis": (1, 0, 0)})):
@@ -314,6 +315,7 @@ def test_what_is_turned_is_moved_by_an_input_of_its_axis():
                 refused.build()
 
 
+@pytest.mark.slow
 def test_a_prescribed_rotation_leaves_the_other_two():
     """Frequencies are those of the mechanism projected onto motions that do not turn the node about the axis."""
     frequencies = {}
@@ -332,6 +334,7 @@ def test_a_prescribed_rotation_leaves_the_other_two():
     assert len(frequencies["fixed"]) == len(expected) - 2
 
 
+@pytest.mark.slow
 def test_a_rotation_is_held_about_global_axes():
     """A cantilever whose tip may not turn about z: 12 EI/L^3 along y and 3 EI/L^3 along z."""
     b = shaft()

@@ -269,7 +269,7 @@ def test_bars_that_hold_the_same_twice_and_too_few_are_told_apart(bars, why):
     assert info.value.code == why
 
 
-@pytest.mark.slow("answers about a state")
+@pytest.mark.slow
 @pytest.mark.parametrize("ask", ["answers about a state", "equilibrium"])
 def test_memory_that_does_not_suffice_is_named(monkeypatch, ask):
     def full(*_, **__):
@@ -367,6 +367,7 @@ def lattice(per_metre):
     return b.build(check=False)
 
 
+@pytest.mark.slow
 def test_units_make_nothing_singular():
     """In micrometres constraints of rigid bodies stand beside stiffnesses 1e12 times as large."""
     metres, micrometres = (
@@ -454,6 +455,7 @@ def test_a_rope_of_rigid_links_hangs():
     np.testing.assert_allclose(fm.frequencies(model, count=2, sparse=True), exact, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_what_hangs_is_found_inside_compiled_code_too():
     def ends(gravity):
         b = fm.Builder()
@@ -474,6 +476,7 @@ def test_what_hangs_is_found_inside_compiled_code_too():
         assert float(weight) == approx(2 * length * 9.81, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_light_loads_on_stiff_parts_have_all_digits():
     """A row of bars a hundred million times stiffer than their load, which all of them carry: statics.
 

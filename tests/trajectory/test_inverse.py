@@ -148,6 +148,7 @@ def test_flexible_deformations_are_held():
     assert np.linalg.matrix_rank(stiffness[3]) == 4
 
 
+@pytest.mark.slow
 def test_input_of_a_tip_by_a_dimension():
     """What is driven follows the tip, l sin φ = y; against central differences, whose error is 1e-8 of the whole."""
     law = fm.trajectory.quintic(0.0, 0.3, 0.05)
@@ -171,6 +172,7 @@ def test_input_of_a_tip_by_a_dimension():
     assert slope == approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_wrong_inputs_are_refused():
     law = fm.trajectory.quintic(0.0, 0.3, 0.05)
     with pytest.raises(fm.ModelError, match=r"1 degrees of freedom.*there are pull, torque"):

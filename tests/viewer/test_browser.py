@@ -290,6 +290,7 @@ def test_dark_and_light(page):
     assert ask(page, "document.getElementById('theme').getAttribute('aria-pressed')") == "true"
 
 
+@pytest.mark.slow
 def test_the_saved_picture_shows_the_mechanism(page):
     until(page, "Boolean(v.project)")
     page.execute_script("window.flexmb.seek(0)")

@@ -183,6 +183,7 @@ def test_in_space_a_node_goes_along_the_axis_that_is_pulled(browser, workbench):
     assert not faults(page)
 
 
+@pytest.mark.slow
 def test_a_hinge_is_drawn_by_its_node_and_the_element_that_turns_there(page):
     edit(page, PLAIN_GUIDE)
     page.execute_script("window.workbench.canvas.fit();")

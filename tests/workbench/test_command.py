@@ -13,7 +13,7 @@ from cases.workbench import Client, Process, cantilever, served
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.workbench import notebook
+from flexmb.workbench import edit
 
 pytestmark = pytest.mark.timeout(180)
 NODE = {"op": "add", "thing": {"call": "node", "name": "A", "args": {"position": ["0", "0"]}}}
@@ -22,7 +22,7 @@ NODE = {"op": "add", "thing": {"call": "node", "name": "A", "args": {"position":
 @pytest.fixture(autouse=True)
 def _state(tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXMB_STATE", str(tmp_path / "state"))
-    for name in notebook.REMOTE:
+    for name in edit.REMOTE:
         monkeypatch.delenv(name, raising=False)
 
 

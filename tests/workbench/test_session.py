@@ -13,7 +13,7 @@ from cases.workbench import cantilever, thing
 
 import flexmb as fm
 from flexmb.spacar.lines import LARGEST_FILE
-from flexmb.workbench import watch
+from flexmb.workbench import open_file
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
 from flexmb.workbench.document import Document
 from flexmb.workbench.messages import guarded
@@ -273,7 +273,7 @@ def test_what_is_no_regular_file_is_neither_opened_nor_written(opened, tmp_path)
                 session.ask("open", {"path": str(path)})
             with pytest.raises(OSError, match="it is no regular file"):
                 session.ask("save", {"path": str(path), "over": True, "anyway": True})
-            assert watch.content_of(path) is None
+            assert open_file.content_of(path) is None
     with (tmp_path / "large.json").open("wb") as file:
         file.truncate(LARGEST_FILE + 1)
     with pytest.raises(OSError, match=f"it has more than {LARGEST_FILE} bytes: '.*large.json'"):
@@ -314,7 +314,7 @@ def test_a_request_that_a_killed_process_did_is_not_done_again(opened):
 
 def test_a_file_that_another_program_changes_is_offered(opened, tmp_path, monkeypatch):
     # Files are looked at five times as often as for users.
-    monkeypatch.setattr(watch, "PERIOD", watch.PERIOD / 5)
+    monkeypatch.setattr(open_file, "PERIOD", open_file.PERIOD / 5)
     path = tmp_path / "guide.json"
     path.write_text(Document.empty().text)
     session, told = opened(session_of_file(path))
@@ -345,7 +345,7 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path, monkey
 
 
 def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path, monkeypatch):
-    monkeypatch.setattr(watch, "PERIOD", watch.PERIOD / 5)
+    monkeypatch.setattr(open_file, "PERIOD", open_file.PERIOD / 5)
     path = tmp_path / "guide.json"
     path.write_text(Document.empty().text)
     session, told = opened(session_of_file(path))

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from flexmb.workbench import watch as module
+from flexmb.workbench import open_file as module
 from flexmb.workbench.open_file import Watch
 
 pytestmark = pytest.mark.timeout(30)
