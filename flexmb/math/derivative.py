@@ -136,7 +136,7 @@ def _varied(argument: Any, varies: list[bool]) -> Varied:
     return Varied([leaf for leaf, varied in zip(leaves, varies, strict=True) if varied], whole, varies)
 
 
-def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any]) -> Callable[..., Any]:
+def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], once: str) -> Callable[..., Any]:
     """As :func:`jit_beside_options`, of a function whose derivatives are taken in reverse mode alone.
 
     JAX compiles what ``jax.grad`` asks for without options, which takes twice as long. Here the way back is a program
@@ -146,6 +146,7 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any]) 
         function: Function of arguments that may hold what is no array, and of ``known``: None, or what ``ahead`` found.
         ahead: What gives the value where a derivative is asked for, and what the way back is to know of it: arrays, or
             None where it is to take the function once more.
+        once: What a derivative of a derivative is told.
     """
     run, there = jit_beside_options(function), jit_beside_options(ahead)
 
@@ -168,7 +169,10 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any]) 
         def way_back(parts: list[Varied], known: Any, changes: Any):
             varies = tuple(varied for part in parts for varied in part.varies)
             given = [None if one.dtype == jax.dtypes.float0 else one for one in jax.tree.leaves(changes)]
-            found = iter(back(varies, tuple(part.whole(part.numbers) for part in parts), known, given))
+            # What comes in is refused too: the way back may call the host, whose derivatives JAX refuses in its words.
+            numbers, given = refusing_derivatives(([part.numbers for part in parts], given), once)
+            whole = tuple(part.whole(own) for part, own in zip(parts, numbers, strict=True))
+            found = iter(back(varies, whole, known, given))
             return [[next(found) for _ in part.numbers] for part in parts]
 
         values: list[Any] = []

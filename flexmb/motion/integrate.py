@@ -269,7 +269,7 @@ def _recorded(
 
 
 _asked = jit_beside_options(_integrated)
-_stepped = jit_beside_reverse(_integrated, _recorded)
+_stepped = jit_beside_reverse(_integrated, _recorded, ONCE)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -340,7 +340,7 @@ def _derived_sampled(*given: Any) -> tuple[Integrated, None]:
 
 
 _asked_sampled = jit_beside_options(_integrated_sampled)
-_sampled = jit_beside_reverse(_integrated_sampled, _derived_sampled)
+_sampled = jit_beside_reverse(_integrated_sampled, _derived_sampled, ONCE)
 
 
 def integrate_sampled(
