@@ -484,7 +484,8 @@ def _state(
         if where.increment is None:
             warn_of_increment(model, function)
         increment = 0.0 if where.increment is None else where.increment
-        at = equilibrium(model, increment=increment, **(equilibrium_options | {"sparse": sparse}))
+        options: Any = equilibrium_options | {"sparse": sparse}
+        at = equilibrium(model, increment=increment, **options)
     elif isinstance(where.at, ManyStates) and not several:
         at = where.state(model, function)
     if getattr(at, "x", None) is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
@@ -126,21 +127,18 @@ def _solved(
 
     from .solve import solve
 
+    taken: Any = functools.partial(solve, adjoint=diffrax.ForwardMode())
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
     span = Span(*times, problem.stops, problem.jumps)
     if _by_options(integrator, problem.jumps):
         adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
         return solve(equations, span, start, integrator, before, parts, adjoint=adjoint, every=True)[0]
 
-    def plain(equations: Any, span: Any, start: Any, *rest: Any):
-        if known is not None:
-            return known[0]
-        return solve(equations, span, start, *rest, parts, adjoint=diffrax.ForwardMode(), every=derived)[0]
+    def plain(*own: Any):
+        return known[0] if known is not None else taken(*own, parts, every=derived)[0]
 
     def ahead(*own: Any):
-        if known is not None:
-            return known
-        return solve(*own, parts, adjoint=diffrax.ForwardMode(), every=True, recorded=True)
+        return known if known is not None else taken(*own, parts, every=True, recorded=True)
 
     def back(varied: list[Varied], ends: Array, changes: Solved):
         found = pulled_back(varied[:3], ends, changes.states)
@@ -262,7 +260,7 @@ def _recorded(
 
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], given.state)
-    own = Span(*span, times, problem.stops)
+    own = Span(span[0], span[1], times, problem.stops)
     asked: Any = {"adjoint": diffrax.ForwardMode(), "every": True, "recorded": True}
     found, ends = solve(equations, own, start, integrator, given.before, FIRST, **asked)
     return _whole(equations, times, found, begun, given), (found, jnp.asarray(ends))

@@ -142,7 +142,7 @@ def _solver_and_steps(
         )
     if isinstance(solver, Projected):
         solver = solver.with_tolerances(controller)
-    onto = {"step_ts": span.stops, "jump_ts": jumps}
+    onto: Any = {"step_ts": span.stops, "jump_ts": jumps}
     adaptive = isinstance(controller, diffrax.AbstractAdaptiveStepSizeController)
     if adaptive and any(one is not None for one in onto.values()):
         controller = diffrax.ClipStepSizeController(controller, **onto)

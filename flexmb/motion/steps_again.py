@@ -100,7 +100,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         # What is not stored goes to the last place.
         place = jnp.where(step % room == 0, step // room, -1)
         stored, sparse = _put(stored, step % room, at), _put(sparse, place, at)
-        return step + 1, stepped(numbers, *at, edges[step], edges[step + 1]), stored, sparse
+        return step + 1, stepped(numbers, at[0], at[1], edges[step], edges[step + 1]), stored, sparse
 
     def backward(stored: Any, m: _Back):
         t0, t1 = edges[m.step], edges[m.step + 1]
@@ -108,7 +108,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         if varied:
             (after, z1), pull = jax.vjp(stepped, numbers, state, z, t0, t1)
         else:
-            (after, z1), pull = jax.vjp(lambda *of: stepped(*of, t0, t1), numbers, state, z)
+            (after, z1), pull = jax.vjp(lambda *of: stepped(of[0], of[1], of[2], t0, t1), numbers, state, z)
         whole = (t0, t1), (state, after), (z, z1)
         by_times = None if m.edges is None else m.edges[1]
         row, (by_whole, by_times) = _over_rows(timed.times, changes, whole, m.row, by_times)
@@ -138,7 +138,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     saved = jnp.sum(timed.times <= last) - 1
     nothing = jax.tree.map(jnp.zeros_like, ((start, z), numbers))
     none = (jnp.zeros_like(edges), jnp.zeros_like(timed.times)) if varied else None
-    m = count, stored, sparse, _Back(count - 1, saved, *nothing, none)
+    m = count, stored, sparse, _Back(count - 1, saved, nothing[0], nothing[1], none)
     *_, back = jax.lax.while_loop(lambda m: m[0] > 0, part, m)
     (by_state, by_z), by_numbers = back.end, back.numbers
     of_numbers, of_state, of_t0 = by_start(by_z)

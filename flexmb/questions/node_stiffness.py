@@ -54,7 +54,7 @@ def _stiffness(state: Any, rest: str) -> Any:
     if axis not in axes:
         raise KeyError(f"node '{node}' has no component '{axis}' here; it has {', '.join(axes)}")
     at = axes.index(axis)
-    if not is_many(state):
+    if isinstance(state, Linearization):
         return 1 / compliance_of_large(state, places)[at, at]
     if state.by_sparse:
         flexibility = np.array([compliance_of_large(lin, places)[at, at] for lin in each_linearization(state)])
