@@ -1,4 +1,4 @@
-"""A mode of the command line: the ``MODE`` of a file ``mode_NUMBER_NAME.py`` of this room, found by its name."""
+"""A mode of the command line: the ``MODE`` of a file ``mode_NUMBER_NAME`` of this room, found by its name."""
 
 import dataclasses
 import sys
