@@ -11,8 +11,9 @@ import numpy as np
 import flexmb as fm
 from flexmb import planar
 
-fm.enable_x64()  # flexmb needs double precision
-cache = fm.enable_cache(thorough=False)  # compiled code is kept for the next time
+# flexmb needs double precision. Compiled code is kept for the next time.
+fm.enable_x64()
+cache = fm.enable_cache(thorough=False)
 
 # %% [markdown]
 # A mechanism is a set of named nodes that elements join. Units are SI. Two leaf springs stand on the ground at A and D.

@@ -62,7 +62,7 @@ class OutOfRange(ValueError):
     """A number is beyond what mechanics in double precision survives."""
 
 
-class Form(NamedTuple):
+class FieldForm(NamedTuple):
     """What the value of a field is.
 
     Attributes:
@@ -112,7 +112,7 @@ def _only(values: Any) -> Any:
     return values[0]
 
 
-def _numbers(*lengths: int) -> Form:
+def _numbers(*lengths: int) -> FieldForm:
     def read(value: Any) -> Any:
         if is_concrete(value):
             array = _real(value)
@@ -124,16 +124,16 @@ def _numbers(*lengths: int) -> Form:
             raise OutOfRange
         return array
 
-    return Form(f"{' or '.join(map(str, lengths))} finite numbers", read)
+    return FieldForm(f"{' or '.join(map(str, lengths))} finite numbers", read)
 
 
-FLAG = Form("true or false", _flag)
-COUNT = Form(f"a whole number from 1 to {MOST}", lambda value: _only(_counts(value)))
-COUNTS = Form(f"whole numbers from 1 to {MOST}", _counts)
-NUMBER = Form("a finite number", lambda value: _numbers(1).read(value)[0])
-WORD = Form("a word", lambda value: _only(_words(value)))
-WORDS = Form("a word or a list of words", _words)
-ANYTHING = Form("", lambda value: value)
+FLAG = FieldForm("true or false", _flag)
+COUNT = FieldForm(f"a whole number from 1 to {MOST}", lambda value: _only(_counts(value)))
+COUNTS = FieldForm(f"whole numbers from 1 to {MOST}", _counts)
+NUMBER = FieldForm("a finite number", lambda value: _numbers(1).read(value)[0])
+WORD = FieldForm("a word", lambda value: _only(_words(value)))
+WORDS = FieldForm("a word or a list of words", _words)
+ANYTHING = FieldForm("", lambda value: value)
 
 
 # -- fields -------------------------------------------------------------------------------------------------------
@@ -151,7 +151,7 @@ class Field(NamedTuple):
         idle: Whether it is for pictures and stresses of the predecessor, and has no effect.
     """
 
-    form: Form
+    form: FieldForm
     default: Any = None
     bounds: Range | None = None
     choices: Sequence[Any] = ()

@@ -109,7 +109,7 @@ class Turn(Protocol):
         ...
 
 
-class Form(NamedTuple):
+class MatrixForm(NamedTuple):
     """A form of matrices.
 
     Attributes:
@@ -126,7 +126,7 @@ class Form(NamedTuple):
     knows_stress: bool
 
 
-class Solved(NamedTuple):
+class Searched(NamedTuple):
     """An equilibrium.
 
     Attributes:
@@ -175,7 +175,7 @@ def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors
     return x, e
 
 
-def undeformed(form: Form, topology: Topology, parameters: Parameters) -> Begin:
+def undeformed(form: MatrixForm, topology: Topology, parameters: Parameters) -> Begin:
     """The beginning without loads."""
     none, zero = zero_near(topology), jnp.array(0.0)
     motions, multipliers = form.unknowns(topology)
@@ -198,7 +198,7 @@ def _of_unit_energy(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Array]:
     return soft, turn.energy(soft)
 
 
-def search(form: Form, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> Solved:
+def search(form: MatrixForm, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> Searched:
     """Equilibrium by one loop whose every turn is one Newton iteration; load steps begin, grow and shrink inside it.
 
     Deformations and their stress are carried as numbers of their own, see ``iterate``; where elements are free of
@@ -288,4 +288,4 @@ def search(form: Form, topology: Topology, parameters: Parameters, target: LoadF
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)
     share = jnp.where(successful, 1.0, end.steps.reached)
     reached = Begin(end.done, end.soft, _between(begin.factors, target, share))
-    return Solved(end.last, reached, end.iterations, result)
+    return Searched(end.last, reached, end.iterations, result)

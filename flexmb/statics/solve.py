@@ -19,7 +19,7 @@ from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_res
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS
-from .newton_search import ROUND_OFF, Begin, Correction, Form, Iterate, held_values, search
+from .newton_search import ROUND_OFF, Begin, Correction, Iterate, MatrixForm, held_values, search
 from .newton_search import undeformed as undeformed_of
 
 
@@ -61,7 +61,7 @@ class TurnInFreedoms:
         return Correction(change, softer, jnp.zeros(0), why)
 
 
-FREEDOMS = Form(TurnInFreedoms, lambda topology: (topology.n_q, 0), looks_at_end=True, knows_stress=True)
+FREEDOMS = MatrixForm(TurnInFreedoms, lambda topology: (topology.n_q, 0), looks_at_end=True, knows_stress=True)
 undeformed = functools.partial(undeformed_of, FREEDOMS)
 
 

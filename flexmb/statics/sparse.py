@@ -30,7 +30,7 @@ from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_res
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collect, collects, or_nan
-from .newton_search import ROUND_OFF, Correction, Form, Iterate, Solved, held_values, search, undeformed
+from .newton_search import ROUND_OFF, Correction, Iterate, MatrixForm, Searched, held_values, search, undeformed
 from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
@@ -229,9 +229,9 @@ def _numbers_of_unknowns(topology: Topology) -> tuple[int, int]:
 
 
 @kernel
-def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *, solver: LinearSolver) -> Solved:
+def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *, solver: LinearSolver) -> Searched:
     turn = functools.partial(TurnInCoordinates, solver=solver)
-    form = Form(turn, _numbers_of_unknowns, looks_at_end=False, knows_stress=False)
+    form = MatrixForm(turn, _numbers_of_unknowns, looks_at_end=False, knows_stress=False)
     return search(form, topology, parameters, target, undeformed(form, topology, parameters))
 
 
