@@ -118,6 +118,7 @@ NAMES = (
     "response",
     "smooth stress",
     "sparse equilibrium",
+    "sparse frequencies",
     "sparse load multipliers",
     "sparse poles",
     "state",

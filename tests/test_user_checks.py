@@ -29,7 +29,7 @@ def first(model):
     return fm.frequencies(model)[0]
 
 
-@pytest.mark.slow("ranks")
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize(
     "checked",

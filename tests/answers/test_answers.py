@@ -1,6 +1,7 @@
 """Answers of the modes as plain numbers, against what statics says of them."""
 
 import numpy as np
+import pytest
 from cases.tolerances import approx
 
 import flexmb as fm
@@ -69,6 +70,7 @@ def shaft(torque: float, damping: float = 0.0):
     return b
 
 
+@pytest.mark.slow
 def test_a_moment_about_a_fixed_axis_lets_motions_grow():
     """Ziegler: whatever its size, without damping; the symmetric part of the stiffness is positive definite."""
     unstable = answer(shaft(5.0), "shaft", 7, dofs="auto").data
@@ -100,6 +102,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_tolerances_of_angles_do_not_depend_on_the_size_of_a_mechanism():
     """t^2/2 of a rotor of 1 kg m^2 under 1 N m: to 1e-4 rad in each of some steps, whatever its arm."""
     for length in (1.0, 1e-3):

@@ -143,6 +143,7 @@ def test_a_unit_has_the_nominal_inputs(tmp_path):
     np.testing.assert_allclose(values, -torques, atol=1e-9 * np.abs(torques).max())
 
 
+@pytest.mark.slow
 def test_linearised_equations_of_the_joints():
     """Mass and velocity matrix of the rigid links are the joints' part of those of the flexible arm."""
     data = linearised()

@@ -595,7 +595,7 @@ def test_a_body_on_a_second_rotation_of_a_node_is_an_element():
     np.testing.assert_allclose(fm.frequencies(model), expected, rtol=1e-12)
 
 
-@pytest.mark.slow("Fraction")
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Fraction, Decimal])
 def test_fractions_and_decimals_are_numbers(kind):
     def model(n):

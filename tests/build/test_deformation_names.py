@@ -168,6 +168,7 @@ def hinged():
     return b
 
 
+@pytest.mark.slow
 def test_names_stand_for_numbers_everywhere():
     first = None
     for angle, bar in ((1, 1), ("angle", "offset_x"), ("e1", "e1")):

@@ -137,6 +137,7 @@ def law_of_text(text):
     return module["law"]
 
 
+@pytest.mark.slow
 def test_a_law_whose_text_changed_is_not_answered_by_the_former_one(folder):
     for text, moved in (("10.0 * e", 0.1), ("20.0 * e", 0.05)):
         fresh()

@@ -157,6 +157,7 @@ def test_limits_and_back_calculation_against_scipy():
     assert over[tracking] < over[np.inf] - 0.1 * STEP
 
 
+@pytest.mark.slow
 def test_samples_delay_and_limits_against_a_recursion():
     """Exact from sample to sample: the held force drives the mass by the exponential of its matrix."""
     h, delay, limits = 0.02, 2, [[0.05, 0.25]]
@@ -477,6 +478,7 @@ def test_a_phase_that_jumps_at_an_undamped_pole_crosses_nothing(sign, gain):
     assert found.margins[0].gain == np.inf
 
 
+@pytest.mark.slow
 def test_an_unstable_loop_is_reported_and_its_motion_is_refused():
     wrong = -1.0 * pid()
     wrong = control.ss(wrong, inputs=["place"], outputs=["force"])

@@ -261,6 +261,7 @@ def test_a_moment_that_is_an_input_acts_as_one_that_is_a_load(steered):
     np.testing.assert_allclose(moved(steered, about, 0.0).at("body"), load.at("body"), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_moment_about_axes_of_the_body(steered):
     """About its own principal axis a body only spins: Euler's equations."""
     found = moved(steered, np.zeros(3), 0.3, initial=fm.configuration(steered, q=[0.3, -0.2, 0.1]))

@@ -157,6 +157,7 @@ def test_an_input_on_what_constraints_hold_is_refused():
         fm.to_statespace(model, modes=2, sparse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 2")
 def test_known_equations_within_a_trace_of_other_numbers():
     """What is known is computed with on the host, also where frequencies or a loss factor alone are traced."""

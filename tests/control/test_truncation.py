@@ -134,7 +134,7 @@ def arm_on_a_support(dofs: list[str], damped: bool) -> fm.Model:
     return b.build(dofs=dofs)
 
 
-@pytest.mark.slow("False")
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 2")
 @pytest.mark.parametrize("damped", [False, True])
 def test_what_is_left_out_is_carried_along_whatever_the_degrees_of_freedom(damped):

@@ -41,6 +41,7 @@ def alone():
     return np.array([twist(stepped(*design)) for design in zip(*DESIGNS.values(), strict=True)])
 
 
+@pytest.mark.slow
 def test_a_sweep_has_each_design_as_it_is_built_alone(alone):
     assert alone[1] > 2 * alone[0]
     found = fm.sweep(stepped, {"twist": twist}, DESIGNS)
@@ -49,6 +50,7 @@ def test_a_sweep_has_each_design_as_it_is_built_alone(alone):
     np.testing.assert_allclose(found["twist"], alone, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
     def build(length):
         b = fm.Builder()

@@ -20,6 +20,7 @@ def settled(omega, damping):
     )
 
 
+@pytest.mark.slow
 def test_settling_of_a_decay():
     """exp(-a t) = 0.02 at t = ln(50)/a."""
 

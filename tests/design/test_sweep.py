@@ -359,6 +359,7 @@ def test_answers_of_large_mechanisms_in_searches():
     assert found.dimensions["thickness"] == approx(3e-4, rel=5e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_of_large_mechanisms_in_one_program():
     """By sparse factors on the host, under the trace of a derivative."""
     place = known_of_long(2e-4)[1]

@@ -237,6 +237,7 @@ def arch(stiffness=1e4, mass=1.0):
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_drive_holds_what_snaps_through():
     found = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=8, limits={"force": 25.0})
     y, first = 0.2 + found.stroke, np.sqrt(1 + 0.2**2)
@@ -264,6 +265,7 @@ def test_a_drive_holds_what_snaps_through():
     plt.close("all")
 
 
+@pytest.mark.slow
 def test_dimensions_of_a_page_say_what_moves_it():
     """The force is that of any mass, and that of any two bars but for their stiffness."""
     dimensions = {"stiffness": 1e4, "mass": 1.0}

@@ -78,6 +78,7 @@ def turned(t, *, speed):
     return speed * t
 
 
+@pytest.mark.slow
 def test_whirl_of_a_rotor_whose_spin_is_prescribed_and_whose_tilts_are_free():
     """About its centre, on springs across an arm a: J w^2 - Jp Omega w - k a^2 = 0."""
     inertia, polar, a, k, speed = 0.05, 0.08, 0.2, 5e4, 200.0

@@ -165,6 +165,7 @@ def friction(e, ed, *, mu):
     return mu * (1 + e) * jnp.tanh(ed / 0.05)
 
 
+@pytest.mark.slow
 def test_motion_of_a_mass_against_its_own_equation():
     """A hardening spring, a quadratic damper and friction, each stated in its own way."""
     b = mass_on(fm.Element(elongation, energy=hardening_energy, dissipation=cubic_dissipation), k=K, k3=K3, drag=DRAG)

@@ -74,6 +74,7 @@ def test_guide_at_a_stroke_beside_solid_elements():
     np.testing.assert_allclose(found, [9.937, 4.79616e6, 127955, 963.778, 11989.7, 470.742], rtol=0.016)
 
 
+@pytest.mark.slow
 def test_fold_beside_solid_elements():
     """REFERENCES.md A14-leaf: two legs at a right angle; twist is shared across the fold."""
     b = fm.Builder()

@@ -148,6 +148,7 @@ def test_stress_beside_solid_elements():
     np.testing.assert_allclose(along(turned, "tau", MIDDLE, places), shear, rtol=0.08)
 
 
+@pytest.mark.slow
 def test_flattening_beside_solid_elements():
     """REFERENCES.md A14-stress: curvature 8/m, in the middle of the length; along at both corners and sides, across."""
     base = E * 8 * T / 2

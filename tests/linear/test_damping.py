@@ -235,6 +235,7 @@ def test_bad_input(given, kind, words):
         fm.damped(chain(), **given)
 
 
+@pytest.mark.slow
 def test_known_loss_factors_serve_within_compiled_code():
     lin = fm.linearize(chain())
     for given in (0.02, {"spring 0": 0.02}):

@@ -150,6 +150,7 @@ class Counted:
         return SPARSE.factored(elements, mass, damping)
 
 
+@pytest.mark.slow
 def test_questions_are_answered_by_the_solver_that_they_are_given():
     own, dense = Counted(), bent(check=True)
     lin = fm.linearize(bent(), solver=own)

@@ -48,7 +48,7 @@ def rotor(beams=24, load=3.0, cross=2.0, check=False):
     return b.build(check=check)
 
 
-@pytest.mark.slow("6")
+@pytest.mark.slow("6", "7")
 @pytest.mark.parametrize("count", [6, 7, 100])
 def test_slowest_poles_are_those_of_dense_matrices(count):
     """By Arnoldi iterations; where so many are asked for, one and all."""
@@ -94,6 +94,7 @@ def test_a_column_of_many_beams_flutters_at_the_load_of_beck():
     assert np.max(np.real(fm.poles(beck(20.06), count=4))) > 0.1
 
 
+@pytest.mark.slow
 def test_steadiness_by_eigenvalues_of_stiffness_and_mass():
     """A12 by a pair that turns complex; Euler's column beyond its load by a value below zero."""
     assert is_steady(fm.linearize(beck(20.04), sparse=True).elements)
@@ -163,6 +164,7 @@ def test_responses_are_those_of_dense_matrices():
     np.testing.assert_allclose(found, wanted, rtol=1e-8, atol=1e-9 * np.max(np.abs(wanted)))
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_central_differences():
     """Of responses, a compliance and poles, by a load that follows: stiffness and damping are not symmetric."""
 

@@ -34,7 +34,7 @@ ASKS = {
 }
 
 
-@pytest.mark.slow("modes", "poles", "compliance", "directional_compliance", "to_statespace")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ASKS)
 def test_a_load_takes_its_share_of_the_stiffness(pressed, name):
     model, path = pressed
@@ -107,6 +107,7 @@ def swinging(bent):
     return half, fm.simulate(bent, [0.0, half / 2, half], increment=lambda t: 1.0, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_what_is_no_time_of_a_motion_is_named_beside_the_nearest(bent, swinging):
     half, motion = swinging
     with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s; the nearest are 0, {half / 2:.5g} s"):

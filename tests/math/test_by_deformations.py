@@ -150,6 +150,7 @@ def test_many_short_beams_buckle_as_a_column(strip):
     np.testing.assert_allclose(found, 1e3 * (np.pi * (np.arange(3) + 0.5)) ** 2, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_forces_are_those_of_the_assembled_matrices():
     """Under forces that follow, with laws and held deformations; transposed too, and at a frequency."""
     lin = fm.linearize(rotor(), sparse=True)
@@ -167,6 +168,7 @@ def test_forces_are_those_of_the_assembled_matrices():
         np.testing.assert_allclose(forces(turned, z, s=s), whole.T @ z, **close)
 
 
+@pytest.mark.slow
 def test_factors_of_another_matrix_are_of_no_help():
     a = np.array([[2.0, 1.0], [1.0, 3.0]])
     near, far = np.linalg.inv(a + 0.1), -np.linalg.inv(a)

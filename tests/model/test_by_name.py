@@ -172,6 +172,7 @@ def test_wrong_names(loaded, ask, kind, words):
         ask(loaded)
 
 
+@pytest.mark.slow
 def test_a_component_of_a_rotation_is_asked_by_its_own_name():
     with pytest.raises(KeyError, match=r"'phi' is a component of a rotation: ask rotation\('tip', 'phi'\)"):
         fm.equilibrium(cantilever()).position("tip", "phi")

@@ -47,6 +47,7 @@ def mass_beside(name, law, **properties):
     return b
 
 
+@pytest.mark.slow("0.1")
 @pytest.mark.parametrize("drop", [0.1, 1.0, 5.0])
 def test_a_ball_keeps_its_energy_on_a_stiff_stop(drop):
     # Wanted: 1 %. The step control allows 3 rtol = 3e-5 a step, and some 40 steps make up an impact.
@@ -72,6 +73,7 @@ def bouncing(t, k):
     return way
 
 
+@pytest.mark.slow
 def test_a_cart_between_stiff_walls():
     times = np.linspace(0, 2, 201)
     for k in np.geomspace(1e6, 1e11, 6):
@@ -88,6 +90,7 @@ def rubbed(e, ed, *, v_s):
     return 100.0 * e + 2 * jnp.tanh(v / v_s) * (1 + 0.5 * jnp.exp(-((v / 0.05) ** 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The motion gains or loses")
 @pytest.mark.parametrize("v_s", [1e-5, 1e-6])
 def test_stick_slip_against_scipy(v_s):
@@ -103,6 +106,7 @@ def test_stick_slip_against_scipy(v_s):
     np.testing.assert_allclose(found.position("mass", "x") - 1.0, exact.y[0], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_diffrax_solvers_keep_the_energy_too():
     model, times = falling_ball(1e8, 1.0), np.linspace(0, 0.7, 51)
     found = fm.simulate(model, times, jumps=[0.1])
@@ -114,6 +118,7 @@ def test_diffrax_solvers_keep_the_energy_too():
     assert np.isnan(fixed.energy_error)
 
 
+@pytest.mark.slow
 def test_work_of_loads_dampers_and_prescribed_motion_counts():
     def damped(e, ed):
         return 50.0 * e + 2.0 * ed + 500.0 * e**3
@@ -132,6 +137,7 @@ def test_work_of_loads_dampers_and_prescribed_motion_counts():
     assert finer.energy_error < found.energy_error / 30
 
 
+@pytest.mark.slow
 def test_lost_energy_is_warned_of():
     # Axial vibrations that a sudden load excites are damped by long steps: their displacement is below the tolerance.
     leaf = fm.Rectangle(width=0.018, thickness=0.5e-3, material=fm.Material(E=210e9, G=80e9, rho=7850))
@@ -151,6 +157,7 @@ def test_lost_energy_is_warned_of():
     assert found.energy_error > 0.1
 
 
+@pytest.mark.slow
 @given(st.integers(0, 5), st.floats(5.0, 9.0), st.floats(0.2, 1.5))
 def test_random_mechanisms_with_one_sided_stops_keep_their_energy(links, stiffness, gap):
     """A chain of rigid links swings against a stiff one-sided stop."""
@@ -179,6 +186,7 @@ def test_random_mechanisms_with_one_sided_stops_keep_their_energy(links, stiffne
     np.testing.assert_allclose(energy, 0.0, atol=5e-3 * largest)
 
 
+@pytest.mark.slow
 def test_the_balance_leaves_derivatives_alone():
     def end(k):
         return fm.simulate(falling_ball(k, 0.1), [0.0, 0.1, 0.2], rtol=1e-9).position("ball", "y")[-1]

@@ -50,6 +50,7 @@ def moved(load, **options):
     return fm.simulate(oscillator(), TIMES, loads={"cart.x": load}, **options).at("cart")[1, 0]
 
 
+@pytest.mark.slow
 def test_a_step_onto_a_jump_does_not_look_beyond_it():
     def steps(p):
         load = {"cart.x": lambda t: jnp.where(t >= p, 500.0, 0.0)}

@@ -105,6 +105,7 @@ def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
     assert fm.simulate(pendulum(4), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"
 
 
+@pytest.mark.slow
 def test_a_motion_without_mass_is_named():
     b = fm.Builder()
     b.node("p", (0.0, 0.0))
@@ -140,6 +141,7 @@ def soft_pendulum(beams: int, held=True):
     return b.build()
 
 
+@pytest.mark.slow
 def test_its_motion_is_that_of_the_dense_form():
     model, times = soft_pendulum(8), np.array([0.0, 0.1, 0.3, 0.31, 0.6])
     # A first step that is too long and refused.

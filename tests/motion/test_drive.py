@@ -12,6 +12,7 @@ import flexmb as fm
 from flexmb import planar
 
 
+@pytest.mark.slow
 def test_increment_stress_and_prescribed_motion_at_once():
     """m x'' = -k (x - a) - S + i F, with the foot at a(t), a stress S(t) and the factor i(t) of the force F.
 
@@ -126,6 +127,7 @@ def test_a_load_on_a_node_that_is_held_in_part_acts_on_the_rest():
     np.testing.assert_allclose(found.at("mass")[:, 0] - found.at("mass")[0, 0], expected, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_rotation_in_the_plane_is_loaded_and_driven_by_the_name_that_inputs_take():
     model, times = arm(), np.linspace(0, 0.2, 3)
     names = "tip.phi", "tip.rotation", "tip.rotation.phi"

@@ -105,6 +105,7 @@ def test_steps_are_shortened_where_their_ends_do_not_tell_which_event_comes_firs
     assert not passing(cases[3][0]).within((0.0, 1.0), (AT_REST, AT_REST), 0.1)
 
 
+@pytest.mark.slow
 def test_a_root_finder_that_fails_is_named(mass):
     event = diffrax.Event(height, optx.Newton(rtol=1e-14, atol=1e-300))
     with pytest.raises(fm.AnalysisError, match="root finder of `event` did not find when"):
@@ -134,6 +135,7 @@ def test_a_condition_that_is_zero_at_the_start_is_told():
     check_at_start(as_it_is(diffrax.Event(height, direction=True), 0.0, AT_REST), [0.0], [-1e-6], 0.0)
 
 
+@pytest.mark.slow
 def test_a_motion_that_an_event_ends_has_derivatives_until_then():
     """A mass on a spring let go at 0.2 m, stopped where it passes its place of rest; by how heavy it is."""
 
@@ -157,6 +159,7 @@ def test_a_motion_that_an_event_ends_has_derivatives_until_then():
     np.testing.assert_allclose(jax.grad(early)(1.0), expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_sampled_controller_is_compiled_for_times_that_are_known():
     held = fm.motion.Sampled(lambda t, z, y: (jnp.array([5.0]) - 2.0 * y, z), 0.05)
     b = builder_of_mass()

@@ -33,6 +33,7 @@ def rotor(speed, measured, axis=AXIS) -> fm.Builder:
     return b
 
 
+@pytest.mark.slow("6.2-False")
 @pytest.mark.parametrize(("speed", "told"), [(6.2, False), (6.4, True), (40 * np.pi, True)])
 def test_what_a_controller_measures_past_a_full_turn_is_told(speed, told):
     """The fastest comes round from one time to the next, where it is as it was."""
@@ -44,12 +45,14 @@ def test_what_a_controller_measures_past_a_full_turn_is_told(speed, told):
     assert any("passes a full turn" in str(one.message) for one in said) is told
 
 
+@pytest.mark.slow
 def test_what_is_counted_is_not():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         fm.simulate(rotor(200.0, ("hinge", 1)).build(), TIMES, control=control.ss([], [], [], [[0.0]]))
 
 
+@pytest.mark.slow
 def test_what_comes_after_a_failure_is_no_motion():
     """As where it was watched and failed: infinite."""
     found = fm.simulate(rotor(6.0, ("o", "rx")).build(), TIMES)
@@ -60,6 +63,9 @@ def test_what_comes_after_a_failure_is_no_motion():
         warn_of_full_turns(broken, found.model.parameters.reference)
 
 
+@pytest.mark.slow(
+    "<lambda>-measured0-True", "<lambda>-measured2-False", "<lambda>-measured3-False", "<lambda>-measured4-False"
+)
 @pytest.mark.parametrize(
     ("law", "measured", "told"),
     [
@@ -86,6 +92,7 @@ def test_what_jumps_along_a_plan_is_told_and_nothing_else(law, measured, told):
         assert np.allclose(found.y0[:, 0], expected, atol=1e-9) is not told
 
 
+@pytest.mark.slow
 def test_two_times_are_enough():
     model = rotor(0.0, ("o", "rx")).build()
     with warnings.catch_warnings():
@@ -94,6 +101,7 @@ def test_two_times_are_enough():
     np.testing.assert_allclose(found.y0[:, 0], [-6 * AXIS[0], 6 * AXIS[0]], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_so_are_outputs_along_a_plan():
     with pytest.warns(fm.FlexmbWarning, match="What 'angle' measures passes a full turn"):
         fm.trajectory.inverse_dynamics(rotor(0.0, ("o", "rx")).build(), {"hinge.e1": lambda t: 7.0 * t**2}, TIMES)

@@ -41,6 +41,7 @@ def places(factors, **options):
     return jnp.sum(weights * (found.x + 0.01 * found.xd))
 
 
+@pytest.mark.slow
 def test_a_pendulum_depends_on_gravity_times_the_square_of_time():
     """Not on its mass; so a change of gravity moves it along its velocity, for half the time that has gone."""
     model, end = bob(mass=0.7), 0.5
@@ -117,6 +118,7 @@ def test_jumps_are_refused_by_name():
         jax.grad(last)(1.0)
 
 
+@pytest.mark.slow
 def test_a_second_derivative_in_reverse_is_refused_by_name():
     with pytest.raises(TypeError, match="differentiated in reverse once"):
         jax.grad(lambda factors: jnp.sum(jax.grad(places)(factors)))(AS_THEY_ARE)
@@ -137,6 +139,7 @@ def test_what_is_found_of_a_chain_within_a_trace_serves_others():
         jax.jit(lambda model: fm.simulate(model, TIMES, form="chain").x)(model)
 
 
+@pytest.mark.slow("pendulum")
 @pytest.mark.parametrize("kind", [arm, pendulum])
 def test_solutions_and_their_derivatives_are_those_of_the_dense_matrix(kind):
     """Of a chain, which is eliminated level by level, and of what the host factors."""

@@ -23,6 +23,7 @@ def test_rotating_cantilever_stiffens():
         np.testing.assert_allclose(found[0], expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     # A point of mass m on a rod of length 1, its place x the degree of freedom: m xdd/(1 - x^2) + m x xd^2/(1 - x^2)^2
     # + m g x/sqrt(1 - x^2) = 0 from Lagrange's equations; by hand, its derivatives by xd and by x.
@@ -45,6 +46,7 @@ def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == approx(stiffness, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_force_that_follows_a_bar_takes_no_stiffness_from_it():
     """J phi'' = 0: along its bar the force has no moment about the hinge, wherever the bar is."""
     b = fm.Builder()

@@ -36,6 +36,7 @@ def feedback(t, y):
     return jnp.array([5.0 - 4.0 * y[0] - 0.5 * y[1], 2.0 + 6.0 * y[2] + 0.7 * y[3]])
 
 
+@pytest.mark.slow
 def test_force_and_stress_by_feedback_of_places_and_rates():
     """m x'' = -k x + u_force - u_stress: the gains add to stiffness and damping."""
     found = fm.simulate(controlled(), TIMES, control=feedback, rtol=1e-9)
@@ -229,6 +230,7 @@ def test_what_returns_no_numbers_is_named(of, given):
         fm.simulate(controlled(), TIMES, **options[of])
 
 
+@pytest.mark.slow
 def test_a_controller_around_many_coordinates_is_warned_of():
     def stage(beams):
         b = fm.Builder()

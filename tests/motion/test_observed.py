@@ -73,6 +73,7 @@ def test_what_is_observed_of_an_oscillator(motion):
     np.testing.assert_allclose(seen.energy, seen.kinetic + seen.elastic + seen.potential, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
     fm.save_motion(motion, tmp_path / "run.npz")
     kept = arrays_of(tmp_path / "run.npz")
@@ -99,6 +100,7 @@ def test_the_file_names_the_inputs_of_a_controller(motion, tmp_path):
     assert (kept["u"].shape, kept["u_names"].tolist()) == ((len(TIMES), 1), ["push"])
 
 
+@pytest.mark.slow
 def test_times_that_were_not_reached_are_not_in_the_file(motion, tmp_path):
     found = fm.simulate(motion.model, TIMES, rtol=1e-9, max_steps=20, throw=False)
     fm.save_motion(found, tmp_path / "run.npz")

@@ -209,6 +209,7 @@ def test_sampled_loop_of_a_linear_mechanism_is_that_of_control():
         fm.simulate(model, times, control=control.ss([], [], [], [[1.0]], True))
 
 
+@pytest.mark.slow
 def test_closed_loop_of_a_linear_mechanism_is_that_of_control():
     model = oscillator()
     lead = control.ss(control.tf([200, 3000], [1, 100]))
@@ -349,14 +350,7 @@ def sprung_wheel(start=None, stop="") -> fm.Model:
     return b.build()
 
 
-@pytest.mark.slow(
-    "stops0-coordinates",
-    "stops0-reduced",
-    "stops1-coordinates",
-    "stops1-reduced",
-    "stops3-coordinates",
-    "stops3-reduced",
-)
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["coordinates", "reduced"])
 @pytest.mark.parametrize("stops", [("", ""), ("before", ""), ("", "before"), ("before", "behind")])
 def test_turns_are_counted_on_from_where_a_motion_begins(form, stops):

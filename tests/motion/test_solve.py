@@ -128,6 +128,7 @@ def by_diffrax(p, kind, stops):
     return jnp.stack([states.u[:, 0], states.w[:, 0]])
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_the_steps_themselves():
     kind, stops = Stiffening, jnp.array([0.9, 1.7])
     own = jax.jit(jax.jacrev(functools.partial(place, kind=kind, stops=stops, most=2000, which=np.arange(2))))(P)
@@ -136,6 +137,7 @@ def test_derivatives_are_those_of_the_steps_themselves():
     np.testing.assert_allclose(own[..., [0, 1, 2, 4]], other[..., [0, 1, 2, 4]], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_long_motion_stores_few_states_and_computes_the_others_again(monkeypatch):
     slopes = jax.jit(jax.jacrev(place))(P)
     monkeypatch.setattr(steps_again, "FEWEST", 1)
@@ -163,6 +165,7 @@ def test_stops_take_the_steps_behind_them_along():
     np.testing.assert_allclose(jax.jit(jax.jacrev(shifted))(0.0), 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_is_not_reached_gives_no_derivative():
     slopes = jax.jit(jax.jacrev(functools.partial(place, most=20)))(P)
     reached = np.isfinite(place(P, most=20))
@@ -171,6 +174,7 @@ def test_what_is_not_reached_gives_no_derivative():
     assert np.all(np.isnan(slopes[~reached]))
 
 
+@pytest.mark.slow
 def test_failures_are_raised_under_grad_too():
     """What has no derivative, as the outcome, is a number there as anywhere."""
     model = mechanisms.planar_guide(5e-4, elongation=False, force=(0.0, -1.0)).build()
@@ -221,6 +225,7 @@ def loop(gain):
     return dict(control=control, rtol=1e-7, dt0=0.5)
 
 
+@pytest.mark.slow
 def test_states_and_steps_are_those_of_the_solver_that_is_asked_for():
     for own, other in (both(), both(**loop(-3.0))):
         assert int(own.steps) == int(other.steps) > 10

@@ -156,6 +156,7 @@ def test_derivative_by_a_load():
     np.testing.assert_allclose(jax.jacfwd(place)(2.0), difference, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_inertia_of_a_users_own_that_refers_to_a_traced_number():
     """Its program is of all coordinates together, of which none are seen to follow from the coefficients alone."""
 
@@ -226,6 +227,7 @@ def test_of_last_ends_as_much_is_computed_as_is_asked_for(places, moment, comput
     assert tree.felt.turns.shape == computed
 
 
+@pytest.mark.slow
 def test_strains_that_are_held_have_multipliers():
     """A rod that does not stretch; its coefficients are coordinates, of which some are held as deformations.
 
@@ -243,6 +245,7 @@ def test_strains_that_are_held_have_multipliers():
     assert np.max(np.abs(found.x[-1] - found.x[0])) > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "model",
     [planar_frame(), spatial_frame(), rod(released=tuple(range(9, 15)))],

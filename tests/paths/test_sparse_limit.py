@@ -26,6 +26,7 @@ def test_limit_load_of_a_truss_and_its_derivatives():
         assert float(found[1]) == approx(by_height, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_limit_load_of_beams_is_that_of_dense_matrices():
     """Without degrees of freedom; the load follows the apex, which turns as the moved foot breaks the symmetry."""
 

@@ -199,6 +199,7 @@ def test_multipliers_about_a_path_without_a_potential_are_refused_by_name():
         fm.buckling_loads(path.model, count=2, at=path, step=-1)
 
 
+@pytest.mark.slow
 def test_iterations_that_find_no_critical_values_are_named(monkeypatch):
     calls, eigsh = [], scipy.sparse.linalg.eigsh
 

@@ -65,6 +65,7 @@ QUESTIONS = {
     "eigenvalues",
     "frequencies",
     "multipliers",
+    "reactions",
     "response",
     "shapes",
     "state space",
@@ -109,6 +110,7 @@ def test_what_the_path_has_not_is_named(paths):
             ask()
 
 
+@pytest.mark.slow
 def test_critical_states_have_the_loads_of_their_points():
     path = fm.path(arch(4, sparse=True), sparse=True, stop={"critical_points": 2})
     at = path.at_critical_points()

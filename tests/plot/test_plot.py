@@ -625,6 +625,7 @@ def test_bad_calls(guide, call, kind, words):
         call(guide)
 
 
+@pytest.mark.slow
 def test_coordinates_and_times_that_are_not_there(snapping, swinging):
     with pytest.raises(KeyError, match=r"no coordinate 'top\.z' in this model; there is top\.x, top\.y"):
         plot.path(snapping, "top.z")

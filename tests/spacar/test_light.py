@@ -262,6 +262,7 @@ def test_rotations_in_every_form():
 # -- wire flexure, state space, hinges --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_buckling_and_frequencies_of_a_wire():
     wire = {"elems": 1, "emod": 210e9, "smod": 79e9, "dens": 7800.0, "cshape": "circ", "dim": 1e-3}
     wire |= {"orien": [0, 1, 0], "nbeams": 4, "flex": range(1, 7)}
@@ -284,6 +285,7 @@ def test_buckling_and_frequencies_of_a_wire():
     assert out.step(2).element(1).stressmax == out.step(2).stressmax
 
 
+@pytest.mark.slow
 def test_state_space_with_a_damping_ratio():
     nodes = [*CROSS[0], [0.1, 0.2, 0]]
     elements = [[1, 2], [2, 3], [3, 4], [3, 5]]

@@ -56,6 +56,7 @@ def test_an_arc_is_right_as_long_as_nothing_is_said(share):
     assert (error < 0.06, bool(words)) == (True, abs(turned) > 0.2)
 
 
+@pytest.mark.slow("motion")
 @pytest.mark.parametrize(
     "ask",
     [
@@ -75,6 +76,7 @@ def test_every_answer_says_it(ask):
     assert "use more beams" in word
 
 
+@pytest.mark.slow("way0")
 @pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1)])
 def test_a_beam_that_warps_says_the_same(way):
     """Bent across, away from the origin, as a beam that does not."""

@@ -130,6 +130,7 @@ def test_a_straight_column_beyond_its_buckling_load_is_called_unstable():
     assert fm.buckling_loads(model)[0] == approx(2.4674011003 / 3, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_at_a_bifurcation_the_state_is_found_and_called_critical():
     model = column(3.0, aside=0.0)
 
@@ -420,7 +421,7 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     assert np.all(np.isfinite(found[:2]))
 
 
-@pytest.mark.slow("equilibrium", "linearize", "ask4")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ask",
     [fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads, functools.partial(fm.linearize, sparse=True)],
@@ -440,7 +441,7 @@ def test_a_motion_without_stiffness_is_named_where_no_equilibrium_is_found(ask):
         ask(b.build(check=not isinstance(ask, functools.partial)))
 
 
-@pytest.mark.slow("120.0")
+@pytest.mark.slow("-90.0", "120.0")
 @pytest.mark.parametrize("turn", [120.0, 240.0, -90.0])
 def test_a_crank_that_is_driven_beyond_its_reach_is_refused(turn):
     """A rigid four-bar of ground 1, crank 1, coupler 0.8, rocker 0.5, the crank drawn at 60 degrees.

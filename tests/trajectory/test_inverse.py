@@ -257,6 +257,7 @@ def test_names_that_cannot_be_driven_are_refused(wrong):
         fm.trajectory.inverse_dynamics(pendulum(), {wrong: lambda t: 0.0 * t}, TIMES, inputs=["torque"])
 
 
+@pytest.mark.slow
 def test_a_tip_beyond_the_arm_is_out_of_the_workspace():
     """0.9 m upwards of an arm of 0.8 m: the law passes 0.8 m between 0.037 and 0.03725 s, one of the times."""
     law = fm.trajectory.quintic(0.0, 0.9, 0.05)

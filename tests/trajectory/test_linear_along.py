@@ -131,6 +131,7 @@ def test_reduction(elevator):
     assert few.error[1] < 0.03
 
 
+@pytest.mark.slow("npz")
 @pytest.mark.parametrize("ending", ["npz", "mat"])
 def test_file_has_the_names_of_spacar(elevator, tmp_path, ending):
     path = tmp_path / f"elevator.{ending}"
@@ -193,6 +194,7 @@ def test_frequencies_of_what_is_traced_are_refused(elevator):
         jax.jit(lambda a: dataclasses.replace(elevator, A=a).frequencies())(elevator.A)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", [fm.trajectory.time_varying, fm.trajectory.perturbation])
 def test_a_motion_past_a_dead_point_of_its_freedoms_is_refused(what):
     """A pendulum by its x, which is stationary where it lies level; to a quarter turn it may be told by that."""

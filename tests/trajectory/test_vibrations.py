@@ -61,6 +61,7 @@ def test_pendulum_that_is_let_down_against_bessel_functions(let_down):
     np.testing.assert_allclose(found.q[:, 0], of_bessel(9.81), atol=1e-6 * 1e-3)
 
 
+@pytest.mark.slow
 def test_linearised_under_what_a_controller_gave(let_down):
     # An input that pulls the bob down tightens the rope: its stiffness to the side is the tension over the length.
     b = hanging()
@@ -172,6 +173,7 @@ def test_few_modes_and_what_is_left_out_at_rest(swung):
     np.testing.assert_allclose(np.diagonal(tip), exact, atol=1e-2 * np.max(np.abs(exact)))
 
 
+@pytest.mark.slow
 def test_a_stiff_servo_holds_what_it_drives(swung):
     found = fm.trajectory.perturbation(swung, held=["hub.rotation.phi"])
     assert jnp.all(found.q[:, 0] == 0)

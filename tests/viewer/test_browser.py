@@ -190,6 +190,7 @@ def test_every_kind_of_page_is_drawn(browser, pages, name, tmp_path):
     assert ask(page, "document.getElementById('legend').hidden") == (not coloured)
 
 
+@pytest.mark.slow
 def test_a_mode_swings_as_computed(page, view):
     for phase in (0.0, 0.25, 0.6):
         page.execute_script("window.flexmb.seek(arguments[0])", phase)

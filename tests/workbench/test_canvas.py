@@ -162,6 +162,7 @@ def test_delete_takes_along_what_hangs_on_it_and_a_copy_is_selected(page):
     assert "Deleted" in ask(page, "w.canvas.spoken.textContent")
 
 
+@pytest.mark.slow
 def test_in_space_a_node_goes_along_the_axis_that_is_pulled(browser, workbench):
     page = blank(opened(browser, workbench.address), 3)
     edit(page, [add("node", "A", position=["0", "0", "0"]), add("node", "B", position=["0.1", "0.05", "0.1"])])

@@ -66,6 +66,7 @@ def test_counts_come_first_then_answers_then_the_scene(page):
     json.dumps(told, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_answers_are_those_of_the_public_functions(page):
     told = last(page.show(guide(), support_node="left1"), "answers")
     model, values = guide().build(), told["values"]

@@ -97,6 +97,7 @@ def answers_at(document: Document, values: dict, key: str) -> float:
     return float(moved[0]) if key == "displacement x" else float(np.linalg.norm(moved))
 
 
+@pytest.mark.slow
 def test_powers_of_dimensions_are_relative_slopes():
     # Two leaf springs in sway with a light section: f ~ sqrt(12 E w t^3/12 / L^3), and the mass at the top hardly
     # changes; without load and without density exactly.
