@@ -46,7 +46,7 @@ ROWS = [
 RANK = {room: rank for rank, rooms in enumerate(ROWS) for room in rooms}
 # Open to all: why a solve failed, what is raised, what arguments must be, how far one is, and the facade, whose names
 # are loaded on use.
-OPEN = set("results display errors collecting arguments setup progress files lazy tolerances".split()) | {""}
+OPEN = set("results display errors collecting arguments setup progress files lazy numerical_limits".split()) | {""}
 MODULES = sorted(PACKAGE.rglob("*.py"))
 TOP_LEVEL = (
     "pyproject.toml flexmb tests benchmarks notebooks README.md LICENSE CHANGELOG.md CITATION.cff CONTRIBUTING.md .ci"
@@ -161,3 +161,12 @@ def test_the_tests_of_every_room_are_collected(pytestconfig):
     folders = {path.parent.name for path in Path(__file__).parent.rglob("test_*.py")}
     passed_over = pytestconfig.getini("norecursedirs")
     assert [name for name in sorted(folders) if any(fnmatch.fnmatch(name, own) for own in passed_over)] == []
+
+
+def test_no_module_of_the_root_hides_a_public_name():
+    """A module of the package would answer in place of a function of a room that bears its name."""
+    modules = {path.stem for path in PACKAGE.glob("*.py")} | {
+        path.parent.name for path in PACKAGE.glob("*/__init__.py")
+    }
+    public = {name for stub in PACKAGE.glob("*/__init__.pyi") for name in offered(f"flexmb.{stub.parent.name}")}
+    assert not (modules & public) - set(offered("flexmb"))

@@ -10,7 +10,7 @@ from numpy.polynomial import polynomial
 
 from ..arguments import as_floats, holds, library_of
 from ..math.derivative import root_or_zero
-from ..tolerances import SHORTEST_ELEMENT
+from ..numerical_limits import SHORTEST_ELEMENT
 from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
 

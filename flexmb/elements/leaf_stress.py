@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..tolerances import STRIP_SERIES
+from ..numerical_limits import STRIP_SERIES
 from . import surface
 from .leaf import REACHES, Leaf, curving
 from .section import Scalar

@@ -14,7 +14,7 @@ from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
 from ..math.quadrature import gauss, lobatto
-from ..tolerances import PLACE_OF_BREAK, SAME_DAMPING, SMOOTH_COMPLIANCE, SMOOTH_MASS
+from ..numerical_limits import PLACE_OF_BREAK, SAME_DAMPING, SMOOTH_COMPLIANCE, SMOOTH_MASS
 from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Where a profile is looked at for faults, in each of its pieces.

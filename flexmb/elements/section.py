@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_known, holds
 from ..compilation.record import Record
 from ..errors import ModelError
-from ..tolerances import ABOVE_LARGEST_POISSON
+from ..numerical_limits import ABOVE_LARGEST_POISSON
 from . import surface
 from .surface import Scalar as Scalar
 

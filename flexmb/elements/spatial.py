@@ -21,7 +21,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds, library_of
 from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
-from ..tolerances import PRINCIPAL_MOMENTS
+from ..numerical_limits import PRINCIPAL_MOMENTS
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .nodes import Point3, Reference, Rotation3, Static, Warping

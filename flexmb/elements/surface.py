@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..math.derivative import root_or_zero
-from ..tolerances import DIRECTED_STRESS
+from ..numerical_limits import DIRECTED_STRESS
 
 # Points of a rectangle over half its sides, counter-clockwise from the corner at +y, +z: corners and middles in turn.
 RECTANGLE = np.array([[1.0, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])

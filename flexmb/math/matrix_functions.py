@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..tolerances import EIGENVALUES_ALIKE
+from ..numerical_limits import EIGENVALUES_ALIKE
 from .linear import pencil
 
 

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..tolerances import SMALLEST_TURN
+from ..numerical_limits import SMALLEST_TURN
 
 # vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle, QUARTER @ vector clockwise.
 QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])

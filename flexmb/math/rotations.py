@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_reals
 from ..lazy import only
-from ..tolerances import ANGLE_BY_SERIES
+from ..numerical_limits import ANGLE_BY_SERIES
 from .rotation import CONJUGATE, rotation_matrix, rotation_vector
 
 

@@ -11,7 +11,7 @@ from ..control.frequency_response import FrequencyResponse
 from ..control.state_space import to_statespace
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..tolerances import SMALLEST_RESPONSE
+from ..numerical_limits import SMALLEST_RESPONSE
 from .canvas import BLUE
 
 # Responses are those at s = (i + this) omega: so phases of an undamped mechanism turn as those of a damped one.

@@ -9,7 +9,7 @@ from ..display import Result, States
 from ..linear.buckling import Buckling
 from ..linear.modes import Modes
 from ..model.model import Model
-from ..tolerances import SMALLEST_SHAPE
+from ..numerical_limits import SMALLEST_SHAPE
 from .canvas import BLUE, faces, frame, grid, mechanism_lines
 from .geometry import extent_of, lines, nodes_of, scaled_lines
 from .mechanism import draw_supports

@@ -18,7 +18,7 @@ from ..display import Result, Summary, among, listed, short, span
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..tolerances import JUMP_OF_LAW, MISSED_AT_REST, ZERO_OF_TERMS, ZERO_ON_AXIS
+from ..numerical_limits import JUMP_OF_LAW, MISSED_AT_REST, ZERO_OF_TERMS, ZERO_ON_AXIS
 from .laws import Law, Shaped, as_law, sampled
 
 # What is wanted is a polynomial of this degree between two times: exactly so for the laws of this room.

@@ -35,7 +35,7 @@ from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
 from ..results import RESULTS, check, or_nan, told
 from ..statics.strained import warn_of_needless_strain
-from ..tolerances import MISSED_CONFIGURATION
+from ..numerical_limits import MISSED_CONFIGURATION
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 

@@ -18,7 +18,7 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Result, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
-from ..tolerances import NO_VIBRATION, OUTSIDE_TIMES
+from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
 from .cubic import Spline, spline
 from .slow_modes import check_modes, reduced_system
