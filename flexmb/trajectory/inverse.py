@@ -33,9 +33,9 @@ from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import under_inputs
 from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
+from ..numerical_limits import MISSED_CONFIGURATION
 from ..results import RESULTS, check, or_nan, told
 from ..statics.strained import warn_of_needless_strain
-from ..numerical_limits import MISSED_CONFIGURATION
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 
