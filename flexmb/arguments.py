@@ -334,13 +334,9 @@ def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError
 
 
 # What an argument must be, as its annotation declares it for :func:`checked`. A choice is a ``Literal``.
-Finite = Annotated[float, check_number]
 Positive = Annotated[float, partial(check_number, above=0)]
-NotNegative = Annotated[float, partial(check_number, least=0)]
-Whole = Annotated[int, check_whole]
 Count = Annotated[int, partial(check_whole, least=1)]
 Flag = Annotated[bool, check_flag]
-ByName = Annotated[Mapping, check_by_name]
 
 
 def checked(function: Function) -> Function:
