@@ -204,7 +204,6 @@ def test_a_gain_that_is_traced_in_a_function_of_frequencies():
         jax.jit(rms)(1e3)
 
 
-@pytest.mark.slow
 def test_a_loop_without_damping_that_a_function_of_frequencies_closes_is_told():
     b = sprung_mass(stiffness=K, damping=0.0, mass=M)
     b.input("mass", "x", name="push")

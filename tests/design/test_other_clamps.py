@@ -50,7 +50,6 @@ def test_a_sweep_has_each_design_as_it_is_built_alone(alone):
     np.testing.assert_allclose(found["twist"], alone, rtol=1e-9)
 
 
-@pytest.mark.slow
 def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
     def build(length):
         b = fm.Builder()

@@ -244,7 +244,7 @@ def test_different_sections_stand_side_by_side():
     np.testing.assert_allclose(stiffness(*leaves), sum(stiffness(one) for one in leaves), rtol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("space", [False, True])
 def test_shape_of_a_stepped_cantilever_under_a_moment(space):
     # Closed form: slopes and deflections of three pieces, each an arc of small curvature M/EI.

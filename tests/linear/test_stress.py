@@ -485,7 +485,7 @@ def test_bar_that_falls_about_a_hinge(element, released, rotary):
     np.testing.assert_allclose(found.values[0, :, 4] / scale / L, moment, rtol=0, atol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.slow("spectral")
 @pytest.mark.parametrize(
     ("element", "released", "speed"),
     [(spatial.beam, (1,), 0.0), (spatial.spectral_beam(2), (7, 8), np.sqrt(LIGHT / L))],

@@ -455,7 +455,6 @@ def test_a_rope_of_rigid_links_hangs():
     np.testing.assert_allclose(fm.frequencies(model, count=2, sparse=True), exact, rtol=1e-3)
 
 
-@pytest.mark.slow
 def test_what_hangs_is_found_inside_compiled_code_too():
     def ends(gravity):
         b = fm.Builder()
