@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-FILES = ("linear/test_linearize.py", "mechanics/test_turning.py", "motion/test_sudden.py")
+FILES = ("linear/test_linearize.py", "mechanics/test_temperature.py", "motion/test_sudden.py")
 
 
 @pytest.mark.slow
