@@ -2382,6 +2382,9 @@ FAULTS = [
     Fault("model/model.py", '"ndof": nx - nxo - neo}', '"ndof": nx - nxo}', "checks/test_mobility.py -k self_stress"),
     # Leaf springs.
     Fault("elements/leaf.py", "[[0.14], [0.40]", "[[0.14], [0.10]", "elements/test_leaf.py -k tip_of", slow=True),
+    Fault("elements/leaf.py", "- self.beyond / length", "", "elements/test_leaf.py -k as_one_piece"),
+    Fault("elements/leaf.py", "0.5 + 0.5 * self.clamped", "0.5", "elements/test_leaf.py -k whole_of_a_short"),
+    Fault("build/clamps.py", "or _is_fold(", "and _is_fold(", "elements/test_leaf.py -k as_one_piece"),
     Fault("elements/leaf.py", "[0.065]])", "[0.01]])", "elements/test_leaf.py -k tip_of", slow=True),
     Fault("build/plain_beams.py", "(bends @ places) / bends.sum()", "0.0", "build/test_plain_beams.py"),
     Fault(

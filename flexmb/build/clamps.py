@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
+from ..elements.leaf import REACHES
 from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
 from ..errors import ModelError, warn
@@ -25,6 +26,8 @@ from .description import Description, Member
 # fold [rad]; both beside round numbers, where round-off would decide.
 THICK = 3.0 * (1 - 1e-6)
 FOLD = np.radians(5.0) * (1 + 1e-6)
+# No clamp reaches further, over the width.
+REACH = REACHES.max()
 # Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
 TWIST = 2
 
@@ -54,7 +57,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
 
     An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
     at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared. What does not
-    twist, since that is FIXED, does not warp.
+    twist, since that is FIXED, does not warp. A clamp reaches into the leaf springs that go on in line.
 
     Returns:
         A copy; the builder itself where there are neither leaf springs nor warping beams.
@@ -63,12 +66,13 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         ModelError: It depends on traced numbers or on a section without sizes; two elements contradict each other.
 
     Source:
-        THEORY.md 2, below eq. (2.26).
+        THEORY.md 2, below eq. (2.26), and eq. (2.42).
     """
     leaves = [name for name, member in builder.members.items() if "clamped" in member.properties]
     if not leaves:
         return builder
     twin, joined = builder.copy(), elements_at(builder)
+    kept: dict[tuple[str, int], bool] = {}
     nodes: dict[str, list[tuple[Any, tuple[bool, bool] | None, bool]]] = {}
     for name in leaves:
         member = twin.members[name]
@@ -83,6 +87,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
                 was = as_before(before, end)
                 found = is_clamped(builder, end, joined, was)
             flat.append(found.flat)
+            kept[name, end.number] = found.flat
             restrained.append(found.restrained or untwisted)
             if was is not None and found.traced is not None and member.element.fields:
                 _tell_of_others(was[0], [found.traced[0]])
@@ -99,6 +104,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         free = builder.nodes[warping].roles[0] not in HELD
         if free and was is not None and any(is_traced for *_, is_traced in ends):
             _tell_of_others(was[1], [own for own, *_ in ends])
+    _reach_in_line(builder, twin, joined, kept)
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
@@ -127,6 +133,50 @@ def parts_of(member: Member, part: str) -> list[str]:
 
 def _ends(name: str, member: Member) -> list[End]:
     return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
+
+
+def _reach_in_line(
+    builder: Description, twin: Description, joined: dict[str, list[str]], kept: dict[tuple[str, int], bool]
+) -> None:
+    """State at each end in line with others how far beyond it the next clamp is, if that keeps the leaf spring flat.
+
+    Args:
+        twin: Copy of the builder, whose leaf springs know which of their ends are clamped; its properties are replaced.
+        kept: Whether the ends of leaf springs and warping beams, by element and number of the end, are kept flat.
+    """
+    leaves = {name: member for name, member in builder.members.items() if (name, 0) in kept and member.element.fields}
+    ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in _ends(name, member)}
+    for (name, number), end in ends.items():
+        beyond, at, passed = 0.0, end, {name}
+        while not kept[at.leaf, at.number]:
+            following = [leaf for leaf in joined[at.rotation] if leaf in leaves and leaf != at.leaf]
+            if len(following) != 1 or following[0] in passed or _is_fold(builder, at.leaf, following[0]):
+                break
+            passed.add(following[0])
+            beyond = beyond + _span(builder, leaves[following[0]])
+            near = parts_of(leaves[following[0]], "rotation").index(at.rotation)
+            at = ends[following[0], 1 - near]
+        sides = _sides(builder, leaves[name], number) or []
+        too_far = is_concrete((beyond, sides)) and bool(beyond >= REACH * max(map(np.max, sides)))
+        if at is end or too_far or not kept[at.leaf, at.number]:
+            continue
+        own = twin.members[name]
+        clamped = [-beyond if i == number else flag for i, flag in enumerate(own.properties["clamped"])]
+        clamped = np.array(clamped) if is_concrete(clamped) else jnp.stack(list(map(jnp.asarray, clamped)))
+        twin.members[name] = dataclasses.replace(own, properties={**own.properties, "clamped": clamped})
+
+
+def _is_fold(builder: Description, leaf: str, other: str) -> bool:
+    """Whether two leaf springs are known to meet at an angle, along or across."""
+    axes = [axes_of(builder, builder.members[name]) for name in (leaf, other)]
+    return is_concrete(axes) and any(abs(one @ two) < np.cos(FOLD) for one, two in zip(*axes, strict=True))
+
+
+def _span(builder: Description, member: Member) -> Any:
+    """Distance between the ends of an element [m]."""
+    p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
+    library: Any = np if is_concrete((p, q)) else jnp
+    return library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
 
 
 def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, given: bool) -> None:
@@ -159,7 +209,7 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
         if "clamped" in properties and block.e.shape[1]:
             of = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
             if end.leaf in of:
-                flat = bool(np.asarray(properties["clamped"])[of.index(end.leaf), end.number])
+                flat = bool(np.asarray(properties["clamped"])[of.index(end.leaf), end.number] == 1)
                 return flat, bool(held) and held[end.number]
     return None
 

@@ -32,7 +32,8 @@ REACHES = np.array([[0.14], [0.40], [0.065]])
 # Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
-# Which ends are clamped, as users say it; where a model is computed it is 1 or 0 of both ends, (2,).
+# Which ends are clamped, as users say it. A model has a number of each end, (2,): 1 if it is clamped, 0 if not, and -d
+# where the leaf spring goes on in line and is clamped d metres beyond the end [m].
 Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
@@ -74,13 +75,15 @@ class Leaf(Sheared):
 
     Attributes:
         section: As it is given: a rectangle, or one whose sizes vary smoothly.
-        clamped: 1 where an end is clamped, 0 where it is not, of the first end and of the last, (2,).
+        clamped: 1 where a clamp keeps an end flat, 0 where none does, of the first end and of the last, (2,).
+        beyond: How far beyond each end that clamp is, in line, (2,) [m].
 
     Source:
-        THEORY.md 2, eq. (2.22).
+        THEORY.md 2, eq. (2.22) and (2.42).
     """
 
     clamped: Float[Array, "2"]
+    beyond: Any = 0.0
 
     def plain(self) -> Section:
         """The section without clamps, with its shear counted where it varies."""
@@ -88,8 +91,8 @@ class Leaf(Sheared):
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
         """Where a clamp's influence on bending sideways, on stretching and on bending ends."""
-        (stretched, stretched_back), (bent, bent_back), (sideways, sideways_back) = self.kept(length)[0]
-        return sideways, stretched, bent, 1 - bent_back, 1 - stretched_back, 1 - sideways_back
+        first, last = self.kept(length)[0].T
+        return tuple(jnp.sort(jnp.concatenate([first, 1 - last])))
 
     def layers(self, length: Any) -> tuple[Scalar, Scalar]:
         """Over which distance from each end twist builds up where warping is restrained, over the length.
@@ -108,6 +111,8 @@ class Leaf(Sheared):
     def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
 
+        Two clamps share a leaf spring that both reach all over. At an end without clamp the distance has no meaning.
+
         Returns:
             Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (3, 2) [-]; nu^2 at a
             clamped end and 0 at another, (2,) [-].
@@ -116,7 +121,9 @@ class Leaf(Sheared):
         widths = jnp.stack([jnp.asarray(r.width / length, float) for r in rectangles])
         squares = jnp.stack([jnp.asarray(r.material.poisson() ** 2, float) for r in rectangles])
         widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
-        return jnp.minimum(REACHES * widths, 0.5), self.clamped * squares
+        reaches = jnp.clip(REACHES * widths - self.beyond / length, 0.0, 0.5 + 0.5 * self.clamped)
+        overlap = jnp.maximum(jnp.sum(reaches, axis=1, keepdims=True) - 1, 0.0)
+        return reaches - overlap * (1 + self.clamped[::-1] - self.clamped) / 2, self.clamped * squares
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Compliances at places over what they are without clamps."""
@@ -333,7 +340,9 @@ class Leaf(Sheared):
 
 def leaf_of(section: Any, clamped: Any) -> Any:
     """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given."""
-    return None if section is None else Leaf(section, jnp.zeros(2) if clamped is None else clamped)
+    if section is None or clamped is None:
+        return None if section is None else Leaf(section, jnp.zeros(2))
+    return Leaf(section, jnp.asarray(clamped != 0, float), jnp.maximum(-clamped, 0.0))
 
 
 def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):

@@ -144,5 +144,5 @@ flattening of the middle and the tension of the edges give; see :mod:`.leaf_stre
 the width a solid model has less of bending at the corners and a singularity on the very edge; the stress across of a
 clamp that stays cold while the leaf spring warms up is not counted.
 
-Source: THEORY.md 2, eq. (2.22) to (2.30).
+Source: THEORY.md 2, eq. (2.22) to (2.30) and (2.42).
 """

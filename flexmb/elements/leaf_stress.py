@@ -54,7 +54,7 @@ def leaf_stress(
     sigma, tau = rectangle.stress(resultants)
     stretched, bent = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Each end in turn, in widths.
-    away = jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length / wide
+    away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
     flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
     more = nu * MORE * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped
     free = 1 - flat_bent

@@ -184,7 +184,7 @@ class _Taken:
             # Of the material of the section.
             del properties["damping"]
         if "clamped" in properties:
-            properties["clamped"] = tuple(map(bool, properties["clamped"]))
+            properties["clamped"] = tuple(flag == 1 for flag in properties["clamped"])
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}
         free = {n for n, role in enumerate(roles, 1) if role is Role.DEPENDENT} - {*element.measured}
         usual = released_in(name, element.freed(member.properties), element, len(roles))

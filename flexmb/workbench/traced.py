@@ -140,10 +140,12 @@ _KEPT: dict[Any, Traced] = {}
 _LOCK = threading.Lock()
 
 
-def clamps_of(model: Model) -> tuple[tuple[float, ...], ...]:
+def clamps_of(model: Model) -> tuple[tuple[bool, ...], ...]:
     """Which ends of leaf springs and warping beams are clamped, of each block that has some."""
     return tuple(
-        tuple(np.asarray(own["clamped"]).ravel().tolist()) for own in model.parameters.properties if "clamped" in own
+        tuple((np.asarray(own["clamped"]) == 1).ravel().tolist())
+        for own in model.parameters.properties
+        if "clamped" in own
     )
 
 
