@@ -73,6 +73,36 @@ class Summary(NamedTuple):
     small: Mapping[str, Any] | None = MappingProxyType({})
 
 
+class Column(NamedTuple):
+    """Numbers of a result with their unit.
+
+    Attributes:
+        over: Names of the axes, or of the first of them.
+        values: The numbers.
+        unit: SI unit; of a quantity whose entries have several, a text for each entry along the last axes.
+        meaning: What codes mean.
+    """
+
+    over: tuple[str, ...]
+    values: Any
+    unit: Any = ""
+    meaning: str = ""
+
+
+class Quantities(NamedTuple):
+    """What a result holds, by name.
+
+    Attributes:
+        rows: Names of the axes that all quantities have in front, which make the rows of a table.
+        coordinates: What stands along axes: times, frequencies, names.
+        quantities: The numbers themselves.
+    """
+
+    rows: tuple[str, ...]
+    coordinates: dict[str, Column]
+    quantities: dict[str, Column]
+
+
 class Result:
     """Base class of what an analysis returns. A subclass has a summary of its own, and states where it holds some.
 
@@ -104,8 +134,42 @@ class Result:
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook; None, for which a notebook shows the text, where it has no one number."""
-        # The one place that looks upwards, and by name: whoever computes without a notebook needs no pictures.
+        # Upwards, and by name, as below: whoever computes without a notebook needs no pictures.
         return importlib.import_module("flexmb.viewer.notebook").card(self) if is_single(self) else None
+
+
+class Labelled(Result):
+    """Base class of results that become arrays of xarray and tables of pandas, with names and units."""
+
+    def quantities_by_name(self) -> Quantities | None:
+        """What it holds; None where it holds states, which answer questions."""
+        return None
+
+    def to_xarray(self, *names: str) -> Any:
+        """An ``xarray.Dataset`` with coordinates, and units in ``attrs["units"]`` ("1" of what has none).
+
+        Args:
+            names: Names of the quantities that are wanted; all of them unless given. A result with states (path,
+                motion, equilibria) is asked questions, such as "top.x", "reaction foot.x" or "frequency 1"; without
+                names it gives the coordinates of its nodes.
+
+        Raises:
+            ImportError: xarray is not installed.
+            KeyError: There is no such quantity.
+        """
+        return importlib.import_module("flexmb.answers.labelled").to_xarray(self, names)
+
+    def to_pandas(self, *names: str) -> Any:
+        """A ``pandas.DataFrame`` with one row a state, frequency or design; units of the columns in ``attrs["units"]``.
+
+        Args:
+            names: As of :meth:`to_xarray`.
+
+        Raises:
+            ImportError: pandas is not installed.
+            KeyError: There is no such quantity.
+        """
+        return importlib.import_module("flexmb.answers.labelled").to_pandas(self, names)
 
 
 def is_single(found: Result) -> bool:
@@ -216,6 +280,13 @@ def unit_of_force(entry: Any) -> str:
 def unit_of_rate(entry: Any) -> str:
     """Unit of the rate of a coordinate."""
     return f"{unit_of(entry).replace('-', '1')}/s"
+
+
+def numbered_quantities(axis: str, values: Mapping[str, tuple[Any, str]]) -> Quantities:
+    """Quantities with one number each of things that are counted from 1, each given with its unit."""
+    found = {name: Column((axis,), own, unit) for name, (own, unit) in values.items()}
+    count = len(next(iter(found.values())).values)
+    return Quantities((axis,), {axis: Column((axis,), np.arange(1, count + 1), "-")}, found)
 
 
 def course(states: States) -> str:

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import importlib
 import io
 import itertools
 import json
@@ -14,6 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,18 @@ COMPRESSED, PIECE = 15, 1 << 20
 LARGEST_FILE = 64 * 2**20
 # What a shell hands over: read as it is, whatever stands behind it.
 STREAMS = ("/dev/stdin", "/dev/fd/")
+
+
+def for_files(name: str) -> ModuleType:
+    """A module of the extra ``io``, such as pandas.
+
+    Raises:
+        ImportError: It is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise ImportError(f"This needs {name}: pip install 'flexmb[io]'.") from None
 
 
 def read_whole(path: str | os.PathLike, largest: int = LARGEST_FILE) -> bytes:

@@ -1,5 +1,6 @@
 """Responses to harmonic inputs: complex, by frequency, output and input, with derivatives."""
 
+import os
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from jaxtyping import Array, Complex, Float
 from ..arguments import check_choice, check_numbers, is_concrete, shown, undifferentiated
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
-from ..display import Result, Summary, listed, short, span
+from ..display import Column, Labelled, Quantities, Summary, listed, short, span
 from ..errors import ModelError, clean, warn
 from ..linear.about import Where, asked_about
 from ..linear.damping import Losses, loss_factors
@@ -19,15 +20,16 @@ from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
 from ..math.linear_solver import LinearSolver, asked_solver
-from ..model.model import Model
+from ..model.model import Model, Port
 from ..results import RESULTS, collect, or_nan
 from ..statics.stable import is_unstable, unstable_motions
 from .harmonic import response_by_elements, response_by_freedoms
 from .second_order_form import orders_of, second_order
 from .state_space import refuse_idle_inputs
+from .universal_file import Responses, read, write
 
 
-class FrequencyResponse(Result, Record):
+class FrequencyResponse(Labelled, Record):
     """Complex response of outputs to harmonic inputs, y = H(i 2 pi f) u, by frequency and by names.
 
     Attributes:
@@ -35,12 +37,15 @@ class FrequencyResponse(Result, Record):
         response: H, (n_f, n_y, n_u) [unit of the output over that of the input].
         outputs: Names of the outputs.
         inputs: Names of the inputs.
+        output_ports, input_ports: Node, axis, quantity and unit of each; empty where they are not known.
     """
 
     hertz: Float[Array, "n_f"]
     response: Complex[Array, "n_f n_y n_u"]
     outputs: tuple[str, ...] = static()
     inputs: tuple[str, ...] = static()
+    output_ports: tuple[Port, ...] = static(default=())
+    input_ports: tuple[Port, ...] = static(default=())
     one_axis = "hertz"
 
     def of(self, output: str | None = None, input: str | None = None) -> Complex[Array, "n_f"]:
@@ -72,6 +77,60 @@ class FrequencyResponse(Result, Record):
         """
         return jnp.unwrap(jnp.angle(self.of(output, input)))
 
+    def quantities_by_name(self) -> Quantities:
+        """The complex response by frequency, output and input."""
+        over = ("frequency", "output", "input")
+        names = {"output": self.outputs, "input": self.inputs}
+        along = {"frequency": Column(("frequency",), self.hertz, "Hz")}
+        along |= {name: Column((name,), np.array(own)) for name, own in names.items()}
+        return Quantities(over[:1], along, {"response": Column(over, self.response, self._units())})
+
+    def _units(self) -> Any:
+        """Unit of each response, (n_y, n_u); empty where one of its signals has no known unit."""
+        if not (self.output_ports and self.input_ports):
+            return ""
+        pairs = [[(y.unit, u.unit) for u in self.input_ports] for y in self.output_ports]
+        return np.array([[ratio(*pair) if all(pair) else "" for pair in row] for row in pairs])
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write every response as a data set 58 of the universal file format, as text, in SI units.
+
+        Args:
+            path: Where; ends in .uff or .unv.
+
+        Raises:
+            ImportError: pyuff is not installed.
+            ValueError: Another ending, fewer than two frequencies, or a response that is not finite.
+            OSError: The folder is missing or not writable.
+
+        Warns:
+            FlexmbWarning: The format rounds the frequencies, to six digits.
+        """
+        held = Responses(
+            np.asarray(self.hertz),
+            np.asarray(self.response),
+            self.outputs,
+            self.inputs,
+            self.output_ports,
+            self.input_ports,
+        )
+        write(held, path)
+
+    @staticmethod
+    def load(path: str | os.PathLike) -> "FrequencyResponse":
+        """Frequency responses of a universal file (data sets 58), also measured ones.
+
+        Args:
+            path: Of the file.
+
+        Raises:
+            ImportError: pyuff is not installed.
+            ValueError: There is no frequency response in it, or those in it have other frequencies or leave a gap.
+            OSError: It cannot be read.
+        """
+        hertz, response, *names = read(path)
+        return FrequencyResponse(jnp.asarray(hertz), jnp.asarray(response), *names)
+
     def summary(self) -> Summary:
         """Frequencies, names, and where each response is largest."""
         hertz, sizes = np.asarray(self.hertz), np.abs(np.asarray(self.response))
@@ -85,6 +144,12 @@ class FrequencyResponse(Result, Record):
                     rows[f"{output} by {source}"] = text
         title = f"FrequencyResponse: {len(self.outputs)} x {len(self.inputs)} at {len(hertz)} frequencies"
         return Summary(title, rows, "bode", {} if len(self.outputs) * len(self.inputs) == 1 else None)
+
+
+def ratio(unit: str, of: str) -> str:
+    """Unit of a quotient."""
+    per = f"({of})" if set(" /") & set(of) else of
+    return "1" if unit == of else f"{unit}/{per}"
 
 
 def one_of(kind: str, known: Sequence[str], name: str | None) -> int:
@@ -226,8 +291,15 @@ def response_of(
         found, result = response_by_freedoms(lin, whole, hertz, us, ys, losses, method != "direct" and rests)
         check_spectrum(result, True, lin)
         found = or_nan(found, result)
-    names = ([s.name for s in labels.outputs], ys), ([s.name for s in labels.inputs], us)
-    return FrequencyResponse(hertz, found, *(tuple(own[i] for i in chosen) for own, chosen in names))
+    outputs, inputs = [labels.outputs[i] for i in ys], [labels.inputs[j] for j in us]
+    return FrequencyResponse(
+        hertz,
+        found,
+        tuple(signal.name for signal in outputs),
+        tuple(signal.name for signal in inputs),
+        tuple(signal.port(labels) for signal in outputs),
+        tuple(signal.port(labels) for signal in inputs),
+    )
 
 
 def _check_rest(hertz: Any, rates: list[str]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
-from ..display import Result, States, Summary, listed, measured, short
+from ..display import Column, Labelled, Quantities, States, Summary, listed, measured, short
 from ..linear.stress import Location
 from ..model.model import Model
 from .sensitivities import Sensitivities
@@ -45,7 +45,7 @@ class Limit:
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
-class Verdict(Result):
+class Verdict(Labelled):
     """What a mechanism does over its stroke, and what limits that first.
 
     Attributes:
@@ -116,6 +116,13 @@ class Verdict(Result):
     def states(self) -> States:
         """The mechanism at each stroke."""
         return States(self.model, self.x, "path", self.stroke, f"stroke {self.driven} [{self.unit}]")
+
+    def quantities_by_name(self) -> Quantities:
+        """The curves over the stroke, and whether the mechanism stands there."""
+        over = ("stroke",)
+        curves = {name: Column(over, values, self.units[name]) for name, values in self.curves.items()}
+        stable = {"held_stable": Column(over, self.held_stable), "free_stable": Column(over, self.free_stable)}
+        return Quantities(over, {"stroke": Column(over, self.stroke, self.unit)}, {**curves, **stable})
 
     def summary(self) -> Summary:
         """The page: a row a subject."""

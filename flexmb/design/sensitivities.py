@@ -11,8 +11,9 @@ from jaxtyping import Array, Float
 from ..arguments import check_by_name, check_whole, shown
 from ..compilation.by_meaning import jit
 from ..compilation.compile import unguarded
-from ..display import Result, Summary, counted, largest, listed, short
+from ..display import Column, Labelled, Quantities, Result, Summary, counted, largest, listed, short
 from ..errors import AnalysisError, clean, warn
+from ..files import for_files
 from ..results import ANSWERED, NO_DERIVATIVE, RESULTS, check
 from .designs import MOST, numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
@@ -59,9 +60,7 @@ class Sensitivities(Result):
         Raises:
             ImportError: pandas is not installed.
         """
-        from .labelled import pandas
-
-        return pandas().DataFrame(self.table, index=list(self.answers), columns=list(self.dimensions))
+        return for_files("pandas").DataFrame(self.table, index=list(self.answers), columns=list(self.dimensions))
 
     def summary(self) -> Summary:
         """Each answer, and what a percent of the dimension that matters most makes of it."""
@@ -196,7 +195,7 @@ def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray],
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
-class Tolerances(Result):
+class Tolerances(Labelled):
     """Scatter of answers from the scatter of dimensions.
 
     Attributes:
@@ -220,6 +219,14 @@ class Tolerances(Result):
     sampled_deviations: np.ndarray | None = None
     sampled_interval: np.ndarray | None = None
     samples: Sweep | None = None
+
+    def quantities_by_name(self) -> Quantities:
+        """Values, deviations and shares by answer and dimension."""
+        over = ("answer",)
+        names = {"answer": self.answers, "dimension": self.dimensions}
+        found = {"value": Column(over, self.values), "deviation": Column(over, self.deviations)}
+        found["share"] = Column((*over, "dimension"), self.shares, "-")
+        return Quantities(over, {name: Column((name,), np.array(own)) for name, own in names.items()}, found)
 
     def summary(self) -> Summary:
         """Each answer with its deviation, and the dimension with the largest share in that."""

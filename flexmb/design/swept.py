@@ -3,18 +3,17 @@
 import dataclasses
 import os
 import re
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..display import Result, Summary, span
+from ..display import Column, Labelled, Quantities, Summary, span
 from ..errors import clean, warn
 from ..files import save_arrays
 from ..results import ANSWERED, RESULTS
 from .designs import Designs
 from .front import nondominated
-from .labelled import pandas, xarray
 from .stored import read
 
 # Rows of a table on the terminal.
@@ -22,7 +21,7 @@ ROWS = 20
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
-class Sweep(Result):
+class Sweep(Labelled):
     """Answers of many designs.
 
     Attributes:
@@ -151,39 +150,15 @@ class Sweep(Result):
         """How many designs failed, by the name of the code."""
         return {RESULTS(c).name: int(np.sum(self.codes == c)) for c in np.unique(self.codes) if c not in ANSWERED}
 
-    def to_pandas(self):
-        """A ``pandas.DataFrame`` with one row a design; units in ``attrs``.
-
-        Raises:
-            ImportError: pandas is not installed.
-        """
-        columns: dict[str, Any] = {}
-        for name, array in {**self.designs, **self.answers}.items():
-            for at in np.ndindex(array.shape[1:]):
-                label = name + (f"[{', '.join(map(str, at))}]" if at else "")
-                columns[_free(label, columns)] = array[(slice(None), *at)]
-        columns["result"] = [RESULTS(int(c)).name for c in self.codes]
-        frame = pandas().DataFrame(columns)
-        frame.attrs["units"] = dict(self.units)
-        return frame
-
-    def to_xarray(self):
-        """An ``xarray.Dataset``: of a grid with its axes, otherwise with the axis "design".
-
-        Raises:
-            ImportError: xarray is not installed.
-        """
-        xr = xarray()
+    def quantities_by_name(self) -> Quantities:
+        """Dimensions, answers and outcomes: of a grid over its axes, otherwise over "design"."""
         along = tuple(self.axes) or ("design",)
-        variables, taken = {}, {*self.answers, *self.designs, "result", "design"}
-        for name in (*self.answers, *(() if self.axes else self.designs)):
-            values = self[name]
-            own = tuple(_free(f"{name}_{i}", taken) for i in range(values.ndim - len(along)))
-            variables[name] = ((*along, *own), values, {"units": self.units.get(name, "")})
-        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
-        variables["result"] = (along, self.codes.reshape(shape), {"meaning": "code of flexmb.RESULTS"})
-        coords = {name: ((name,), a, {"units": self.units.get(name, "")}) for name, a in self.axes.items()}
-        return xr.Dataset(variables, coords)
+        grid = {name: Column((name,), values, self.units.get(name, "")) for name, values in self.axes.items()}
+        named = (*(() if self.axes else self.designs), *self.answers)
+        found = {name: Column(along, self[name], self.units.get(name, "")) for name in named}
+        codes = self.codes.reshape(tuple(len(a) for a in self.axes.values()) or (-1,))
+        found["result"] = Column(along, codes, meaning="code of flexmb.RESULTS")
+        return Quantities(along, grid, found)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write as .npz or .mat: every dimension and answer by its name, "codes", and "about" (units) as JSON.
@@ -241,7 +216,7 @@ class Sweep(Result):
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
-class Front(Result):
+class Front(Labelled):
     """Designs of a sweep than which no other is better in everything that was asked.
 
     Attributes:
@@ -268,6 +243,10 @@ class Front(Result):
         """The designs on the front alone, for files and tables."""
         return self.whole.selected(self.rows)
 
+    def quantities_by_name(self) -> Quantities:
+        """Dimensions and answers of the designs on the front."""
+        return self.sweep.quantities_by_name()
+
     def summary(self) -> Summary:
         """How many designs are on it, and between which values what was asked lies."""
         alone, rows = self.sweep, {}
@@ -285,10 +264,3 @@ class Front(Result):
         if len(chosen) < len(self):
             lines.append(f"{len(chosen)} of them, from one end to the other:")
         return "\n".join([*lines, self.whole.selected(self.rows[chosen]).table()])
-
-
-def _free(name: str, taken: Container[str]) -> str:
-    """A name that is not taken."""
-    while name in taken:
-        name += "_"
-    return name

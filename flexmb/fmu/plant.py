@@ -8,11 +8,11 @@ import numpy as np
 
 from ..arguments import numbers, shown
 from ..control.state_space import state_matrices
-from ..display import unit_of, unit_of_force
+from ..display import unit_of
 from ..errors import ModelError, clean
 from ..linear.about import asked_about
 from ..linear.linearize import Linearization
-from ..model.model import Model, Signal
+from ..model.model import Model
 from ..trajectory.linear_along import TimeVarying
 from .nonlinear import plant as translated
 
@@ -20,11 +20,9 @@ from .nonlinear import plant as translated
 NOMINAL_OF_MECHANISM = 1e-3
 # What no XML file holds, or a name may not in an FMU.
 FORBIDDEN = "[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]"
-FORCES = {"force", "moment", "reaction"}
 # What a unit of a signal or a state is of.
 MOTION_OF = {"m": "Displacement", "rad": "Rotation"}
 UNDEFORMED = "the undeformed mechanism"
-RATES = {"velocity": "/s", "acceleration": "/s2"}
 
 
 class Variable(NamedTuple):
@@ -120,15 +118,9 @@ def named_apart(plant: Plant) -> Plant:
     return plant._replace(inputs=inputs, outputs=outputs, states=states)
 
 
-def _unit(model: Model, s: Signal) -> str:
-    """SI unit of a signal, as far as labels tell; what elements call deformations has a unit that they alone know."""
-    if s.index < 0 or s.quantity.startswith(("deformation", "stress")) or getattr(s, "of_element", False):
-        return ""
-    entry = model.labels.x[s.index]
-    if s.quantity in FORCES:
-        return "N.m" if s.axis is not None or s.quantity == "moment" else unit_of_force(entry).replace(" ", ".")
-    unit = "rad" if s.axis is not None else unit_of(entry).replace("-", "")
-    return unit + RATES.get(s.quantity, "") if unit else ""
+def modelica(unit: str) -> str:
+    """An SI unit as FMUs write it."""
+    return unit.replace(" ", ".").replace("²", "2")
 
 
 def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Plant:
@@ -180,8 +172,8 @@ def _variables(
         start = float(origin[at]) if origin is not None and at is not None and unit == "m" else None
         return Variable(name, unit, 0.0, nominal, f"{motion} from {whence}" if motion else "", start)
 
-    inputs = tuple(variable(s.name, _unit(model, s)) for s in model.labels.inputs)
-    outputs = tuple(variable(s.name, _unit(model, s), at=s.index) for s in model.labels.outputs)
+    inputs = tuple(variable(s.name, modelica(s.port(model.labels).unit)) for s in model.labels.inputs)
+    outputs = tuple(variable(s.name, modelica(s.port(model.labels).unit), at=s.index) for s in model.labels.outputs)
     return inputs, outputs, tuple(variable(name, units.get(name, ""), NOMINAL_OF_MECHANISM) for name in states)
 
 

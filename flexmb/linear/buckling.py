@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
-from ..display import Result, States, Summary, modal_summary
+from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
 from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
@@ -47,7 +47,7 @@ BENT = 0.1
 TOLD = 1e-3
 
 
-class Buckling(Shapes, Result, Record):
+class Buckling(Shapes, Labelled, Record):
     """Load multipliers and buckling modes, by magnitude.
 
     Asked by name, as ``buckled.position("top")``, it answers of the state that the multipliers refer to;
@@ -69,6 +69,10 @@ class Buckling(Shapes, Result, Record):
         told = enumerate(np.asarray(self.multipliers).tolist())
         titles = [f"buckling mode {i + 1}: λ = {own:.5g}" for i, own in told]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
+
+    def quantities_by_name(self) -> Quantities:
+        """Load multipliers by the number of the mode, from 1."""
+        return numbered_quantities("mode", {"multiplier": (self.multipliers, "-")})
 
     def summary(self) -> Summary:
         """Load multipliers."""

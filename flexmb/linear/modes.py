@@ -12,7 +12,7 @@ from ..arguments import check_whole, is_concrete, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
-from ..display import Result, States, Summary, modal_summary
+from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
 from ..math.element_matrices import Whole, times
 from ..math.linear_solver import DENSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
@@ -41,7 +41,7 @@ from .spectrum import general_spectrum, is_real, poles_of, slowest, spectrum, to
 from .traced_poles import poles_of_elements, traced_poles
 
 
-class Modes(Shapes, Result, Record):
+class Modes(Shapes, Labelled, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
 
     Asked by name, as ``modes.position("top")``, it answers of the state that the modes are about, and
@@ -70,6 +70,11 @@ class Modes(Shapes, Result, Record):
         """The modes about their state, each with its frequency."""
         titles = [f"mode {i + 1}: {text}" for i, text in enumerate(self._told())]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
+
+    def quantities_by_name(self) -> Quantities:
+        """Frequencies and eigenvalues by the number of the mode, from 1."""
+        found = {"frequency": (self.frequencies, "Hz"), "eigenvalue": (self.eigenvalues, "rad²/s²")}
+        return numbered_quantities("mode", found)
 
     def _told(self) -> list[str]:
         values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)

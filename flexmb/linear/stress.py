@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
-from ..display import Result, Summary, counted, listed, span
+from ..display import Column, Labelled, Quantities, Summary, counted, listed, span
 from ..elements.section import Section
 from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, squared, von_mises
@@ -38,7 +38,7 @@ PARTS = 64
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
 
-class SectionResultants(Result, Record):
+class SectionResultants(Labelled, Record):
     """Force and moment in the cross-sections of every flexible element with a section.
 
     They are what the part of the element beyond a place does to the part before it, in axes of the section there: a
@@ -64,10 +64,22 @@ class SectionResultants(Result, Record):
         values = np.asarray(self.values)
         return {name: (values[..., i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
 
+    def quantities_by_name(self) -> Quantities:
+        """Each force and moment by element and place; of many states by their numbers too."""
+        return _by_place(self.quantities(), self.names, self.places)
+
     def summary(self) -> Summary:
         """Outcome, and the extremes of each force and moment."""
         rows = {"result": told(self.result), **_extremes(self.quantities(), self.names, self.places)}
         return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
+
+
+def _by_place(found: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Any) -> Quantities:
+    """Quantities along elements, with the names of their axes."""
+    states = max(values.ndim for values, _ in found.values()) - 2
+    over = (*("step",) * states, "element", "place")
+    axes = {"element": Column(("element",), np.array(names)), "place": Column(("place",), places, "-")}
+    return Quantities(over, axes, {name: Column(over, values, unit) for name, (values, unit) in found.items()})
 
 
 def _extremes(
@@ -99,7 +111,7 @@ class Location(NamedTuple):
     state: int | None = None
 
 
-class Stress(Result, Record):
+class Stress(Labelled, Record):
     """Stress at points on the surface of every flexible element with a section.
 
     Of all states of a path or a motion they stand in front of the shapes, but for ``strength`` and ``fatigue``:
@@ -146,6 +158,10 @@ class Stress(Result, Record):
         if self.strength is not None:
             found["utilisation"] = (np.asarray(self._over("strength")), "-")
         return {**found, **self.resultants.quantities()}
+
+    def quantities_by_name(self) -> Quantities:
+        """What :meth:`quantities` gives, by element and place; of many states by their numbers too."""
+        return _by_place(self.quantities(), self.names, self.places)
 
     def summary(self) -> Summary:
         """Outcome, and the extremes of the stresses."""

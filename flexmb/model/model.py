@@ -6,14 +6,14 @@ import dataclasses
 import difflib
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Array
 
 from ..arguments import is_concrete, require_double_precision
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, among, listed
+from ..display import Result, States, Summary, among, listed, unit_of, unit_of_force
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
 from .by_name import TURNS, turn_of
@@ -24,6 +24,9 @@ from .topology import RoleIndices, Topology
 
 # Inputs that move what is held, in the order of their derivatives.
 MOTIONS = ("displacement", "velocity", "acceleration")
+# Quantities that are dual to coordinates, and what the units of rates have in addition.
+ACTING = ("force", "moment", "reaction")
+PER = {"velocity": "/s", "acceleration": "/s²"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,6 +49,22 @@ class Entry:
 
     def __str__(self) -> str:
         return f"{self.of}.{self.symbol}"
+
+
+class Port(NamedTuple):
+    """What an input or output is about.
+
+    Attributes:
+        node: Its node; empty of an element, and of what has parts.
+        axis: "x", "y", "z", "phi", or "rx", "ry", "rz" about a global axis in space; empty otherwise.
+        quantity: As of :class:`Signal`.
+        unit: SI unit; empty where only an element knows it.
+    """
+
+    node: str = ""
+    axis: str = ""
+    quantity: str = ""
+    unit: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,6 +103,20 @@ class Signal:
     def order(self) -> int | None:
         """Of an input that moves what is held, how often its quantity is to be integrated to a displacement."""
         return MOTIONS.index(self.quantity) if self.held and self.quantity in MOTIONS else None
+
+    def port(self, labels: "Labels") -> Port:
+        """Its node, axis and unit, as far as names tell."""
+        if self.index < 0 or self.of_element or self.quantity.startswith(("deformation", "stress")):
+            return Port(quantity=self.quantity)
+        entry = labels.x[self.index]
+        if self.quantity in ACTING:
+            turns = self.axis is not None or self.quantity == "moment"
+            unit = "N m" if turns else unit_of_force(entry)
+        else:
+            unit = "rad" if self.axis is not None else unit_of(entry).replace("-", "")
+            unit += PER.get(self.quantity, "") if unit else ""
+        axis = entry.symbol if self.axis is None else "" if self.local else TURNS[self.axis]
+        return Port(entry.of.removesuffix(".rotation"), axis, self.quantity, unit)
 
     def without_name(self) -> "Signal":
         """The same as compiled code takes it."""

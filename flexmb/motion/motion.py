@@ -12,7 +12,19 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_number, check_whole, computed, is_concrete
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, course, largest, listed, short, span, unit_of_force, unit_of_rate
+from ..display import (
+    Labelled,
+    Result,
+    States,
+    Summary,
+    course,
+    largest,
+    listed,
+    short,
+    span,
+    unit_of_force,
+    unit_of_rate,
+)
 from ..errors import ModelError
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
@@ -35,7 +47,7 @@ from .moving_matrices import moving_matrices
 SAME_TIME = 1e-9
 
 
-class Motion(ByName, Along, Result, Record):
+class Motion(ByName, Along, Labelled, Record):
     """Motion of a mechanism at the times asked for.
 
     Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,

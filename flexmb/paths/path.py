@@ -13,7 +13,7 @@ from ..arguments import check_number, check_whole, is_concrete, shown
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
-from ..display import Result, listed, short
+from ..display import Labelled, listed, short
 from ..errors import AnalysisError, warn
 from ..linear.about import is_large
 from ..linear.buckling import multipliers_of, scaled_stiffness
@@ -51,7 +51,7 @@ LOST = (RESULTS.closed_path, RESULTS.max_steps)
 SMALL = 1e-4
 
 
-class Path(OverLoad, ByName, AboutState, Along, Result, Record):
+class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
     """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:

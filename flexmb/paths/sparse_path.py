@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.record import Record, static
-from ..display import Result
+from ..display import Labelled
 from ..linear.linearize import DENSE, Linearization, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import Felt
@@ -27,7 +27,7 @@ from .walk import Step, Walker
 OF_DENSE = (*DENSE, "matrices", "eigenvalues", "frequencies", "multipliers", "iterations", "symmetric", "moving")
 
 
-class SparsePath(OverLoad, ByName, Along, Result, Record):
+class SparsePath(OverLoad, ByName, Along, Labelled, Record):
     """Equilibria along a path of a large mechanism, steps first.
 
     It is asked as :class:`flexmb.paths.Path` is, and about its states frequencies, modes, compliance, stress, responses

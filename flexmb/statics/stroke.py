@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_numbers, is_concrete, undifferentiated
 from ..compilation.compile import unguarded
 from ..compilation.record import Record
-from ..display import Result, States, Summary, course, span
+from ..display import Labelled, States, Summary, course, span
 from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
@@ -26,7 +26,7 @@ from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
 
 
-class Equilibria(ByName, Result, Record):
+class Equilibria(ByName, Labelled, Record):
     """Static equilibria under loads that follow one another, states first.
 
     Attributes:

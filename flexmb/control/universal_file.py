@@ -1,0 +1,173 @@
+"""Frequency responses in the universal file format, data set 58, as programs for modal tests read and write it."""
+
+import os
+import warnings
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import clean, warn
+from ..files import for_files
+from ..model.model import Port
+
+ENDINGS = (".uff", ".unv")
+# Function type of a frequency response; specific data types of a frequency and of what signals are.
+RESPONSE, FREQUENCY = 4, 18
+TYPES = {
+    "position": 8, "displacement": 8, "velocity": 11, "acceleration": 12,
+    "force": 13, "moment": 13, "reaction": 9,
+}  # fmt: skip
+DIRECTIONS = {"x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6, "phi": 6}
+# Letters of a name of an entity, of an identification line and of a unit; digits of a frequency.
+ENTITY, LINE, UNIT, DIGITS = 10, 80, 20, 5
+SI = {
+    "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
+    "temp_offset": 273.15,
+}  # fmt: skip
+
+
+class Responses(NamedTuple):
+    """Frequency responses as a file holds them: the fields of :class:`FrequencyResponse`."""
+
+    hertz: np.ndarray
+    response: np.ndarray
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    output_ports: tuple[Port, ...]
+    input_ports: tuple[Port, ...]
+
+
+def write(response: Responses, path: str | os.PathLike) -> None:
+    """Write every response; see :meth:`FrequencyResponse.save`."""
+    target, hertz, values = Path(path), response.hertz, response.response
+    if target.suffix not in ENDINGS:
+        raise ValueError(f"A universal file ends in {' or '.join(ENDINGS)}, not '{clean(target.name)}'.")
+    if len(hertz) < 2:
+        raise ValueError("A universal file needs two frequencies or more.")
+    if not np.all(np.isfinite(values)):
+        raise ValueError("A universal file holds finite numbers, and a response is not finite: damp the resonance.")
+    for name in (*response.outputs, *response.inputs):
+        if len(name) > LINE or not name.isprintable():
+            raise ValueError(f"A universal file has lines of {LINE} letters, which cannot hold '{clean(name)}'.")
+    pyuff = for_files("pyuff")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"There is no folder '{clean(target.parent)}'.")
+    own = {"outputs": response.output_ports, "inputs": response.input_ports}
+    ports = {kind: given or (Port(),) * len(getattr(response, kind)) for kind, given in own.items()}
+    numbers = _node_numbers([port.node for given in ports.values() for port in given])
+    even = _is_even(hertz)
+    sets = [dict(SI)]
+    for i, (output, there) in enumerate(zip(response.outputs, ports["outputs"], strict=True)):
+        for j, (source, here) in enumerate(zip(response.inputs, ports["inputs"], strict=True)):
+            sets.append({
+                "type": 58, "func_type": RESPONSE, "data": values[:, i, j].astype(complex), "x": hertz,
+                "abscissa_spacing": int(even), "abscissa_spec_data_type": FREQUENCY, "abscissa_axis_units_lab": "Hz",
+                "id1": "Frequency response by flexmb: response and reference in lines 4 and 5",
+                "id4": output, "id5": source,
+                **_about(there, numbers, "rsp", "ordinate"), **_about(here, numbers, "ref", "orddenom"),
+            })  # fmt: skip
+    if not even:
+        _tell_of_rounding(hertz)
+    pyuff.UFF(os.fspath(target)).write_sets(sets, "overwrite")
+
+
+def read(path: str | os.PathLike) -> Responses:
+    """Read all frequency responses of a file; see :meth:`FrequencyResponse.load`."""
+    pyuff = for_files("pyuff")
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"There is no file '{clean(path)}'.")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            file = pyuff.UFF(os.fspath(path))
+            wanted = [n for n, kind in enumerate(file.get_set_types()) if int(kind) == 58]
+            sets = [file.read_sets(n) for n in wanted]
+        except Exception as error:
+            raise ValueError(f"'{clean(path)}' is no universal file that pyuff can read: {clean(error)}") from error
+    sets = [one for one in sets if one["func_type"] == RESPONSE]
+    if not sets:
+        raise ValueError(f"'{clean(path)}' holds no frequency response (data set 58, function type {RESPONSE}).")
+    found, outputs, inputs = {}, {}, {}
+    hertz = np.asarray(sets[0]["x"], float)
+    for one in sets:
+        output, source = _name(one, "rsp", "id4"), _name(one, "ref", "id5")
+        if np.shape(one["x"]) != hertz.shape or not np.allclose(one["x"], hertz, rtol=1e-9, atol=0):
+            raise ValueError(f"The responses of '{clean(path)}' are given at different frequencies.")
+        if (output, source) in found:
+            raise ValueError(f"'{clean(path)}' holds the response of '{output}' to '{source}' twice.")
+        found[output, source] = np.asarray(one["data"], complex)
+        outputs.setdefault(output, _port(one, "rsp", "ordinate"))
+        inputs.setdefault(source, _port(one, "ref", "orddenom"))
+    if len(found) < len(outputs) * len(inputs):
+        missing = next((y, u) for y in outputs for u in inputs if (y, u) not in found)
+        raise ValueError(f"'{clean(path)}' lacks the response of '{missing[0]}' to '{missing[1]}'.")
+    response = np.stack([np.stack([found[y, u] for u in inputs], axis=-1) for y in outputs], axis=1)
+    return Responses(hertz, response, tuple(outputs), tuple(inputs), tuple(outputs.values()), tuple(inputs.values()))
+
+
+def _node_numbers(nodes: list[str]) -> dict[str, int]:
+    """A number for each node: its name where that is one, otherwise the next that is free."""
+    numbers = {name: int(name) for name in nodes if name.isascii() and name.isdecimal() and 0 < int(name) < 10**9}
+    free = max(numbers.values(), default=0)
+    for name in nodes:
+        if name and name not in numbers:
+            numbers[name] = free = free + 1
+    return numbers
+
+
+def _about(port: Port, numbers: dict[str, int], point: str, ordinate: str) -> dict[str, Any]:
+    """Fields of a data set that say what a signal is about."""
+    return {
+        f"{point}_ent_name": port.node[:ENTITY].replace(" ", "_") or "NONE",
+        f"{point}_node": numbers.get(port.node, 0),
+        f"{point}_dir": DIRECTIONS.get(port.axis, 0),
+        f"{ordinate}_spec_data_type": TYPES.get(port.quantity, 0),
+        f"{ordinate}_axis_units_lab": port.unit.replace("²", "^2")[:UNIT] or "NONE",
+    }
+
+
+def _text(one: dict[str, Any], field: str) -> str:
+    found = str(one.get(field, "")).strip()
+    return "" if found.upper() == "NONE" else found
+
+
+def _name(one: dict[str, Any], point: str, line: str) -> str:
+    """Name of a signal, as it was written; of another program its node and direction."""
+    if "flexmb" in _text(one, "id1") and _text(one, line):
+        return _text(one, line)
+    return f"{one[f'{point}_node']} {_axis(one, point)}".strip()
+
+
+def _axis(one: dict[str, Any], point: str) -> str:
+    direction = int(one[f"{point}_dir"])
+    axis = next((name for name, number in DIRECTIONS.items() if number == abs(direction)), "")
+    return f"-{axis}" if direction < 0 else axis
+
+
+def _port(one: dict[str, Any], point: str, ordinate: str) -> Port:
+    quantity = next((name for name, own in TYPES.items() if own == one.get(f"{ordinate}_spec_data_type")), "")
+    unit = _text(one, f"{ordinate}_axis_units_lab").replace("^2", "²")
+    node = _text(one, f"{point}_ent_name") or str(one[f"{point}_node"])
+    return Port(node, _axis(one, point), quantity, unit)
+
+
+def _as_written(values: np.ndarray) -> np.ndarray:
+    return np.array([float(f"{value:.{DIGITS}e}") for value in values])
+
+
+def _is_even(hertz: np.ndarray) -> bool:
+    """Whether the first frequency and a step of as many digits as the format has give all frequencies."""
+    first, step = _as_written(np.array([hertz[0], hertz[1] - hertz[0]]))
+    return bool(np.allclose(first + step * np.arange(len(hertz)), hertz, rtol=1e-12, atol=0))
+
+
+def _tell_of_rounding(hertz: np.ndarray) -> None:
+    off = np.abs(_as_written(hertz) - hertz)
+    worst = int(np.argmax(off))
+    if off[worst] > 1e-12 * hertz[worst]:
+        warn(
+            f"A universal file has six digits of a frequency: {hertz[worst]:.9g} Hz becomes"
+            f" {_as_written(hertz[worst : worst + 1])[0]:.6g} Hz, while its response keeps twelve. Ask for equal steps,"
+            " or for frequencies of six digits."
+        )
