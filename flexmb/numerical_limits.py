@@ -36,6 +36,56 @@ SMOOTH_COMPLIANCE = 1e-3
 SMOOTH_MASS = 1e-2
 """The same of the mass, by few Lobatto nodes of a beam in space of low order. Mass has less effect than stiffness."""
 
+# --- motion -----------------------------------------------------------------------------------------------------------
+
+ENERGY_PER_STEP = 3.0
+"""A step may gain or lose this times the relative tolerance of the greatest energy. At 10, twenty impacts between
+walls add up to more than the warning's limit; at 3 they do not (tests/motion/test_balance.py)."""
+
+INTEGRATOR_POLE = 1e-8
+"""A controller's pole is an integrator within this of zero, or of one if it is sampled: round-off of eigenvalues."""
+
+REDUNDANT_COMPLIANCE = 1e-8
+"""Share of a constraint's own compliance that is added to it. It keeps the equations solvable for constraints that
+are redundant or lose rank for a moment; a smaller compliance counts as redundant."""
+
+CHAIN_RESIDUAL = 1e-6
+"""Corrected accelerations of a chain leave less than this share of the first residual, unless masses are singular."""
+
+DRIVEN_START = 1e-6
+"""A motion cannot start if driven coordinates or deformations miss their values by more than this share of the
+extent."""
+
+KINK_OVER_USUAL = 8.0
+"""A function has a kink where its second difference exceeds this times the median of a step."""
+
+KINK_OVER_SLOPE = 1e-3
+"""A kink changes the slope by at least this share. A smaller one has no effect on a step within its tolerance."""
+
+CHANGE_OF_FORCE = 1e-9
+"""A force that changes within a step by less than this share of its size changes by round-off."""
+
+STEP_AT_KINK = 1e-6
+"""A step across a kink is shortened to this share of the step that was refused."""
+
+JUMP_AT_KINK = 0.3
+"""A function jumps if the shortest step across a kink has more than this share of the first step's change."""
+
+TIME_ROUND_OFF = 1e-14
+"""Steps are not shortened below this share of the time, where its round-off shows."""
+
+SHORTEST_STEP = 20.0
+"""Steps are not shortened below this times the smallest step, at which an integration fails."""
+
+STEADY_CONVERGED = 1e-9
+"""Last change of a degree of freedom of a steady motion, over its size."""
+
+STEADY_EQUATIONS = 1e-6
+"""A motion is steady if its equations change by less than this share while it goes on."""
+
+SMALL_DIAGONAL = 1e-8
+"""Diagonal entries below this share of the largest do not scale a comparison of matrices: it would show round-off."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

@@ -475,8 +475,8 @@ FAULTS = [
     ),
     Fault(
         "motion/controlled_form.py",
-        "close.solve(of) if of.shape[1] else of",
-        "of",
+        "close.solve(derivative) if derivative.shape[1] else derivative",
+        "derivative",
         "motion/test_loop.py -k tangent_of",
     ),
     # Functional mock-up units: functions in C.
@@ -1226,7 +1226,7 @@ FAULTS = [
         "if False:",
         "motion/test_large_derivatives.py -k solutions",
     ),
-    Fault("motion/chain_form.py", "(left[2] <= 1e-6", "(left[1] <= 1e-6", "motion/test_net.py -k milligram"),
+    Fault("motion/chain_form.py", "(left[2] <= CHAIN", "(left[1] <= CHAIN", "motion/test_net.py -k milligram"),
     Fault("math/block_tridiagonal.py", "jnp.roll(last, 1,", "jnp.roll(last, -1,", "math/test_block_tridiagonal.py"),
     Fault(
         "math/block_tridiagonal.py",
@@ -2270,8 +2270,8 @@ FAULTS = [
     ),
     Fault(
         "motion/drive.py",
-        "accumulate(temperature, tuple(one.at), warmer)",
-        "put(temperature, tuple(one.at), warmer)",
+        "accumulate(temperature, tuple(drive.at), warmer)",
+        "put(temperature, tuple(drive.at), warmer)",
         "mechanics/test_temperature.py -k rigid_arm",
         slow=True,
     ),
@@ -3612,8 +3612,8 @@ FAULTS = [
     ),
     Fault(
         "motion/drives_by_name.py",
-        "jax.lax.stop_gradient(jnp.asarray(own, float))",
-        "jnp.asarray(own, float)",
+        "jax.lax.stop_gradient(jnp.asarray(table.times, float))",
+        "jnp.asarray(table.times, float)",
         "motion/test_bends.py -k table",
     ),
     Fault(
@@ -3631,8 +3631,8 @@ FAULTS = [
     Fault("motion/simulate.py", "with _naming_the_adjoint():", "if True:", "motion/test_bends.py -k forward"),
     Fault(
         "motion/drive.py",
-        "tables = jax.tree.leaves(value, is_leaf=lambda one: isinstance(one, Table))",
-        "tables = [value]",
+        "leaves = jax.tree.leaves(value, is_leaf=lambda leaf: isinstance(leaf, Table))",
+        "leaves = [value]",
         "motion/test_bends.py -k made_of",
     ),
     # Within jax.jit what is known is known; what goes too far between two times.
@@ -3819,7 +3819,11 @@ FAULTS = [
         "compilation/test_captured.py -k told",
     ),
     Fault(
-        "motion/kinks.py", "changes > JUMP * first", "changes > 9 * first", "motion/test_kinks.py -k jumps", slow=True
+        "motion/kinks.py",
+        "changes > JUMP_AT_KINK * first",
+        "changes > 9 * first",
+        "motion/test_kinks.py -k jumps",
+        slow=True,
     ),
     Fault(
         "build/clamps.py", "clamps |= jnp.abs(across", "flat |= jnp.abs(across", "design/test_other_clamps.py -k widths"
@@ -3919,9 +3923,9 @@ FAULTS = [
         "motion/test_kinks.py::test_derivatives_across_the_limit_of_a_controller",
     ),
     Fault(
-        "motion/kinks.py",
-        "SHARE, JUMP = 1e-6",
-        "SHARE, JUMP = 1e-1",
+        "numerical_limits.py",
+        "STEP_AT_KINK = 1e-6",
+        "STEP_AT_KINK = 1e-1",
         "motion/test_kinks.py::test_derivatives_across_the_limit_of_a_controller",
     ),
     Fault("motion/kinks.py", "or _controller_may_bend(equations)", "or False", "motion/test_kinks.py -k limit"),
@@ -3934,9 +3938,9 @@ FAULTS = [
         "motion/test_kinks.py -k met_within",
         slow=True,
     ),
-    Fault("motion/kinks.py", "bend > CURVED * steep", "bend > 0 * steep", "motion/test_kinks.py -k smoothly"),
-    Fault("motion/kinks.py", "bend > UNUSUAL * usual", "bend > 0 * usual", "motion/test_kinks.py -k smoothly"),
-    Fault("motion/kinks.py", "steep > CHANGED *", "steep > 0 *", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "bend > KINK_OVER_SLOPE * steep", "bend > 0 * steep", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "bend > KINK_OVER_USUAL * usual", "bend > 0 * usual", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "steep > CHANGE_OF_FORCE *", "steep > 0 *", "motion/test_kinks.py -k smoothly"),
     Fault("linear/spectrum.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
     Fault(
         "linear/sparse_poles.py",
@@ -4234,7 +4238,13 @@ FAULTS = [
     ),
     Fault("elements/joints.py", "[0, 1], [-1, 0]])", "[0, 1], [0, 0]])", "elements/test_joints.py -k however_far"),
     Fault("elements/joints.py", "[[1.0, 0], [0, 1], [0, 1],", "[[1.0, 0], [0, 1], [0, 0],", "elements/test_joints.py"),
-    Fault("motion/linearized.py", "change > SAME:", "change > 1e9:", "elements/test_joints.py -k whirl", slow=True),
+    Fault(
+        "motion/linearized.py",
+        "change > STEADY_EQUATIONS:",
+        "change > 1e9:",
+        "elements/test_joints.py -k whirl",
+        slow=True,
+    ),
     Fault(
         "linear/modes.py", "at is not None or collects():", "at is not None:", "design/test_unstable.py -k frequency"
     ),
@@ -4260,8 +4270,8 @@ FAULTS = [
     ),
     Fault(
         "motion/loop.py",
-        "if signal.quantity in MOTIONS:\n            # What",
-        "if False:\n            # What",
+        "if signal.quantity in MOTIONS:\n            # A",
+        "if False:\n            # A",
         "trajectory/test_about_motion.py::test_walls_that_one_input_moves_do_so_together_but_for_a_constant_distance",
     ),
     Fault(

@@ -301,13 +301,13 @@ FUNCTIONS = {
     ),
     "a sample that forgets its state": (
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: y, 0.1)),
-        "must give the inputs and the state that follows",
+        "must return the inputs and the next state",
     ),
     "a sample whose state changes size": (
         lambda: fm.simulate(
             MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, jnp.ones(3)), 0.1, jnp.zeros(2))
         ),
-        r"gives a state \(3,\), but it starts as \(2,\)",
+        r"returns a state \(3,\), but starts at \(2,\)",
     ),
     "a sample of one input for two": (
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y[:1], z), 0.1)),

@@ -1,7 +1,7 @@
-"""The energy balance of a step: energy that a motion gains or loses although no force does that work.
+"""The energy balance of a step: energy that a motion gains or loses without work by any force.
 
-A step whose displacements are accurate may still lose an impulse. A stiff spring that a body meets within the step
-moves it by little, and a method that damps stiff motions brings the body to rest. The lost energy shows it.
+Accurate displacements do not exclude a lost impulse: a method that damps stiff motions stops a body at a stiff spring
+within one step. The energy balance detects this.
 """
 
 from __future__ import annotations
@@ -16,16 +16,14 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_floats
 from ..mechanics.stress_resultants import is_nonlinear
+from ..numerical_limits import ENERGY_PER_STEP
 from .chain_form import ChainForm
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
 from .protocol import MotionState
 from .stages import Taken, between, hermite, z_within
 
-# A step may gain or lose at most so many times the relative tolerance of the greatest energy. At ten times, twenty
-# impacts between walls added up to more than is warned of; at three they do not (tests/motion/test_balance.py).
-ALLOWED = 3.0
-# Places in a step where forces are looked at, and their weights, by Gauss and Legendre.
+# Gauss-Legendre places in a step, and their weights.
 PLACES, WEIGHTS = (np.polynomial.legendre.leggauss(4)[0] + 1) / 2, np.polynomial.legendre.leggauss(4)[1] / 2
 
 
@@ -34,8 +32,8 @@ class Balance(NamedTuple):
 
     Attributes:
         greatest: Greatest kinetic plus elastic energy [J].
-        gained: Energy gained without a cause, negative where it was lost [J].
-        worst: Greatest of its absolute values [J].
+        gained: Energy gained without a cause; negative if lost [J].
+        worst: Greatest absolute value of `gained` [J].
     """
 
     greatest: Float[Array, ""]
@@ -44,76 +42,61 @@ class Balance(NamedTuple):
 
     @property
     def share(self) -> Float[Array, ""]:
-        """Energy gained or lost without a cause, over the greatest energy; NaN where there was no energy."""
+        """`worst` over `greatest`; NaN without energy."""
         return self.worst / jnp.where(self.greatest > 0, self.greatest, jnp.nan)
 
     def with_energy(self, energy: Float[Array, ""]) -> Balance:
-        """The same where the energy has been so great [J]."""
+        """Balance whose greatest energy is at least `energy`."""
         return self._replace(greatest=jnp.maximum(self.greatest, jnp.where(jnp.isfinite(energy), energy, 0.0)))
 
     def after(
         self, gained: Float[Array, ""], energy: Float[Array, ""], rtol: Any, noise: Float[Array, ""]
     ) -> tuple[Float[Array, ""], Balance]:
-        """What a step gains over what it may gain, and the balance behind it.
-
-        Args:
-            gained: By the step [J].
-            energy: At its end [J].
-            rtol: Relative tolerance.
-            noise: Energy of the motion that the absolute tolerance allows in the step [J].
-        """
-        behind = self.with_energy(energy)
-        share = jnp.abs(gained) / jnp.maximum(ALLOWED * rtol * behind.greatest + noise, 1e-300)
+        """Energy gained in a step over the allowed one, and the balance after it; `noise` [J] is allowed by atol."""
+        after_step = self.with_energy(energy)
+        share = jnp.abs(gained) / jnp.maximum(ENERGY_PER_STEP * rtol * after_step.greatest + noise, 1e-300)
         total = self.gained + jnp.sign(gained) * jnp.maximum(jnp.abs(gained) - noise, 0.0)
         worst = jnp.maximum(self.worst, jnp.abs(total))
-        return jnp.where(jnp.isfinite(share), share, jnp.inf), Balance(behind.greatest, total, worst)
+        return jnp.where(jnp.isfinite(share), share, jnp.inf), Balance(after_step.greatest, total, worst)
 
 
 class Before(NamedTuple):
-    """What is known of a motion before a step, by which step sizes are controlled.
-
-    Attributes:
-        moved: Greatest displacement so far (extents, radians).
-        balance: Energy balance so far.
-    """
+    """What controls the size of the next step: greatest displacement so far (extents, radians), and energy balance."""
 
     moved: Float[Array, ""]
     balance: Balance
 
 
 def at_start() -> Before:
-    """What is known before the first step."""
+    """Values before the first step."""
     zero = as_floats(0.0)
     return Before(zero, Balance(zero, zero, zero))
 
 
 def is_seen(equations: Any) -> bool:
-    """Whether the balance of a step is looked at by the states at its ends: elements have laws, and nothing is driven.
-
-    Multipliers then do no work. What has no law has nothing that a step misses, and that balance is the coarser one.
-    """
+    """Whether states at the ends of a step give its balance: elements have laws, and no multiplier does work."""
     if isinstance(equations, ChainForm | ControlledForm):
         return False
     form = _all_coordinates(equations)
     if not isinstance(form, CoordinatesForm):
         return False
     return is_nonlinear(form.topology) and not any(
-        one.quantity in ("x", "e", "increment", "temperature") for one in form.driven
+        drive.quantity in ("x", "e", "increment", "temperature") for drive in form.driven
     )
 
 
 def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
     """Elastic energy of the elements of constant stiffness [J]."""
-    form, whole = _all_coordinates(equations), equations
+    form = _all_coordinates(equations)
     if isinstance(equations, ControlledForm):
-        # The inputs that a controller gives do not matter here.
-        whole, state = form, MotionState(state.u[: form.size], state.w[: form.size], state.memory)
-    e = whole.whole_motion(t, state).near
+        # Inputs from the controller do not matter here.
+        equations, state = form, MotionState(state.u[: form.size], state.w[: form.size], state.memory)
+    e = equations.whole_motion(t, state).near
     return e @ form.elastic_stress(e) / 2
 
 
 def kinetic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
-    """Kinetic energy of what moves [J], by the residual, which is linear in the accelerations."""
+    """Kinetic energy [J], from the residual, which is linear in the accelerations."""
     n, none = equations.size - equations.states, jnp.zeros(equations.unknowns)
     w = state.w[:n]
     inertia = equations.residual(t, state, none.at[:n].set(w)) - equations.residual(t, state, none)
@@ -121,14 +104,7 @@ def kinetic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> F
 
 
 class StepError(NamedTuple):
-    """Error estimate of a step with its energy balance, as a solver hands both to its step size controller.
-
-    Attributes:
-        state: Error of the state.
-        gained: Energy that the step gains without a cause [J].
-        energy: Kinetic plus elastic energy at its end [J].
-        inertia: Half the trace of the mass matrix, for :meth:`Balance.after`'s noise.
-    """
+    """Error of the state after a step, and the energies and half trace of the mass matrix for :meth:`Balance.after`."""
 
     state: MotionState
     gained: Float[Array, ""]
@@ -143,15 +119,7 @@ def balanced_error(
     z: Float[Array, "r"],
     taken: Taken,
 ) -> StepError:
-    """Error of a Rosenbrock step with its energy balance.
-
-    Args:
-        equations: Equations of motion.
-        times: Begin and end of the step [s].
-        states: There, on the constraints.
-        z: Accelerations and multipliers at its begin, (n + m,).
-        taken: What the step led to.
-    """
+    """Error of a Rosenbrock step with its energy balance; `z` are accelerations and multipliers at its begin."""
     (t0, t1), n = times, states[0].u.shape[0]
     h, rates, own = t1 - t0, (z[:n], taken.z[:n]), slice(n - equations.states)
 
@@ -168,15 +136,10 @@ def balanced_error(
 def gained_along(
     equations: Any, h: Float[Array, ""], at: Callable[[Float[Array, ""]], tuple[Any, MotionState, Array]]
 ) -> Float[Array, ""]:
-    """Work of what the equations leave out of balance along a step [J].
+    """Work of the residual along a step of length `h` [J].
 
-    The motion between the ends of a step is exact under an additional force, the residual there. Its work is energy
-    that no load, damper, controller or prescribed motion accounts for.
-
-    Args:
-        equations: Equations of motion.
-        h: Length of the step [s].
-        at: Time, state, accelerations and multipliers (n + m,) at a share of the step, from 0 to 1.
+    The interpolated motion is exact under an additional force, the residual. `at` returns time, state, and
+    accelerations with multipliers at a share of the step from 0 to 1.
     """
     n = equations.size - equations.states
 
@@ -188,15 +151,10 @@ def gained_along(
 
 
 def gained_between(equations: Any, times: tuple[Any, Any], states: tuple[MotionState, MotionState]) -> Float[Array, ""]:
-    """The energy that a step gains without a cause [J], by the states at its ends alone.
+    """Energy that a step gains without a cause [J], from the states at its ends.
 
-    Velocities between them are rates of the cubic through positions and velocities, or straight: what is less. The
-    cubic is right for smooth motions, the straight line for velocities that friction holds.
-
-    Args:
-        equations: Equations of motion that no function of time moves: multipliers then do no work.
-        times: Begin and end of the step [s].
-        states: There.
+    Velocities follow the cubic through positions and velocities, right for smooth motions, or a straight line, right
+    for velocities that friction holds. The smaller result counts.
     """
     (t0, t1), (y0, y1), n = times, states, equations.size - equations.states
     h = jnp.where(t1 == t0, 1.0, t1 - t0)

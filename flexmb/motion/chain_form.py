@@ -1,7 +1,7 @@
-"""Motion of long chains and of nets: all nodal coordinates and multipliers, with matrices element by element.
+"""Equations of motion of long chains and nets: all nodal coordinates and multipliers, with matrices element by element.
 
-Nothing here is of the size of the mechanism squared: what element matrices are added up to, and how it is factored, is
-left to :mod:`flexmb.mechanics.levels` for chains and to :mod:`flexmb.mechanics.sparse_order` for everything else.
+No array is of the size of the mechanism squared. :mod:`flexmb.mechanics.levels` assembles and factorises chains,
+:mod:`flexmb.mechanics.sparse_order` everything else.
 """
 
 import dataclasses
@@ -21,7 +21,8 @@ from ..mechanics.sparse_order import SparseOrder, solution
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
-from .coordinates_form import REDUNDANT, AllCoordinates, CoordinatesForm, coordinates_form
+from ..numerical_limits import CHAIN_RESIDUAL, REDUNDANT_COMPLIANCE
+from .coordinates_form import AllCoordinates, CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
 from .element_forces import (
     Kinematics,
@@ -36,7 +37,7 @@ from .protocol import MotionState, WholeMotion
 
 
 def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
-    """What of a mechanism the form of chains does not cover, as a sentence, or None."""
+    """Sentence on the first property of a mechanism that this form does not cover, or None."""
     if is_nonlinear(topology):
         return "an element states an energy, a dissipation or a law of its own"
     if topology.counts_turns:
@@ -46,24 +47,13 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
             return f"'{block.element.name}' is a load that follows the motion"
         if "deformation" not in block.companions and not {"stiffness", "damping"}.isdisjoint(block.companions):
             return f"stiffness and deformations of '{block.element.name}' are computed apart"
-    if any(one.quantity in MOMENTS for one in driven):
+    if any(drive.quantity in MOMENTS for drive in driven):
         return "a moment in space depends on time"
     return None
 
 
 class ElementTangent(NamedTuple):
-    """Derivatives of the residual, element by element, with the methods of :class:`.protocol.Tangent`.
-
-    Coordinates of elements come before their held deformations.
-
-    Attributes:
-        order: Of the unknowns.
-        by_z: Of each block, (elements, k, k).
-        by_w: (elements, k, k).
-        by_u: (elements, k, k).
-        by_t: (n + m,), or None where no load depends on time.
-        held: Number m of multipliers.
-    """
+    """:class:`.protocol.Tangent` element by element: coordinates of an element, then its held deformations."""
 
     order: Levels | SparseOrder
     by_z: tuple[Float[Array, "elements k k"], ...]
@@ -74,33 +64,24 @@ class ElementTangent(NamedTuple):
 
     @property
     def mass(self) -> None:
-        """No dense mass matrix is formed."""
+        """None: no dense mass matrix is formed."""
         return None
 
     def solver(self, step: Any) -> Callable[[Float[Array, "r"]], Float[Array, "r"]]:
-        """Return the function that solves with R_z + step R_w + step^2 R_u, for a right-hand side (n + m,)."""
-        every = zip(self.by_z, self.by_w, self.by_u, strict=True)
+        """Function that solves with R_z + step R_w + step^2 R_u."""
         order: Any = self.order
-        pieces = tuple(z + step * (w + step * u) for z, w, u in every)
+        pieces = tuple(z + step * (w + step * u) for z, w, u in zip(self.by_z, self.by_w, self.by_u, strict=True))
         factors = order.factors(pieces)
         return lambda right: solution(order, factors, pieces, jnp.zeros_like(right), right)
 
     def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
-        """Change R_w w + R_u u of the residual, (n + m,)."""
-        every = ((self.by_w, w), (self.by_u, u))
-        by_w, by_u = (self.order.product(of, jnp.append(moved, jnp.zeros(self.held))) for of, moved in every)
-        return by_w + by_u
+        """R_w w + R_u u, (n + m,)."""
+        none = jnp.zeros(self.held)
+        return self.order.product(self.by_w, jnp.append(w, none)) + self.order.product(self.by_u, jnp.append(u, none))
 
 
 class ChainForm(Record):
-    """Equations of motion of a chain, as :class:`flexmb.motion.coordinates_form.CoordinatesForm` has them.
-
-    Attributes:
-        form: The same equations; of it nothing is used that is of the size of the mechanism squared.
-        order: Of the unknowns.
-        stiffness: Of each block of elements that deforms, (elements, d, d), or None.
-        damping: The same for the rates.
-    """
+    """Equations of motion of a chain, with the methods of :class:`CoordinatesForm`."""
 
     form: CoordinatesForm
     order: Levels | SparseOrder
@@ -109,7 +90,7 @@ class ChainForm(Record):
 
     @property
     def states(self) -> int:
-        """Number of states of a controller: none."""
+        """Number of states of a controller."""
         return 0
 
     @property
@@ -128,7 +109,7 @@ class ChainForm(Record):
         return self.form.whole_motion(t, state)
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
+        """Stress resultants as a function of deformations and rates; multipliers replace those of held deformations."""
         form = self.form
         drive = form.drive(t)
 
@@ -142,18 +123,18 @@ class ChainForm(Record):
 
         return stress
 
-    def _pulled(self, matrices: tuple[Array | None, ...], of: Float[Array, "n_e"]):
-        every = zip(self.form.elements, matrices, strict=True)
-        return [(b.e, jnp.sum(own * of[b.e][:, None, :], axis=2)) for b, own in every if own is not None]
+    def _pulled(self, matrices: tuple[Array | None, ...], rates: Float[Array, "n_e"]):
+        blocks = zip(self.form.elements, matrices, strict=True)
+        return [(b.e, jnp.sum(matrix * rates[b.e][:, None, :], axis=2)) for b, matrix in blocks if matrix is not None]
 
     def elastic_stress(self, strain: Float[Array, "n_e"]):
-        """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
+        """Stress resultants of elements of constant stiffness."""
         return scatter_vector(strain.shape[0], self._pulled(self.stiffness, strain))
 
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
     ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
-        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
+        """Kinematics, stress resultants, nodal forces out of balance, and all coordinates."""
         form, n = self.form, self.size
         at = form.whole(t, state.u, state.w, z[:n])
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
@@ -161,57 +142,51 @@ class ChainForm(Record):
         return acting.kinematics, acting.sigma, acting.force - form.applied(t, at.x), at
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
-
-        Source:
-            THEORY.md 5 and 9 (b), eq. (9.1).
-        """
+        """Forces out of balance and second rates of the held deformations (THEORY.md 5 and 9 (b), eq. (9.1))."""
         form = self.form
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> ElementTangent:
-        """Derivatives of the residual, element by element.
-
-        Source:
-            Derivative of :meth:`residual` (THEORY.md 6).
-        """
+        """Derivatives of :meth:`residual` (THEORY.md 6)."""
         form, n = self.form, self.size
         at = form.whole(t, state.u, state.w, z[:n])
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
         stress = self.stress_of(t, z[n:])
-        # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
+        # Multipliers are unknowns: the stiffness of held deformations must not act.
         loose = put(jnp.ones(form.topology.n_e), form.held, 0.0)
         tangents = [
             tuple(
-                None if of is None else of * loose[block.e][:, :, None]
-                for of, block in zip(matrices, form.elements, strict=True)
+                None if matrix is None else matrix * loose[block.e][:, :, None]
+                for matrix, block in zip(matrices, form.elements, strict=True)
             )
             for matrices in (self.stiffness, self.damping)
         ]
-        found = derivatives_of_elements(form.elements, moving, form.falling, stress, *tangents)
+        derivatives = derivatives_of_elements(form.elements, moving, form.falling, stress, *tangents)
         sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
-        every = []
-        for block, holds, own in zip(form.elements, self.order.holds, found, strict=True):
+        tangent_pieces = []
+        for block, holds, derivative in zip(form.elements, self.order.holds, derivatives, strict=True):
             size = sizes[block.x]
             both = size[:, :, None] * size[:, None, :]
-            by_z, by_w, by_u = (both * of for of in (own.mass, own.by_v, own.by_x))
+            by_z, by_w, by_u = (both * matrix for matrix in (derivative.mass, derivative.by_v, derivative.by_x))
             if holds:
-                rows: Any = (own.e, own.ed, own.edd)
-                e, ed, edd = (of * size[:, None, :] for of in rows)
+                rows: Any = (derivative.e, derivative.ed, derivative.edd)
+                e, ed, edd = (row * size[:, None, :] for row in rows)
                 by_z = bordered(by_z, e, e.mT, self._corner(block, e))
                 by_w, by_u = bordered(by_w, 2 * ed), bordered(by_u, edd)
-            every.append((by_z, by_w, by_u))
+            tangent_pieces.append((by_z, by_w, by_u))
         by_t = None
         if form.driven:
             by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        by_z, by_w, by_u = (tuple(of) for of in zip(*every, strict=True))
+        by_z, by_w, by_u = (tuple(pieces) for pieces in zip(*tangent_pieces, strict=True))
         return ElementTangent(self.order, by_z, by_w, by_u, by_t, form.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
-        """What keeps redundant constraints solvable; see :meth:`CoordinatesForm.system`."""
+        """Corner that keeps redundant constraints solvable, as in :func:`.coordinates_form.bordered`."""
         mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
-        return -REDUNDANT * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
+        return (
+            -REDUNDANT_COMPLIANCE * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
+        )
 
     @property
     def unknowns(self) -> int:
@@ -220,11 +195,7 @@ class ChainForm(Record):
 
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
-        """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
-
-        Source:
-            THEORY.md 9 (b), eq. (9.2).
-        """
+        """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
         z = jnp.zeros(self.size + self.form.held.shape[0])
         solve = self.tangent(t, state, z).solver(0.0)
 
@@ -232,25 +203,21 @@ class ChainForm(Record):
             left = self.residual(t, state, z)
             return z - solve(left), jnp.max(jnp.abs(left))
 
-        # The second time removes what keeps redundant constraints solvable; what a singular system leaves is more.
+        # The second step removes the effect of the corner on redundant constraints; a singular system leaves more.
         z, left = jax.lax.scan(corrected, z, None, length=3)
-        return z, jnp.all(jnp.isfinite(z)) & (left[2] <= 1e-6 * left[0])
+        return z, jnp.all(jnp.isfinite(z)) & (left[2] <= CHAIN_RESIDUAL * left[0])
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """How the memory changes: no turns are counted."""
+        """The memory itself: no turns are counted."""
         return state.memory
 
     def gap(self, t: Float[Array, ""], state: MotionState):
-        """Held deformations less what they are held at, (m,) [m, rad]."""
+        """Held deformations minus their wanted values."""
         return self.form.gap(t, state)
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """Positions and velocities brought back onto the constraints, by the masses of the undeformed shape.
-
-        Source:
-            THEORY.md 9, eq. (9.3).
-        """
+        """State brought back onto the constraints, by the masses of the undeformed shape (THEORY.md 9, eq. (9.3))."""
         form, n = self.form, self.size
         if not form.held.shape[0]:
             return state
@@ -259,16 +226,16 @@ class ChainForm(Record):
 
         def corrected(_: Array, moving: tuple[Array, Array]):
             at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
-            found = deformed_elements(form.elements, at.x, form.near(state.memory))
+            deformed_blocks = deformed_elements(form.elements, at.x, form.near(state.memory))
             pieces, rates = [], []
-            for block, holds, own in zip(form.elements, self.order.holds, found, strict=True):
+            for block, holds, deformed in zip(form.elements, self.order.holds, deformed_blocks, strict=True):
                 k = block.x.shape[1]
                 square = jnp.zeros((block.x.shape[0], k, k))
-                if own is not None:
-                    rates.append((block.e, jnp.sum(own[1] * at.v[block.x][:, None, :], axis=2)))
-                if own is not None and holds:
-                    rows = own[1] * sizes[block.x][:, None, :]
-                    square = bordered(square, rows, rows.mT, self._corner(block, rows))
+                if deformed is not None:
+                    rates.append((block.e, jnp.sum(deformed[1] * at.v[block.x][:, None, :], axis=2)))
+                    if holds:
+                        rows = deformed[1] * sizes[block.x][:, None, :]
+                        square = bordered(square, rows, rows.mT, self._corner(block, rows))
                 pieces.append(square)
             e = strained(form.elements, at.x, form.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
@@ -279,30 +246,23 @@ class ChainForm(Record):
                 solution(order, factors, pieces, masses, jnp.append(jnp.zeros(n), excess))[:n]
                 for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
             ]
-            return tuple(of - more for of, more in zip(moving, back, strict=True))
+            return moving[0] - back[0], moving[1] - back[1]
 
-        # The second time removes what the first left, which is of second order.
+        # The second step removes the error of the first, which is of second order.
         u, w = jax.lax.fori_loop(0, 2, corrected, (state.u, state.w))
         return MotionState(u, w, state.memory)
 
 
 def chain_form(model: Model, driven: tuple[Driven, ...], order: Levels | SparseOrder) -> ChainForm:
-    """Equations of motion of a chain.
-
-    Args:
-        order: Of its unknowns.
-
-    Returns:
-        ChainForm.
-    """
+    """Equations of motion of a chain; `order` orders its unknowns."""
     topology, parameters = model.topology, model.parameters
-    # What is of the size of the mechanism squared is left out: a derivative would carry it along.
+    # A derivative would carry dense matrices along.
     form = dataclasses.replace(coordinates_form(topology, parameters, driven), S=jnp.zeros((0, 0)), S_d=None)
 
     def of_blocks(companion: str) -> tuple[Any, ...]:
         pieces = iter(stiffness_pieces(topology, parameters, companion))
         moving = {id(block) for block in moving_blocks(topology)}
-        found = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
-        return tuple(own for own, block in zip(found, topology.blocks, strict=True) if id(block) in moving)
+        matrices = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
+        return tuple(matrix for matrix, block in zip(matrices, topology.blocks, strict=True) if id(block) in moving)
 
     return ChainForm(form, order, of_blocks("stiffness"), of_blocks("damping"))

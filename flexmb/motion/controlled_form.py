@@ -22,16 +22,15 @@ from .protocol import MotionState, Tangent, WholeMotion
 
 
 class Feedback(Record):
-    """A controller: inputs of the mechanism from its outputs, in the order in which the builder named them.
+    """A continuous controller between outputs and inputs of a mechanism, in the order of their names in the builder.
 
     Attributes:
         output: ``u = output(t, z, y)``, (n_u,) [N, N m].
-        rate: ``dz/dt = rate(t, z, y)``, (n_z,), or None for a controller without state.
-        start: State at the start, (n_z,).
-        windup: What an excess of the inputs over their limits does to the state where it is to follow within a second,
-            (n_z, n_u), or that over time as a table: what :func:`flexmb.control.saturated` keeps integrators from
-            winding up by. None where nothing winds up.
-        reads, drives: Names of the mechanism's outputs and inputs that it is connected to, where not to all in order.
+        rate: ``dz/dt = rate(t, z, y)``, (n_z,); None for a controller without states.
+        start: States at the start, (n_z,).
+        windup: Rate of the states per excess of the inputs over their limits, (n_z, n_u), or a table of it over time.
+            :func:`flexmb.control.saturated` uses it to stop integrators from winding up. None if nothing winds up.
+        reads, drives: Names of the connected outputs and inputs; None to connect all in order.
     """
 
     output: Callable[..., Any]
@@ -43,37 +42,30 @@ class Feedback(Record):
 
 
 class Constant(Record):
-    """A number that does not depend on time.
-
-    Attributes:
-        value: The number or numbers.
-    """
+    """A function of time with a constant value."""
 
     value: Any
 
     def __call__(self, t: Float[Array, ""]):
-        """The number, whatever the time."""
+        """The value."""
         return self.value
 
 
 class PortPlaces(Record):
-    """What each input acts on and what each output measures, as indices.
+    """Indices of what each input acts on and of what each output measures.
 
     Attributes:
-        forces: Index in x of each input that is a force, and its place among the inputs, (2, k).
-        stresses: The same for inputs that are stresses, index in e, (2, l).
-        moments: Index in x of the first Euler parameter, place among the inputs, and axis, of each input that is a
-            moment about a global axis, (3, m).
-        local_moments: The same for axes that turn with the body, (3, n).
-        outputs: Index in x or e of each part of an output; of a rotation in space, that of its first Euler parameter,
-            (k,).
-        axes: Axis of each part that is a rotation in space, (k,).
-        read: Weight of each part in each output, (n_y, k); None where the outputs are the parts.
-        mix: What each part of an input does by each input, (parts, n_u); None where the inputs are the parts.
-        quantities: What each part of an output is: "position", "velocity", "deformation", "deformation rate", or for a
-            rotation in space "rotation", "angular velocity", "local rotation", "local angular velocity"; or one of
-            ``LATE``.
-        inputs: Number of inputs, those that move what is held among them, which act here on nothing.
+        forces: Index in x of each force, and its place among the inputs.
+        stresses: Index in e of each stress resultant, and its place among the inputs.
+        moments: First Euler parameter, place among the inputs, and global axis of each moment.
+        local_moments: The same for axes that turn with the body.
+        outputs: Index in x or e of each part of an output; of a rotation in space, its first Euler parameter.
+        axes: Axis of each part that is a rotation in space.
+        read: Weight of each part in each output; None if the outputs are the parts.
+        mix: Weight of each input in each part of an input; None if the inputs are the parts.
+        quantities: Quantity of each part of an output: "position", "velocity", "deformation", "deformation rate",
+            "rotation", "angular velocity", "local rotation", "local angular velocity", or one of ``LATE``.
+        inputs: Number of inputs. Inputs that move held coordinates are counted, but do nothing here.
     """
 
     forces: Int[Array, "2 k"]
@@ -89,19 +81,19 @@ class PortPlaces(Record):
 
     @property
     def late(self) -> tuple[int, ...]:
-        """Parts of outputs that are known with the accelerations and multipliers only."""
+        """Parts of outputs that depend on accelerations and multipliers."""
         return tuple(i for i, quantity in enumerate(self.quantities) if quantity in LATE)
 
     @property
     def passes(self) -> bool:
-        """Whether an output feels an input at given accelerations: a stress adds to those that are measured."""
-        felt = any(quantity in FORCES for quantity in self.quantities)
-        return felt and self.stresses.shape[1] > 0
+        """Whether an output depends on an input at given accelerations: a measured stress includes the input."""
+        measures_force = any(quantity in FORCES for quantity in self.quantities)
+        return measures_force and self.stresses.shape[1] > 0
 
 
 ROTATIONS = ("rotation", "local rotation")
 TURNING = ("angular velocity", "local angular velocity")
-# What follows from accelerations and multipliers, the inputs of the same time in them.
+# Quantities that depend on accelerations and multipliers, and so on the inputs of the same time.
 LATE = (
     "acceleration",
     "angular acceleration",
@@ -113,16 +105,12 @@ LATE = (
     "local moment",
 )
 FORCES = ("stress", "reaction", "moment", "local moment")
-# Newton's steps to inputs that depend on accelerations which they cause; of a linear controller one is exact.
+# Newton steps to inputs that depend on accelerations which they cause; exact after one for a linear controller.
 CLOSING = 4
 
 
 def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, "n_u"]) -> CoordinatesForm:
-    """Equations of a mechanism under given inputs.
-
-    Args:
-        u: Inputs, (n_u,).
-    """
+    """Equations of a mechanism under given inputs."""
     if u.shape != (places.inputs,):
         raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {places.inputs} inputs.")
     u = u if places.mix is None else places.mix @ u
@@ -141,14 +129,11 @@ def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, 
 class ControlledForm(Record):
     """Equations of motion of a mechanism and a controller.
 
-    The states of the controller are velocities of coordinates of their own, after those of the mechanism: their
-    "accelerations" are the rates of the states, and so one solver serves both.
+    The states of the controller are velocities of additional coordinates, after those of the mechanism. Their
+    "accelerations" are the rates of the states, so that the same solvers apply.
 
     Attributes:
-        form: Equations of the mechanism.
-        feedback: Controller.
-        places: Inputs and outputs.
-        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -].
+        start: Nodal coordinates from which rotations in space are measured.
     """
 
     form: CoordinatesForm
@@ -163,7 +148,7 @@ class ControlledForm(Record):
 
     @property
     def size(self) -> int:
-        """Number of coordinates that move, those of the controller included."""
+        """Number of coordinates that move, including those of the controller."""
         return self.form.size + self.states
 
     @property
@@ -172,13 +157,13 @@ class ControlledForm(Record):
         return self.form.unknowns + self.states
 
     def regular(self, by_z: Float[Array, "r r"]):
-        """As the mechanism's."""
+        """Whether every motion of the mechanism carries mass."""
         n = self.form.size
         kept = np.r_[:n, self.size : by_z.shape[0]]
         return self.form.regular(by_z[kept[:, None], kept])
 
     def _split(self, state: MotionState, z: Float[Array, "r"] | None = None) -> tuple[MotionState, Array, Any, Any]:
-        """State of the mechanism, of the controller, accelerations and multipliers of the mechanism, rates."""
+        """Mechanism's state, controller's states, mechanism's accelerations and multipliers, controller's rates."""
         n = self.form.size
         own = MotionState(state.u[:n], state.w[:n], state.memory)
         if z is None:
@@ -208,22 +193,15 @@ class ControlledForm(Record):
         z: Float[Array, "r"] | None = None,
         u: Float[Array, "n_u"] | None = None,
     ):
-        """Outputs of the mechanism, (n_y,).
-
-        Args:
-            t: Time [s].
-            own: State of the mechanism.
-            z: Its accelerations and multipliers, for outputs that follow from them.
-            u: Inputs that caused them, (n_u,).
-        """
+        """Outputs of the mechanism in state `own`; `z` and the inputs `u` that caused it are for late outputs."""
         values = self._early(t, own)
         for i, value in zip(self.places.late, self._late(t, own, z, u) if self.places.late else (), strict=True):
             values[i] = value
-        found = jnp.stack(values) if values else jnp.zeros(0)
-        return found if self.places.read is None else self.places.read @ found
+        parts = jnp.stack(values) if values else jnp.zeros(0)
+        return parts if self.places.read is None else self.places.read @ parts
 
     def _late(self, t: Float[Array, ""], own: MotionState, z: Any, u: Any):
-        """Parts of outputs that follow from accelerations and multipliers."""
+        """Parts of outputs that depend on accelerations and multipliers."""
         kin, sigma, force, at = self._driven(u).forces(t, own, z)
         sources = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
         values = []
@@ -234,12 +212,12 @@ class ControlledForm(Record):
                 continue
             turning, axis, local = self._turning(i)
             row = rotation_row(at.x[turning], axis, local)
-            # omega = 2 Lbar lambda_dot, whose rate has no other term; a moment is Lbar f / 2.
+            # The rate of omega = 2 Lbar lambda_dot has no other term; a moment is Lbar f / 2.
             values.append(row @ at.a[turning] if "acceleration" in quantity else row @ force[turning] / 4)
         return jnp.stack(values)
 
     def _early(self, t: Float[Array, ""], own: MotionState) -> list[Any]:
-        """Parts of outputs that follow from the state; zero for the others."""
+        """Parts of outputs that depend on the state alone; zero for the others."""
         at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
         top, parameters = self.form.topology, self.form.parameters
         e = ed = jnp.zeros(top.n_e)
@@ -262,43 +240,45 @@ class ControlledForm(Record):
         return values
 
     def _turning(self, i: int):
-        """Indices of the Euler parameters of an output that is a rotation, its axis, and whether that turns along."""
-        own = self.places.outputs[i] + jnp.arange(4)
-        return own, self.places.axes[i], self.places.quantities[i].startswith("local")
+        """Euler parameters' indices and axis of a measured rotation, and whether the axis turns along."""
+        euler_indices = self.places.outputs[i] + jnp.arange(4)
+        return euler_indices, self.places.axes[i], self.places.quantities[i].startswith("local")
 
     def _rotation(self, i: int, x: Float[Array, "n_x"]):
-        """Rotation that an output measures, and its derivative by the Euler parameters."""
-        own, axis, local = self._turning(i)
-        return rotation_measured(x[own], self.start[own], self.form.parameters.reference[own], axis, local)
+        """Measured rotation, and its derivative by the Euler parameters."""
+        euler_indices, axis, local = self._turning(i)
+        return rotation_measured(
+            x[euler_indices], self.start[euler_indices], self.form.parameters.reference[euler_indices], axis, local
+        )
 
     def _rate(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
-        """Rates of the controller's state, (n_z,)."""
+        """Rates of the controller's states."""
         rate: Any = self.feedback.rate
-        found = jnp.atleast_1d(as_reals("The controller's rate", rate(t, states, y), ModelError))
-        if found.shape != states.shape:
-            raise ModelError(f"The controller's rate gives shape {found.shape}, but it has {states.shape[0]} states.")
-        return found
+        rates = jnp.atleast_1d(as_reals("The controller's rate", rate(t, states, y), ModelError))
+        if rates.shape != states.shape:
+            raise ModelError(f"The controller's rate gives shape {rates.shape}, but it has {states.shape[0]} states.")
+        return rates
 
     def _driven(self, u: Float[Array, "n_u"]) -> CoordinatesForm:
         """Equations of the mechanism under given inputs."""
         return driven_by_inputs(self.form, self.places, u)
 
     def _inputs(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
-        """Inputs of the mechanism, (n_u,)."""
+        """Inputs of the mechanism."""
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
     def _closed(self, t: Float[Array, ""], own: MotionState, states: Float[Array, "n_z"], z: Float[Array, "r"] | None):
-        """Outputs and inputs at one time; the inputs may depend on what they cause."""
+        """Outputs and inputs at one time; inputs may depend on outputs that they cause."""
         if not self.places.late:
             y = self.measured(t, own)
             return y, self._inputs(t, states, y)
 
         def seen(u: Float[Array, "n_u"]):
-            found = self._driven(u).acceleration(t, own)[0] if z is None else z
-            y = self.measured(t, own, found, u)
+            accelerations = self._driven(u).acceleration(t, own)[0] if z is None else z
+            y = self.measured(t, own, accelerations, u)
             return y, y
 
-        # Outputs are linear in the inputs, at given positions and velocities.
+        # At given positions and velocities, outputs are linear in the inputs.
         none = jnp.zeros(self.places.inputs)
         if z is not None and not self.places.passes:
             return (y := seen(none)[0]), self._inputs(t, states, y)
@@ -306,8 +286,8 @@ class ControlledForm(Record):
 
         def closer(_: Array, u: Float[Array, "n_u"]):
             def left(u: Float[Array, "n_u"]):
-                found = u - self._inputs(t, states, at_none + by_input @ u)
-                return found, found
+                excess = u - self._inputs(t, states, at_none + by_input @ u)
+                return excess, excess
 
             slope, excess = jax.jacfwd(left, has_aux=True)(u)
             return u - factorise(slope).solve(excess)
@@ -320,28 +300,22 @@ class ControlledForm(Record):
         own, states, own_z, rates = self._split(state, z)
         y, u = self._closed(t, own, states, own_z)
         mechanism = self._driven(u).residual(t, own, own_z)
-        controller = rates
-        if self.states:
-            controller = jnp.asarray(rates) - self._rate(t, states, y)
+        controller = jnp.asarray(rates) - self._rate(t, states, y) if self.states else rates
         return self._joined(mechanism, controller)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of the residual: those of the mechanism, and through its outputs and the controller.
-
-        Source:
-            Chain rule.
-        """
+        """Derivatives of the residual, by the chain rule through outputs and controller."""
         own, states, own_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
         y, u = self._closed(t, own, states, own_z)
         at = self._driven(u).tangent(t, own, own_z)
-        by_input = self._by_input(t, own, own_z, u)
+        by_input = jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
         y_by, u_by = self._closed_derivatives(t, own, states, own_z, y, u)
         r_by_states, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
         if k:
             r_by_states, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
-        mechanism = [by_input @ of for of in u_by]
-        controller = [-r_by_y @ of for of in y_by]
+        mechanism = [by_input @ derivative for derivative in u_by]
+        controller = [-r_by_y @ derivative for derivative in y_by]
         none = jnp.zeros((at.by_u.shape[0], k))
         mechanism_u = jnp.concatenate([at.by_u + mechanism[0], none], axis=1)
         mechanism_w = jnp.concatenate([at.by_w + mechanism[1], mechanism[2]], axis=1)
@@ -349,11 +323,9 @@ class ControlledForm(Record):
         controller_w = jnp.concatenate([controller[1], controller[2] - r_by_states], axis=1)
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
         kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
+        by_z = by_z.at[kept[:, None], kept].set(at.by_z + mechanism[3] if self.places.late else at.by_z)
         if self.places.late:
-            by_z = by_z.at[kept[:, None], kept].set(at.by_z + mechanism[3])
             by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(controller[3])
-        else:
-            by_z = by_z.at[kept[:, None], kept].set(at.by_z)
         by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
         return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
 
@@ -366,24 +338,17 @@ class ControlledForm(Record):
         y: Float[Array, "n_y"],
         u: Float[Array, "n_u"],
     ) -> tuple[list[Array], list[Array]]:
-        """Derivatives of outputs and of inputs, by positions, velocities and the controller's states.
-
-        Where outputs follow from accelerations, also by these; and inputs then depend on outputs that depend on them.
-        """
+        """Derivatives of outputs and inputs by positions, velocities, controller states, and accelerations if late."""
         u_by_states, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
         by_u, by_w, by_z, by_input = self._measured_derivatives(t, own, z, u)
         y_by = [by_u, by_w, jnp.zeros((len(y), self.states)), *([] if by_z is None else [by_z])]
-        u_by = [u_by_y @ of for of in y_by]
+        u_by = [u_by_y @ derivative for derivative in y_by]
         u_by[2] = u_by_states
         if by_input is None:
             return y_by, u_by
         close = factorise(jnp.eye(self.places.inputs) - u_by_y @ by_input)
-        u_by = [close.solve(of) if of.shape[1] else of for of in u_by]
-        return [own + by_input @ of for own, of in zip(y_by, u_by, strict=True)], u_by
-
-    def _by_input(self, t: Float[Array, ""], own: MotionState, own_z: Float[Array, "r"], u: Float[Array, "n_u"]):
-        """Derivative of the mechanism's residual by its inputs, in which it is linear."""
-        return jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
+        u_by = [close.solve(derivative) if derivative.shape[1] else derivative for derivative in u_by]
+        return [by_state + by_input @ of_u for by_state, of_u in zip(y_by, u_by, strict=True)], u_by
 
     def _measured_derivatives(
         self,
@@ -392,7 +357,7 @@ class ControlledForm(Record):
         z: Float[Array, "r"] | None = None,
         u: Float[Array, "n_u"] | None = None,
     ):
-        """Derivatives of the outputs by positions, velocities, and of late ones by accelerations and inputs."""
+        """Derivatives of the outputs by positions and velocities; of late ones also by accelerations and inputs."""
         by_u, by_w = self._early_derivatives(t, own)
         by_z = by_input = None
         if self.places.late:
@@ -401,16 +366,16 @@ class ControlledForm(Record):
             def found(u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]):
                 return self._late(t, own._replace(u=u, w=w), z, inputs)
 
-            rows = jax.jacfwd(found, (0, 1, 2, 3))(own.u, own.w, z, u)
+            rows = jax.jacfwd(late_parts, (0, 1, 2, 3))(own.u, own.w, z, u)
             none = [jnp.zeros((by_u.shape[0], row.shape[1])) for row in rows[2:]]
             by_u, by_w, by_z, by_input = (
-                of.at[late].set(row) for of, row in zip((by_u, by_w, *none), rows, strict=True)
+                matrix.at[late].set(row) for matrix, row in zip((by_u, by_w, *none), rows, strict=True)
             )
-        read = self.places.read
-        return tuple(of if of is None or read is None else read @ of for of in (by_u, by_w, by_z, by_input))
+        read, derivatives = self.places.read, (by_u, by_w, by_z, by_input)
+        return tuple(matrix if matrix is None or read is None else read @ matrix for matrix in derivatives)
 
     def _early_derivatives(self, t: Float[Array, ""], own: MotionState):
-        """Derivatives of the parts of outputs that follow from the state, by positions and velocities."""
+        """Derivatives by positions and velocities of the parts of outputs that depend on the state alone."""
         top, form = self.form.topology, self.form
         at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
         rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
@@ -418,19 +383,19 @@ class ControlledForm(Record):
         if any("deformation" in quantity for quantity in self.places.quantities):
             moving = Moving(at.x, at.v, jnp.zeros(top.n_x), form.near(own.memory))
             by_x = force_derivatives(form.elements, moving, None, lambda e, ed: e)
-        found: tuple[list, list] = ([], [])
+        rows_by_rate: tuple[list, list] = ([], [])
         for i, quantity in enumerate(self.places.quantities):
             j = self.places.outputs[i]
             if quantity in LATE:
                 pair = (zero, zero)
             elif quantity in ROTATIONS:
-                own_x, *_ = self._turning(i)
-                pair = (zero.at[0, own_x].set(self._rotation(i, at.x)[1]), zero)
+                euler_indices, *_ = self._turning(i)
+                pair = (zero.at[0, euler_indices].set(self._rotation(i, at.x)[1]), zero)
             elif quantity in TURNING:
-                own_x, axis, local = self._turning(i)
+                euler_indices, axis, local = self._turning(i)
                 # The angular velocity 2 Lbar(lambda) lambda_dot is antisymmetric in the two.
-                by_rate = zero.at[0, own_x].set(rotation_row(at.x[own_x], axis, local))
-                pair = (zero.at[0, own_x].set(-rotation_row(at.v[own_x], axis, local)), by_rate)
+                by_rate = zero.at[0, euler_indices].set(rotation_row(at.x[euler_indices], axis, local))
+                pair = (zero.at[0, euler_indices].set(-rotation_row(at.v[euler_indices], axis, local)), by_rate)
             elif by_x is None or "deformation" not in quantity:
                 row = rows[j][None]
                 pair = (row, zero) if quantity == "position" else (zero, row)
@@ -438,9 +403,11 @@ class ControlledForm(Record):
                 pair = (by_x.e[j][None], zero)
             else:
                 pair = (by_x.ed[j][None], by_x.e[j][None])
-            for rows_of, row in zip(found, pair, strict=True):
+            for rows_of, row in zip(rows_by_rate, pair, strict=True):
                 rows_of.append(row)
-        return tuple((jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in found)
+        return tuple(
+            (jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in rows_by_rate
+        )
 
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""
@@ -450,21 +417,21 @@ class ControlledForm(Record):
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t: Float[Array, ""], state: MotionState):
-        """As the mechanism's."""
+        """Held deformations minus their wanted values."""
         return self.form.gap(t, self._split(state)[0])
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """As the mechanism's."""
+        """Rate of the mechanism's memory."""
         own, _, own_z, _ = self._split(state, z)
         return self.form.rate_of_memory(t, own, own_z)
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """The mechanism brought back onto its constraints; the controller stays as it is."""
+        """State with the mechanism brought back onto its constraints; the controller stays."""
         n = self.form.size
         own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
         return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
-        """Coordinates, velocities and deformations of a state, and the inputs that the controller gives."""
+        """Coordinates, velocities and deformations of a state, and the controller's inputs."""
         own, z, _, _ = self._split(state)
         return self.form.whole_motion(t, own)._replace(u=self._closed(t, own, z, None)[1])

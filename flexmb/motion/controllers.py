@@ -1,4 +1,4 @@
-"""Controllers in one form: systems of python-control, functions, and how they connect to a mechanism by name."""
+"""Controllers in one form: python-control systems and functions, and their connection to a mechanism by name."""
 
 from __future__ import annotations
 
@@ -13,25 +13,23 @@ from jaxtyping import Array, Float
 from ..arguments import check_real, is_concrete, returned
 from ..compilation.record import Record, static
 from ..errors import ModelError, first_line
+from ..numerical_limits import INTEGRATOR_POLE
 from .controlled_form import Feedback
 from .drive import Table
 
-# An eigenvalue is that of an integrator where it is as near to zero, of a sampled one to one, as round-off leaves it.
-INTEGRATES = 1e-8
-# Labels that python-control gives where a user gives none.
+# Default labels of python-control.
 UNNAMED = ("u[", "y[")
 
 
 class Sampled(Record):
-    """A controller that acts at equal intervals from the start of the simulation; its output is held in between.
+    """A controller that acts at equal intervals from the start of a simulation; it holds its output in between.
 
     Attributes:
-        step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the
-            sample, in the order in which the builder named them.
+        step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the sample,
+            (n_y,), in the order of their names in the builder.
         period: Interval [s].
-        start: State at the start, (n_z,).
-        windup: As for :class:`Feedback`.
-        reads, drives: As for :class:`Feedback`.
+        start: States at the start, (n_z,).
+        windup, reads, drives: As for :class:`Feedback`.
     """
 
     step: Callable[..., Any]
@@ -42,21 +40,17 @@ class Sampled(Record):
     drives: tuple[str, ...] | None = static(default=None)
 
 
-def at_time(of: Any, t: Float[Array, ""]) -> Any:
-    """A matrix, or that of a table at a time."""
-    return of(t) if isinstance(of, Table) else of
+def at_time(matrix: Any, t: Float[Array, ""]) -> Any:
+    """A matrix, or the value of a table at a time."""
+    return matrix(t) if isinstance(matrix, Table) else matrix
 
 
 def linear_controller(
     matrices: Sequence[Any], period: float | None, windup: Any, reads: Any = None, drives: Any = None
 ) -> Feedback | Sampled:
-    """Controller z' = A z + B y, u = C z + D y, or sampled with z' the state at the next sample.
+    """Controller z' = A z + B y, u = C z + D y; with a period [s], z' is the state at the next sample.
 
-    Args:
-        matrices: A, B, C, D; each may be a :class:`Table` over time.
-        period: Interval of samples [s]; None for a continuous one.
-        windup: As :attr:`Feedback.windup`.
-        reads, drives: As those of Feedback.
+    Each of the four matrices may be a :class:`Table` over time.
     """
     a, b, c, d = matrices
     names: Any = {"windup": windup, "reads": reads, "drives": drives}
@@ -75,37 +69,27 @@ def linear_controller(
 
 
 def check_finite(what: str, matrices: Sequence[Any]) -> None:
-    """Refuse matrices A, B, C, D with numbers that are not finite, as far as they are known.
-
-    Args:
-        what: What they are of, for the message.
-
-    Raises:
-        ModelError: See above, with their names.
-    """
-    known = {name: own for name, own in zip("ABCD", matrices, strict=True) if is_concrete(own)}
-    if wrong := [name for name, own in known.items() if not np.all(np.isfinite(own))]:
-        raise ModelError(f"Numbers of the {what} are not finite, in its {', '.join(wrong)}.")
+    """Raise ModelError for known matrices A, B, C, D that are not finite; `what` names the system."""
+    known_matrices = {name: matrix for name, matrix in zip("ABCD", matrices, strict=True) if is_concrete(matrix)}
+    if wrong := [name for name, matrix in known_matrices.items() if not np.all(np.isfinite(matrix))]:
+        raise ModelError(f"Numbers of the {what} are not finite. They are in its {', '.join(wrong)}.")
 
 
 def matrices_of(system: Any) -> tuple[tuple[Any, Any, Any, Any], float | None, Any, Any]:
-    """A to D of a linear system, its interval, and the names of its inputs and outputs, None where it has none.
-
-    Args:
-        system: ``control.StateSpace`` or ``control.TransferFunction``, or what has A, B, C, D, which may be traced.
+    """A to D of a linear system, its interval, and the names of its inputs and outputs; None where it has none.
 
     Raises:
-        ModelError: It is sampled without an interval, it is not proper, its numbers are not finite, or it is none.
+        ModelError: The system is not linear, not proper or not finite, or it is sampled without an interval.
     """
     if hasattr(system, "num") and hasattr(system, "den"):
         system = _realised(system)
     if not all(hasattr(system, name) for name in "ABCD"):
         raise ModelError(
-            f"A {type(system).__name__} is no linear system: give a control.StateSpace or a control.TransferFunction."
+            f"A {type(system).__name__} is no linear system. Give a control.StateSpace or a control.TransferFunction."
         )
     period = getattr(system, "dt", 0)
     if period is True:
-        raise ModelError("The controller is sampled, but says not how often: give it dt in seconds.")
+        raise ModelError("The controller is sampled, but has no interval. Give it dt in seconds.")
     parts = [getattr(system, name) for name in "ABCD"]
     check_real("The controller", parts, ModelError)
     check_finite("controller", parts)
@@ -127,42 +111,34 @@ def _realised(system: Any) -> Any:
     except Exception as fault:
         first = first_line(fault)
         raise ModelError(
-            f"The controller's transfer function has no state space: {first}. A proper one has, whose numerators are of"
-            " no higher degree than their denominators; give a differentiating action a filter."
+            f"The controller's transfer function has no state space: {first}. It must be proper: no numerator of higher"
+            " degree than its denominator. Give a differentiating action a filter."
         ) from fault
 
 
 def windup_of(a: Any, c: Any, sampled: bool) -> Any:
-    """What an excess of the outputs does to the integrators of a controller, so that they follow; None without any.
+    """Rate of a controller's integrators per excess of its outputs, (n_z, n_u); None without integrators.
 
-    With the eigenvectors V of the eigenvalues that do not decay it is V (C V)^+, under which the outputs that these
-    states make follow the limits (THEORY.md 14, eq. (14.41)).
-
-    Args:
-        a: (n_z, n_z).
-        c: (n_u, n_z).
-        sampled: Whether it is sampled.
-
-    Returns:
-        (n_z, n_u); not finite where integrators stand in a chain, are more than the outputs tell apart, or are not
-        known, of a traced A.
+    With the eigenvectors V of the eigenvalues that do not decay it is V (C V)^+. The outputs of these states then
+    follow the limits (THEORY.md 14, eq. (14.41)). NaN for integrators in a chain, more than the outputs distinguish, or
+    a traced A.
     """
     if not np.shape(a)[0]:
         return None
+    unknown = np.full((np.shape(a)[0], np.shape(c)[0]), np.nan)
     if not is_concrete(a):
-        return np.full((np.shape(a)[0], np.shape(c)[0]), np.nan)
+        return unknown
     a = np.asarray(a)
     values, vectors = np.linalg.eig(a)
     size = max(1.0, float(np.max(np.abs(values))))
-    lasting = np.abs(values) >= 1 - INTEGRATES if sampled else np.real(values) >= -INTEGRATES * size
+    lasting = np.abs(values) >= 1 - INTEGRATOR_POLE if sampled else np.real(values) >= -INTEGRATOR_POLE * size
     if not np.any(lasting):
         return None
     v = vectors[:, lasting]
-    unknown = np.full((a.shape[0], np.shape(c)[0]), np.nan)
     if np.linalg.matrix_rank(v) < v.shape[1]:
         return unknown
     if not is_concrete(c):
-        # In real numbers, which span the same.
+        # Real vectors with the same span.
         both: Any = np.concatenate([np.real(v), np.imag(v)], axis=1)
         basis = np.linalg.svd(both)[0][:, : v.shape[1]]
         return basis @ jnp.linalg.pinv(c @ basis)
@@ -173,11 +149,7 @@ def windup_of(a: Any, c: Any, sampled: bool) -> Any:
 
 
 def controller_of(control: Any) -> Feedback | Sampled:
-    """A controller given as python-control system, as function ``u = f(t, y)``, as Feedback or Sampled.
-
-    Raises:
-        ModelError: It is none of these; see :func:`matrices_of`.
-    """
+    """Controller from a python-control system, a function ``u = f(t, y)``, Feedback or Sampled."""
     if isinstance(control, Feedback | Sampled):
         return control
     if (hasattr(control, "A") and hasattr(control, "D")) or (hasattr(control, "num") and hasattr(control, "den")):
@@ -187,52 +159,33 @@ def controller_of(control: Any) -> Feedback | Sampled:
         return Feedback(lambda t, z, y: control(t, y))
     raise ModelError(
         "Argument `control` must be a control.StateSpace or TransferFunction, a function u = f(t, y), a Feedback or"
-        f" Sampled, not a {type(control).__name__}."
+        f" Sampled, but is a {type(control).__name__}."
     )
 
 
 def placed(names: tuple[str, ...] | None, there: Sequence[str], what: str) -> list[int] | None:
-    """Where a controller's signals are among those of the mechanism, by name; None where the order says it.
-
-    Args:
-        names: The controller's, or None.
-        there: The mechanism's.
-        what: "input" or "output", for the message.
-
-    Raises:
-        ModelError: Some of the names are the mechanism's and some are not.
-    """
-    # python-control takes no dot in a name.
+    """Places of a controller's signals among the mechanism's, by name; None if no name is the mechanism's."""
+    # Names in python-control have no dots.
     known = {name.replace(".", " "): i for i, name in enumerate(there)}
-    own = [known.get(name.replace(".", " ")) for name in names or ()]
-    if all(place is None for place in own):
+    places = [known.get(name.replace(".", " ")) for name in names or ()]
+    if all(place is None for place in places):
         return None
-    if None in own:
-        wrong = (names or ())[own.index(None)]
+    if None in places:
+        wrong = (names or ())[places.index(None)]
         raise ModelError(
-            f"The controller is connected by name, but '{wrong}' is no {what} of the mechanism: {', '.join(there)}."
+            f"The controller is connected by name, but '{wrong}' is no {what} of the mechanism. It has:"
+            f" {', '.join(there)}."
         )
-    return [place for place in own if place is not None]
+    return [place for place in places if place is not None]
 
 
 def check_sizes(system: Any, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-    """Refuse a linear system of other sizes than the mechanism's, unless it is connected by name.
-
-    Args:
-        system: With D, or a transfer function.
-        inputs, outputs: Names of the mechanism's.
-
-    Raises:
-        ModelError: See above.
-    """
+    """Raise ModelError for a linear system that is not connected by name and has other sizes than the mechanism."""
     matrices, _, reads, drives = matrices_of(system)
     shape = np.shape(matrices[3])
-    found = placed(reads, outputs, "output"), placed(drives, inputs, "input")
-    wrong = [
-        own is None and size != len(all_of)
-        for own, size, all_of in zip(found, shape[::-1], (outputs, inputs), strict=True)
-    ]
-    if any(wrong):
+    by_name = placed(reads, outputs, "output"), placed(drives, inputs, "input")
+    sizes = zip(by_name, shape[::-1], (outputs, inputs), strict=True)
+    if any(places is None and size != len(names) for places, size, names in sizes):
         raise ModelError(
             f"The controller has {shape[1]} inputs and {shape[0]} outputs, but the mechanism has {len(outputs)}"
             f" outputs ({', '.join(outputs)}) and {len(inputs)} inputs ({', '.join(inputs)}). Connect it by these"
@@ -241,15 +194,10 @@ def check_sizes(system: Any, inputs: Sequence[str], outputs: Sequence[str]) -> N
 
 
 def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Sequence[str], seen: Callable):
-    """A controller from all outputs of a mechanism to all its inputs, in their order.
+    """A controller of the same kind between all outputs and inputs of a mechanism.
 
-    Args:
-        controller: Its signals are found by name where it has the mechanism's names, else they go by their order.
-        inputs, outputs: Names of the mechanism's.
-        seen: What the controller is given: function of time and outputs.
-
-    Returns:
-        The same kind of controller.
+    Its signals are matched by name if it has the mechanism's names, else by order. `seen` maps time and outputs of the
+    mechanism to what the controller reads.
     """
     reads = placed(controller.reads, outputs, "output")
     drives = placed(controller.drives, inputs, "input")
@@ -258,8 +206,8 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
         y = seen(t, y)
         return y if reads is None else y[np.array(reads)]
 
-    def everywhere(found: Any):
-        u = returned("The controller", found)
+    def everywhere(output: Any):
+        u = returned("The controller", output)
         if drives is None or u.shape != (len(drives),):
             return u
         return jnp.zeros(len(inputs)).at[np.array(drives)].set(u)
@@ -268,8 +216,8 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
         step = controller.step
 
         def sampled(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
-            found = step(t, z, given(t, y))
-            return (everywhere(found[0]), *found[1:]) if isinstance(found, tuple) and found else found
+            result = step(t, z, given(t, y))
+            return (everywhere(result[0]), *result[1:]) if isinstance(result, tuple) and result else result
 
         return dataclasses.replace(controller, step=sampled)
     output, rate = controller.output, controller.rate

@@ -1,4 +1,4 @@
-"""Motion in all nodal coordinates, with multipliers, and brought back onto the constraints after each step."""
+"""Equations of motion in all nodal coordinates, with multipliers, and projection onto the constraints."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -25,6 +25,7 @@ from ..mechanics.stress_resultants import (
 )
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import REDUNDANT_COMPLIANCE
 from ..statics.configuration import configured
 from .discrete_forces import momenta_of_inertia, rates_of_inertia, step_forces
 from .drive import Drive, Driven, drive_at
@@ -42,24 +43,12 @@ from .element_forces import (
 )
 from .protocol import InertiaRates, MotionState, Tangent, WholeMotion
 
-# Share of a constraint's own compliance that is added to it, to keep the equations solvable where constraints are
-# redundant or lose rank for a moment: what is below counts as redundant.
-REDUNDANT = 1e-8
-# Steps of Newton's method to a configuration from one a time step away: quadratic convergence leaves round-off.
+# Newton steps from a configuration one time step away: quadratic convergence leaves round-off.
 CORRECTIONS = 3
 
 
 class AllCoordinates(NamedTuple):
-    """All coordinates with their rates.
-
-    Attributes:
-        x: (n_x,) [m, rad, -].
-        v: (n_x,) [1/s].
-        a: (n_x,) [1/s^2].
-        e: Wanted values of the held deformations, (held,) [m, rad].
-        ed: Their rates.
-        edd: Their second rates.
-    """
+    """All coordinates with their rates, and wanted values and rates of the held deformations."""
 
     x: Float[Array, "n_x"]
     v: Float[Array, "n_x"]
@@ -70,22 +59,18 @@ class AllCoordinates(NamedTuple):
 
 
 class CoordinatesForm(Record):
-    """Equations of motion in the coordinates that are not held, with a multiplier for each held deformation.
+    """Equations of motion in the coordinates that move, with a multiplier for each held deformation.
 
     Attributes:
-        topology: Structure.
         parameters: Numbers, without gravity.
         elements: Elements that deform or carry mass.
-        S: Constant stiffness of the elements, (n_e, n_e).
-        S_d: Their constant damping, (n_e, n_e), or None.
-        gravity: Acceleration of gravity, (axes,) [m/s^2], or None.
-        falling: Nodal acceleration of free fall, (n_x,) [m/s^2], or None.
-        free: Indices of the coordinates that move, DEPENDENT and DOF, (n,).
-        place: Number of each coordinate among these, from 1, or 0, (n_x,).
-        sizes: Sizes by which displacements are divided to be pure numbers: the mechanism's extent, or 1 for rotations,
-            (n,) [m, -].
-        held: Indices of the held deformations, FIXED and PRESCRIBED, (m,).
-        mobility: Inverse masses of the coordinates that move, by which drift is shared among them, (n,).
+        S, S_d: Constant stiffness and damping of the elements.
+        falling: Nodal acceleration of free fall [m/s^2].
+        free: Indices of the coordinates that move, DEPENDENT and DOF.
+        place: Number of each coordinate among these, from 1; 0 for the others.
+        sizes: Sizes that make displacements pure numbers: the mechanism's extent, or 1 for rotations.
+        held: Indices of the held deformations, FIXED and PRESCRIBED.
+        mobility: Inverse masses of the coordinates that move, by which drift is shared among them.
         driven: What depends on time.
     """
 
@@ -105,7 +90,7 @@ class CoordinatesForm(Record):
 
     @property
     def states(self) -> int:
-        """Number of states of a controller: none."""
+        """Number of states of a controller."""
         return 0
 
     @property
@@ -121,29 +106,22 @@ class CoordinatesForm(Record):
     def state_of(
         self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
     ) -> MotionState:
-        """State of nodal coordinates; the memory holds all deformations where an element counts turns."""
-        tracks = self.topology.counts_turns
+        """State of nodal coordinates; the memory stores all deformations if an element counts turns."""
         memory = jnp.zeros(0)
-        if tracks:
+        if self.topology.counts_turns:
             guess = zero_near(self.topology) if near is None else near
             memory = strained(self.elements, x, guess)
         moved = (x - self.parameters.reference)[self.free] / self.sizes
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
     def drive(self, t: Float[Array, ""]) -> Drive:
-        """Loads and prescribed values at one time."""
+        """Loads and prescribed values at a time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
     def whole(
         self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
     ) -> AllCoordinates:
-        """All coordinates from those that move.
-
-        Args:
-            u: Displacements over their sizes, (n,) [-].
-            w: Their rates, (n,) [1/s].
-            a: Their second rates, (n,) [1/s^2].
-        """
+        """All coordinates from displacements over their sizes, and their first and second rates."""
         top = self.topology
         zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
 
@@ -160,7 +138,7 @@ class CoordinatesForm(Record):
                 e = jnp.concatenate([warm, e[fixed.shape[0] :]])
             return x, e
 
-        if not any(one.quantity in ("x", "e", "increment", "temperature") for one in self.driven):
+        if not any(drive.quantity in ("x", "e", "increment", "temperature") for drive in self.driven):
             (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
         else:
 
@@ -169,7 +147,7 @@ class CoordinatesForm(Record):
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
         moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
-        # Gathered, not scattered: of a scatter the compiler makes a loop.
+        # The compiler makes a loop of a scatter, but not of a gather.
         moved = jnp.concatenate([jnp.zeros((1, 3)), moved]).at[self.place].get(**TRUSTED)
         x, v, acc = (jnp.stack([x, v, acc], axis=1) + moved).T
         return AllCoordinates(x, v, acc, e, ed, edd)
@@ -190,15 +168,7 @@ class CoordinatesForm(Record):
         near: Float[Array, "n_e"],
         corrections: int = CORRECTIONS,
     ) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
-        """All coordinates and deformations at given degrees of freedom, by Newton's method from a guess.
-
-        Args:
-            given: Where everything is that is held, with the other coordinates as in the undeformed mechanism.
-            q: Degrees of freedom, from the undeformed mechanism, (n_q,) [m, rad].
-            x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
-            near: Deformations there, (n_e,) [m, rad].
-            corrections: Number of steps.
-        """
+        """All coordinates and deformations at degrees of freedom q, by Newton's method from the guess x, near."""
         values = given.x, put(jnp.zeros(self.topology.n_e), self.held, given.e)
 
         def closer(_: Array, at: tuple[Array, Array]):
@@ -207,7 +177,7 @@ class CoordinatesForm(Record):
         return jax.lax.fori_loop(0, corrections, closer, (x, near))
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """Stress resultants as a function of deformations and rates, multipliers in place of held ones."""
+        """Stress resultants as a function of deformations and rates; multipliers replace those of held deformations."""
         drive = self.drive(t)
 
         def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
@@ -221,24 +191,17 @@ class CoordinatesForm(Record):
         return stress
 
     def elastic_stress(self, strain: Float[Array, "n_e"]):
-        """Stress resultants of elements of constant stiffness, (n_e,) [N, N m], at strains (n_e,) [m, rad]."""
+        """Stress resultants of elements of constant stiffness."""
         return self.S @ strain
 
     def tangents(self, t: Float[Array, ""], e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-        """Derivatives of the stress resultants by deformations and by their rates, S and S_d; S_d may be None."""
+        """Derivatives of the stress resultants by deformations and their rates; the latter may be None."""
         return stress_tangents(self.topology, self.parameters, self.drive(t).loads, self.S, self.S_d, e, ed)
 
     def tangents_at(
         self, t: Float[Array, ""], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
     ):
-        """As :meth:`tangents`, at a state of motion; S_d is zero where nothing depends on rates.
-
-        Args:
-            t: Time [s].
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            v: Their velocities, (n_x,) [1/s].
-            near: Deformations at the last accepted state, (n_e,) [m, rad].
-        """
+        """:meth:`tangents` at a state of motion, with zeros in place of None."""
         stiffness, damping = self.S, self.S_d
         if is_nonlinear(self.topology):
             e, jacobian = deformed(self.elements, x, near)
@@ -246,13 +209,13 @@ class CoordinatesForm(Record):
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
     def near(self, memory: Float[Array, "k"]) -> Float[Array, "n_e"]:
-        """Deformations at the last accepted state, from the memory of a state; zero where no turns are counted."""
+        """Deformations at the last accepted state; zero if no turns are counted."""
         return memory if memory.shape[0] else zero_near(self.topology)
 
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
     ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
-        """Kinematics, stress resultants, nodal forces out of balance, and the coordinates they belong to."""
+        """Kinematics, stress resultants, nodal forces out of balance, and all coordinates."""
         n = self.size
         at = self.whole(t, state.u, state.w, z[:n])
         stress = self.stress_of(t, z[n:])
@@ -261,7 +224,7 @@ class CoordinatesForm(Record):
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
 
     def applied(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
-        """Nodal forces of all loads but gravity, (n_x,) [N, N m], at nodal coordinates x, (n_x,) [m, rad, -]."""
+        """Nodal forces of all loads except gravity."""
         drive = self.drive(t)
         force = nodal_forces(self.topology, self.parameters, LoadFactors(1.0, drive.increment), x)
         if drive.force is not None:
@@ -269,42 +232,29 @@ class CoordinatesForm(Record):
         return force if drive.turning is None else force + drive.turning @ x
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Forces out of balance at the coordinates that move [N, N m], second rates of the held deformations.
-
-        Source:
-            THEORY.md 5 and 9 (b), eq. (9.1).
-        """
+        """Forces out of balance and second rates of the held deformations (THEORY.md 5 and 9 (b), eq. (9.1))."""
         kin, _, force, at = self.forces(t, state, z)
         return jnp.concatenate([force[self.free] * self.sizes, kin.edd[self.held] - at.edd])
 
     def gap(self, t: Float[Array, ""], state: MotionState):
-        """Held deformations less what they are held at, (m,) [m, rad]."""
+        """Held deformations minus their wanted values."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return strained(self.elements, at.x, self.near(state.memory))[self.held] - at.e
 
     def scaled(self, matrix: Float[Array, "n_x n_x"]):
-        """Rows and columns of the coordinates that move, times their sizes, (n, n), of a matrix (n_x, n_x)."""
+        """Rows and columns of the coordinates that move, times their sizes."""
         return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
 
     def columns(self, matrix: Float[Array, "n_e n_x"]):
-        """Rows of the held deformations and columns of what moves, times its sizes, (m, n), of a matrix (n_e, n_x)."""
+        """Rows of the held deformations, columns of the coordinates that move times their sizes."""
         return matrix[self.held][:, self.free] * self.sizes
 
     def system(self, mass: Float[Array, "n n"], rows: Float[Array, "m n"]):
-        """Matrix of accelerations and multipliers, kept regular where constraints are redundant, (n + m, n + m).
-
-        Args:
-            mass: Mass matrix of what moves, scaled by its sizes, (n, n).
-            rows: Derivatives of the held deformations, (m, n).
-        """
+        """:func:`bordered` with the mobility of the mechanism."""
         return bordered(mass, rows, self.mobility)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of the residual.
-
-        Source:
-            Derivative of :meth:`residual`, element by element (THEORY.md 6).
-        """
+        """Derivatives of :meth:`residual`, element by element (THEORY.md 6)."""
         n, held = self.size, self.held
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
@@ -312,8 +262,8 @@ class CoordinatesForm(Record):
         stress = self.stress_of(t, z[n:])
 
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            # Multipliers are unknowns of their own: what a held deformation's stiffness would add is left out.
-            return [None if of is None else put(of, held, 0.0) for of in self.tangents(t, e, ed)]
+            # Multipliers are unknowns: the stiffness of held deformations must not act.
+            return [None if matrix is None else put(matrix, held, 0.0) for matrix in self.tangents(t, e, ed)]
 
         by_x = force_derivatives(self.elements, moving, self.falling, stress, following)
         drive = self.drive(t)
@@ -336,11 +286,7 @@ class CoordinatesForm(Record):
 
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
-        """Accelerations [1/s^2] and multipliers [N, N m], and whether every motion carries mass.
-
-        Source:
-            THEORY.md 9 (b), eq. (9.2): one symmetric solve.
-        """
+        """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
         n, none = self.size, jnp.zeros(self.held.shape[0])
         at = self.whole(t, state.u, state.w, jnp.zeros(n))
         moving = Moving(at.x, at.v, at.a, self.near(state.memory))
@@ -352,7 +298,7 @@ class CoordinatesForm(Record):
         return z, self.regular(matrix)
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Rates of the deformations, where turns are counted."""
+        """Rates of the deformations if turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
@@ -360,11 +306,7 @@ class CoordinatesForm(Record):
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """Positions and velocities brought back onto the constraints; without a mass, by that of the undeformed shape.
-
-        Source:
-            THEORY.md 9, eq. (9.3): projection onto D = e and D_x v = e_dot.
-        """
+        """State brought back onto D = e and D_x v = e_dot (THEORY.md 9, eq. (9.3)), by a mass or the undeformed one."""
         u, w = state.u, state.w
         near = self.near(state.memory)
         zero = jnp.zeros_like(u)
@@ -394,11 +336,7 @@ class CoordinatesForm(Record):
         rates: InertiaRates,
         multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Mean forces out of balance over a step, and the rates of the places of inertia at its end.
-
-        Source:
-            See :func:`step_forces`.
-        """
+        """Mean forces out of balance over a step, and the rates of the places of inertia at its end."""
         (t0, t1), zero = times, jnp.zeros(self.size)
         begin, end = (self.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
         middle, near = (t0 + t1) / 2, self.near(states[0].memory)
@@ -409,51 +347,33 @@ class CoordinatesForm(Record):
         return force[self.free] * self.sizes, after
 
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Velocities that the constraints allow and that come closest to given rates of the places of inertia.
-
-        Source:
-            Least difference in the norm of the kinetic energy.
-        """
+        """Allowed velocities closest to given rates of the places of inertia, in the norm of the kinetic energy."""
         n, near = self.size, self.near(state.memory)
         at = self.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
         _, jacobian = deformed(self.elements, at.x, near)
-        # What is driven moves by itself.
+        # The rates include driven coordinates, which are known.
         driven = rates_of_inertia(self.elements, at.x, at.v, near)
-        own = jax.tree.map(lambda rate, given: rate - given, rates, driven)
-        momentum = momenta_of_inertia(self.elements, at.x, near, own)[self.free] * self.sizes
+        undriven = jax.tree.map(lambda rate, given: rate - given, rates, driven)
+        momentum = momenta_of_inertia(self.elements, at.x, near, undriven)[self.free] * self.sizes
         mass = self.scaled(mass_matrix(self.topology, self.parameters, at.x))
         right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[self.held]])
         return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
 
 
 def bordered(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"]):
-    """Mass matrix and constraints as one matrix, kept regular where constraints are redundant, (n + m, n + m).
-
-    Args:
-        mass: Mass matrix of what moves, scaled by its sizes, (n, n).
-        rows: Derivatives of the held deformations, (m, n).
-        mobility: Inverse masses of what moves, (n,).
-
-    Source:
-        THEORY.md 9 (b), eq. (9.2).
-    """
-    corner = -REDUNDANT * jnp.diag(rows**2 @ mobility)
+    """Mass matrix with constraints, kept regular for redundant ones (THEORY.md 9 (b), eq. (9.2))."""
+    corner = -REDUNDANT_COMPLIANCE * jnp.diag(rows**2 @ mobility)
     return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
 
 
 def solved_twice(
     mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"], residual: Float[Array, "r"]
 ) -> tuple[Float[Array, "r"], Float[Array, "r r"]]:
-    """Accelerations and multipliers that make a residual vanish, (n + m,), and the matrix by which they are found.
-
-    Args:
-        mass, rows, mobility: As of :func:`bordered`.
-        residual: Where accelerations and multipliers are zero, (n + m,).
-    """
+    """Accelerations and multipliers for a residual at zero ones, and the matrix of :func:`bordered`."""
     n, matrix = mass.shape[0], bordered(mass, rows, mobility)
     factors = factorise(matrix)
     z = factors.solve(-residual)
-    # Once more with the constraints as they are: what keeps redundant ones solvable is not to bias the others.
+    # The second step removes the error that the corner of redundant constraints causes in the others.
     left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
     return z - factors.solve(residual + left), matrix
 
@@ -465,14 +385,9 @@ def onto_constraints(
     mass: Float[Array, "n n"] | None,
     mobility: Float[Array, "n"],
 ) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
-    """Positions and velocities that keep the constraints, by the least change that a mass measures.
+    """Positions and velocities that satisfy the constraints, by the least change in the norm of the mass.
 
-    Args:
-        u: Positions, (n,).
-        w: Velocities, (n,).
-        excess: Of these: by how much the held deformations and their rates are missed, and their derivatives.
-        mass: Mass matrix of what moves; None: from ``mobility``.
-        mobility: Inverse masses of what moves, (n,).
+    `excess` returns the errors of held deformations and rates, and their derivatives.
     """
     n, heavy = len(u), jnp.diag(1 / mobility) if mass is None else mass
 
@@ -482,25 +397,17 @@ def onto_constraints(
         change = factorise(bordered(heavy, rows, mobility)).solve(right)
         return moving[0] - change[:n, 0], moving[1] - change[:n, 1]
 
-    # The second time removes what the first left, which is of second order.
+    # The second step removes the error of the first, which is of second order.
     return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
 def places_of(topology: Topology, free: Array) -> Int[Array, "n_x"]:
-    """Number of each coordinate among those that move, from 1, or 0.
-
-    Args:
-        free: Indices of these, (n,).
-    """
+    """Number of each coordinate among the free ones, from 1; 0 for the others."""
     return put(jnp.zeros(topology.n_x, int), free, jnp.arange(1, free.shape[0] + 1))
 
 
 def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
-    """Equations of motion of a model in all its coordinates.
-
-    Returns:
-        CoordinatesForm.
-    """
+    """Equations of motion of a model in all its coordinates."""
     gravity = parameters.loads.gravity
     damped = any("damping" in block.companions for block in topology.blocks)
     free = topology.x.free

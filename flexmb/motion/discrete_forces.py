@@ -1,8 +1,8 @@
 """Forces of elements over a finite step, whose work is exactly the energy that the elements gain.
 
-With f = (e, s) the deformations and places of inertia of an element, the derivative of f is replaced by a discrete one
-whose product with the step of the coordinates is the step of f. The stress resultants then do the work that is stored,
-and the inertia forces take the kinetic energy, to round-off, whatever the size of the step.
+Let f = (e, s) be the deformations and places of inertia of an element. A discrete derivative replaces that of f: its
+product with the step of the coordinates is the step of f. Stress resultants and inertia forces then do exactly the work
+that is stored, at any step size.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,7 @@ from .protocol import InertiaRates
 def rates_of_inertia(
     elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> InertiaRates:
-    """Rates of the places of inertia, of each block.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-    """
+    """Rates of the places of inertia, of each block."""
 
     def rate(f: Callable[..., Any], x: Float[Array, "c"], v: Float[Array, "c"]):
         return jax.jvp(f, (x,), (v,))[1][1]
@@ -37,13 +31,7 @@ def rates_of_inertia(
 def momenta_of_inertia(
     elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"], rates: InertiaRates
 ) -> Float[Array, "n_x"]:
-    """Momenta of the coordinates, J^T H s_dot, (n_x,) [kg m/s ..].
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        rates: Rates of the places of inertia.
-    """
+    """Momenta of the coordinates, J^T H s_dot [kg m/s ..]."""
 
     def pulled(f: Callable[..., Any], x: Float[Array, "c"], weight: Float[Array, "k d"]):
         return jax.vjp(lambda x: f(x)[1], x)[1](weight)[0]
@@ -65,7 +53,7 @@ def _pulled(
     change: tuple[Any, Any],
     forces: tuple[Any, Any],
 ):
-    """Nodal forces of one element over a step, to which the discrete derivative of f carries sigma and H s_ddot."""
+    """Nodal forces of one element over a step: the discrete derivative of f, transposed, times sigma and H s_ddot."""
     (_, at_middle), pull = jax.jvp(f, (middle,), (step,)), jax.vjp(f, middle)[1]
     sigma, inertia = forces
     weight = None
@@ -74,9 +62,9 @@ def _pulled(
         if fall is not None:
             acceleration = acceleration - jax.jvp(f, (middle,), (fall,))[1][1]
         weight = mass @ acceleration
-    # The derivative at the middle misses some of the work, which a force along the step makes up for.
+    # The derivative at the middle misses some of the work. A force along the step adds the rest.
     work = zip(change, at_middle, (sigma, weight), strict=True)
-    missing = sum(jnp.sum((whole - found) * force) for whole, found, force in work if force is not None)
+    missing = sum(jnp.sum((step - at_middle) * force) for step, at_middle, force in work if force is not None)
     along = step / scale**2
     stretch = along @ step
     return pull((sigma, weight))[0] + missing * along / jnp.where(stretch > 0, stretch, 1.0)
@@ -92,41 +80,27 @@ def step_forces(
     sizes: Float[Array, "n_x"],
     stress: Callable[..., Any],
 ) -> tuple[Float[Array, "n_x"], InertiaRates]:
-    """Mean nodal forces of stress and inertia over a step, and the rates at its end.
+    """Mean nodal forces of stress and inertia over a step, and the rates of the places of inertia at its end.
 
-    Args:
-        x: Nodal coordinates at its begin and end, (n_x,) each [m, rad, -].
-        h: Its length [s].
-        rates: Rates of the places of inertia at its begin.
-        falling: Accelerations of free fall, (n_x,) [1/s^2], or None.
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        sizes: Sizes that make changes of coordinates pure numbers, (n_x,) [m, -].
-        stress: Mean sigma as a function of the mean of e and of its mean rate, (n_e,) [N, N m].
-
-    Returns:
-        Forces, (n_x,) [N, N m], and rates.
-
-    Source:
-        Gonzalez (1996), J. Nonlinear Science 6, 449: the derivative at the middle, corrected along the step.
+    The derivative at the middle, corrected along the step (Gonzalez (1996), J. Nonlinear Science 6, 449). `sizes` make
+    changes of coordinates pure numbers. `stress` returns mean sigma from the means of e and of its rate.
     """
     begin, end = x
     step, middle = end - begin, (begin + end) / 2
-    found = [
-        (block, block.over(lambda f, a, b: (f(a), f(b)), near, begin[block.x], end[block.x])) for block in elements
-    ]
-    deformed = [(block.e, (at[0][0], at[1][0])) for block, at in found if block.e.shape[1]]
+    ends = [(block, block.over(lambda f, a, b: (f(a), f(b)), near, begin[block.x], end[block.x])) for block in elements]
+    deformed = [(block.e, (at[0][0], at[1][0])) for block, at in ends if block.e.shape[1]]
     e0, e1 = scatter_vectors(near.shape[0], deformed, 2)
     sigma = stress((e0 + e1) / 2, (e1 - e0) / h)
     forces, after = [], []
-    for (block, ((e_0, s_0), (e_1, s_1))), rate in zip(found, rates, strict=True):
+    for (block, ((e_0, s_0), (e_1, s_1))), rate in zip(ends, rates, strict=True):
         change = (None if e_0 is None else e_1 - e_0, None if s_0 is None else s_1 - s_0)
         last = inertia = None
         if rate is not None:
-            # The places of inertia move on straight lines at the mean of the rates at both ends.
+            # Places of inertia move on straight lines, at the mean of their rates at both ends.
             last = 2 * (s_1 - s_0) / h - rate
             inertia = ((last - rate) / h, block.mass)
-        own = sigma[block.e] if block.e.shape[1] else None
-        along = [of if of is None else of[block.x] for of in (middle, step, sizes, falling)]
-        forces.append((block.x, block.over(_pulled, near, *along, change, (own, inertia))))
+        stressed = sigma[block.e] if block.e.shape[1] else None
+        along = [array if array is None else array[block.x] for array in (middle, step, sizes, falling)]
+        forces.append((block.x, block.over(_pulled, near, *along, change, (stressed, inertia))))
         after.append(last)
     return scatter_vector(begin.shape[0], forces), tuple(after)

@@ -20,16 +20,16 @@ MOMENTS = {"moment": LBAR, "local moment": LBODY}
 
 
 class Drive(NamedTuple):
-    """What depends on time, at one time. What a scene does not have is None.
+    """Loads and prescribed values at one time; None for what a scene does not have.
 
     Attributes:
-        loads: Constant and incremental loads together, with the temperatures that depend on time.
-        increment: Factor of the incremental loads, () [-].
-        force: Nodal forces, (n_x,) [N, N m].
-        turning: Nodal forces by coordinates, of moments about fixed axes and axes of bodies, (n_x, n_x) [N m].
-        stress: Stress resultants added, (n_e,) [N, N m].
-        x: Values of the PRESCRIBED coordinates, from their start, in their order [m, rad].
-        e: Values of the PRESCRIBED deformations, in their order [m, rad].
+        loads: Constant and incremental loads together, with temperatures.
+        increment: Factor of the incremental loads.
+        force: Nodal forces.
+        turning: Matrix from coordinates to nodal forces, for moments about global axes and axes of bodies.
+        stress: Additional stress resultants.
+        x: Values of the PRESCRIBED coordinates, from their start.
+        e: Values of the PRESCRIBED deformations.
     """
 
     loads: Loads
@@ -48,10 +48,10 @@ class Driven(Record):
         quantity: "increment", "force", "moment", "local moment" (about axes that turn with the body), "stress",
             "temperature", "x" or "e".
         at: Indices of the coordinates or deformations; for "x" and "e" among the PRESCRIBED ones; for "temperature"
-            rows and columns of that of the loads, (2, k).
-        value: Function of time that gives one number for each; of a temperature one may serve all.
-        of_input: Number of the model's input that this is, or is the first part of.
-        given: Function of time that this input is.
+            rows and columns of the temperatures of the loads.
+        value: Function of time that returns one number for each index; a temperature may return one for all.
+        of_input: Number of the model's input whose first part this is.
+        given: The function of time that the user gave for this input.
     """
 
     quantity: str = static()
@@ -65,15 +65,15 @@ class Table(Record):
     """Piecewise linear function of time; a simulation steps onto its times.
 
     Attributes:
-        times: Ascending, (n,) [s].
-        values: At those times, (n, ...); constant before the first and after the last.
+        times: Ascending times, (n,) [s].
+        values: Values at `times`, (n, ...); constant before the first and after the last.
     """
 
     times: Float[Array, "n"]
     values: Float[Array, "n *k"]
 
     def __call__(self, t: Float[Array, ""]) -> Float[Array, "*k"]:
-        """Value at a time.
+        """Return the value at a time.
 
         Args:
             t: Time [s].
@@ -82,22 +82,22 @@ class Table(Record):
         i = jnp.clip(jnp.searchsorted(times, t, side="right") - 1, 0, times.shape[0] - 2)
         share = (t - times[i]) / (times[i + 1] - times[i])
         inside = values[i] + share * (values[i + 1] - values[i])
-        # By the times, which no round-off makes equal: a derivative is that of one side.
+        # Compare times, which are exact: each side keeps its own derivative.
         return jnp.where(t < times[0], values[0], jnp.where(t > times[-1], values[-1], inside))
 
 
 def has_table(value: Any) -> bool:
-    """Whether a function of time is a table, or a law made of one."""
-    tables = jax.tree.leaves(value, is_leaf=lambda one: isinstance(one, Table))
-    return any(isinstance(one, Table) for one in tables)
+    """Whether a function of time is a table, or contains one."""
+    leaves = jax.tree.leaves(value, is_leaf=lambda leaf: isinstance(leaf, Table))
+    return any(isinstance(leaf, Table) for leaf in leaves)
 
 
 def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], t: Float[Array, ""]) -> Drive:
-    """Everything that depends on time, at one time."""
-    values = [(one, jnp.asarray(one.value(t), float)) for one in driven]
-    increment = sum((value for one, value in values if one.quantity == "increment"), start=jnp.array(0.0))
+    """Loads and prescribed values at a time."""
+    values = [(drive, jnp.asarray(drive.value(t), float)) for drive in driven]
+    increment = sum((value for drive, value in values if drive.quantity == "increment"), start=jnp.array(0.0))
     loads = scaled_loads(parameters, LoadFactors(1.0, increment))
-    found: dict[str, Any] = {"force": None, "turning": None, "stress": None, "x": loads.x, "e": loads.e}
+    sums: dict[str, Any] = {"force": None, "turning": None, "stress": None, "x": loads.x, "e": loads.e}
     sizes = {
         "force": (topology.n_x,),
         "turning": (topology.n_x, topology.n_x),
@@ -105,32 +105,31 @@ def drive_at(topology: Topology, parameters: Parameters, driven: tuple[Driven, .
         "x": topology.x.prescribed.shape,
         "e": topology.e.prescribed.shape,
     }
-    for one, value in values:
-        if one.quantity == "increment":
+    for drive, value in values:
+        if drive.quantity == "increment":
             continue
-        if one.quantity == "temperature":
+        if drive.quantity == "temperature":
             temperature: Any = loads.temperature
-            warmer = jnp.broadcast_to(value, one.at.shape[1:])
-            loads = dataclasses.replace(loads, temperature=accumulate(temperature, tuple(one.at), warmer))
+            warmer = jnp.broadcast_to(value, drive.at.shape[1:])
+            loads = dataclasses.replace(loads, temperature=accumulate(temperature, tuple(drive.at), warmer))
             continue
-        moment = one.quantity in MOMENTS
-        name = "turning" if moment else one.quantity
-        whole = jnp.zeros(sizes[name]) if found[name] is None else found[name]
+        moment = drive.quantity in MOMENTS
+        name = "turning" if moment else drive.quantity
+        total = jnp.zeros(sizes[name]) if sums[name] is None else sums[name]
         if moment:
-            # f = 2 Lbar(lambda)^T M is linear in lambda, and so is 2 L(lambda)^T M of axes that turn with the body.
-            matrix = 2 * jnp.einsum("i,ijk->jk", value, MOMENTS[one.quantity])
-            found[name] = accumulate(whole, (one.at[:, None], one.at[None, :]), matrix)
-        elif name in ("x", "e"):
-            found[name] = put(whole, one.at, _for_each(value, one.at))
+            # f = 2 Lbar(lambda)^T M is linear in lambda; for axes of the body L replaces Lbar.
+            matrix = 2 * jnp.einsum("i,ijk->jk", value, MOMENTS[drive.quantity])
+            sums[name] = accumulate(total, (drive.at[:, None], drive.at[None, :]), matrix)
         else:
-            found[name] = accumulate(whole, one.at, _for_each(value, one.at))
-    return Drive(loads, increment, found["force"], found["turning"], found["stress"], found["x"], found["e"])
+            insert = put if name in ("x", "e") else accumulate
+            sums[name] = insert(total, drive.at, _for_each(value, drive.at))
+    return Drive(loads, increment, **sums)
 
 
 def _for_each(value: Float[Array, "*k"], at: Int[Array, "i"]):
-    """One number for each index; a number for several would act on all of them."""
+    """One number for each index; broadcasting would let one number act on all of them."""
     if value.shape == () and at.shape == (1,):
         return value[None]
     if value.shape != at.shape:
-        raise ValueError(f"A function of time gives numbers of shape {value.shape} where {at.shape[0]} are driven.")
+        raise ValueError(f"A function of time returns shape {value.shape}, but drives {at.shape[0]} numbers.")
     return value

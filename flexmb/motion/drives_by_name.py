@@ -1,4 +1,4 @@
-"""Loads, inputs and prescribed motion as functions of time, by the names that a user gives them."""
+"""Loads, inputs and prescribed motion as functions of time, by name."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
@@ -24,24 +24,24 @@ from .drive import MOMENTS, Driven, Table, has_table
 
 
 class Drives(Record):
-    """What depends on time in a simulation; each may be given to :func:`simulate` as a keyword too.
+    """What depends on time in a simulation. :func:`simulate` accepts each attribute as a keyword too.
 
     Attributes:
-        loads: Loads as functions of time, by name: a coordinate "tip.x" or a deformation "leaf.e2" (a stress that is
-            added) with a number, a node "tip" with its force components [N], a rotation in space "tip.rotation" with
-            the moment about global axes [N m]; "leaf.temperature", of an element that has one in the builder, with a
-            change of temperature or that of its two ends [K], "leaf.gradient" with what it grows by across, as
-            :meth:`flexmb.Builder.temperature` has it [K/m]; they add to what is constant. A :class:`Table` is a
-            piecewise linear function.
-        motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations as functions of time, by
-            name such as "tip.x", "tip.rotation" or "leaf.e1", twice differentiable.
-        inputs: Inputs that the builder named, as functions of time: forces, moments and stresses, such as nominal
-            inputs along a trajectory. They add to loads, and to what a controller gives.
-        increment: Factor of the incremental loads as function of time; zero unless given.
-        jumps: Times at which loads jump or bend, to be stepped onto, (k,) [s]; those of tables are known. Pulses are
-            looked for, down to 1/10000 of the time, and no step passes over them; those that are shorter, or whose
-            numbers are traced by ``jax.jit``, have to be named. So has a jump by whose time a motion is to be
-            differentiated: that derivative is zero otherwise, under ``jax.jit`` without a word.
+        loads: Loads as functions of time, by name; they add to constant loads. A :class:`Table` is a piecewise linear
+            function. Names and values are:
+
+            - "tip.x": force at a coordinate [N]; "leaf.e2": stress resultant added at a deformation;
+            - "tip": force components at a node, (axes,) [N]; "tip.rotation": moment about global axes [N m];
+            - "leaf.temperature": change of temperature, or (2,) for both ends [K]; "leaf.gradient": its gradient across
+              [K/m]. Both need :meth:`flexmb.Builder.temperature`.
+        motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations, by names such as
+            "tip.x", "tip.rotation" or "leaf.e1"; twice differentiable functions of time.
+        inputs: Named inputs of the model (forces, moments, stresses) as functions of time. They add to loads and to a
+            controller's inputs.
+        increment: Factor of the incremental loads as a function of time; zero by default.
+        jumps: Times at which loads jump or bend, (k,) [s]. Times of tables are known, and pulses down to 1/10000 of the
+            time are found. Name shorter pulses, and those whose numbers ``jax.jit`` traces. Name a jump to
+            differentiate by its time; otherwise this derivative is zero, under ``jax.jit`` without a warning.
     """
 
     loads: Mapping[str, Callable] | None = None
@@ -52,33 +52,22 @@ class Drives(Record):
 
 
 def acted_on(model: Model, driven: tuple[Driven, ...]) -> set[int] | None:
-    """Coordinates that forces and moments may act on, weight apart; None: all.
-
-    Args:
-        driven: What depends on time, as :func:`driven_by` has it.
-    """
+    """Coordinates that forces and moments may act on, apart from weight; None for all."""
     top, loads = model.topology, model.parameters.loads
     at: list[Any] = [block.x for block in top.blocks if block.element.force is not None]
-    at += [one.at for one in driven if one.quantity in ("force", *MOMENTS)]
+    at += [drive.at for drive in driven if drive.quantity in ("force", *MOMENTS)]
     if model.parameters.increment is not None or not is_concrete((at, loads.force)):
         return None
     if loads.force is not None:
         at.append(np.flatnonzero(np.asarray(loads.force)))
-    return {int(i) for own in at for i in np.asarray(own).ravel()}
+    return {int(i) for indices in at for i in np.asarray(indices).ravel()}
 
 
 def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] | None:
-    """Times at which loads jump or bend, ascending; None where there are none.
-
-    Args:
-        driven: The same as :func:`driven_by` has it.
-
-    Raises:
-        ValueError: `jumps` is no list of times.
-    """
-    # Not differentiated: what bends without a jump changes by no more than where it bends, whatever the steps.
-    times = (one.value.times for one in driven if isinstance(one.value, Table))
-    kinks = [jax.lax.stop_gradient(jnp.asarray(own, float)) for own in times]
+    """Ascending times at which loads jump or bend; None without any. Raise ValueError for wrong `jumps`."""
+    # Times of bends carry no derivative: the motion does not depend on where steps end.
+    tables = (drive.value for drive in driven if isinstance(drive.value, Table))
+    kinks = [jax.lax.stop_gradient(jnp.asarray(table.times, float)) for table in tables]
     if drives.jumps is not None:
         check_numbers("Argument `jumps`", drives.jumps)
         jumps = jnp.asarray(drives.jumps, float)
@@ -89,60 +78,56 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
 
 
 def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
-    """Functions of time with the indices of what they drive.
-
-    Raises:
-        ModelError: Unknown name, or what cannot be driven.
-    """
+    """Functions of time with the indices of what they drive; raise ModelError for unknown or wrong names."""
     loads, motion, inputs = ({} if given is None else given for given in (drives.loads, drives.motion, drives.inputs))
     for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
         if not isinstance(given, Mapping):
             raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
-    found = [_load(model, name, value) for name, value in loads.items()]
+    driven = [_load(model, name, value) for name, value in loads.items()]
     moved: dict[tuple[str, int], str] = {}
     for name, value in motion.items():
         quantity, place, value = _prescribed(model, name, value)
         first = moved.setdefault((quantity, place), name)
         if first != name:
-            raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate: give one of them.")
-        found.append(Driven(quantity, jax.device_put(np.array([place])), value))
+            raise ModelError(f"Motions '{first}' and '{name}' drive the same coordinate. Give one of them.")
+        driven.append(Driven(quantity, jax.device_put(np.array([place])), value))
     _check_inputs(model, inputs)
     weights, count = model.parameters.weights, 0
     for number, signal in enumerate(model.labels.inputs):
         if signal.name in inputs:
-            whole = _function(f"Input '{signal.name}'", inputs[signal.name], 1)
+            function = _function(f"Input '{signal.name}'", inputs[signal.name], 1)
             parts = []
             for place, term in enumerate(signal.terms, count):
                 weight = None if weights is None or not signal.parts else weights[0][place]
-                parts.append(_input(term, whole, weight))
-            found += [dataclasses.replace(parts[0], of_input=number, given=whole), *parts[1:]]
+                parts.append(_input(term, function, weight))
+            driven += [dataclasses.replace(parts[0], of_input=number, given=function), *parts[1:]]
         count += len(signal.terms)
     if drives.increment is not None:
-        own = model.parameters.increment
-        if own is None:
-            raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
-        if own.gravity is not None:
+        incremental = model.parameters.increment
+        if incremental is None:
+            raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
+        if incremental.gravity is not None:
             raise ModelError("Gravity among the incremental loads does not change with time. Make it a constant load.")
         factor = _function("Argument `increment`", drives.increment, 1)
-        found.append(Driven("increment", jnp.zeros(0, int), factor))
-    return tuple(found)
+        driven.append(Driven("increment", jnp.zeros(0, int), factor))
+    return tuple(driven)
 
 
 def _load(model: Model, name: str, value: Any) -> Driven:
-    """A load by the name of a coordinate, a deformation, a node or a rotation in space; or a temperature."""
+    """A load by the name of a coordinate, a deformation, a node, a rotation in space, or a temperature."""
     labels = model.labels
     nodes, what = labels.coordinates(name), f"Load '{name}'"
     if (place := labels.place(name)) is not None:
         _check_acts(model, what, place[0], [place[1]])
     if (turned := labels.rotation_of(name)) is not None:
-        own, axis = turned
-        _check_acts(model, what, "x", own)
-        return _input(Signal(str(name), "moment", own[0], axis), _function(what, value, 1), None)
+        indices, axis = turned
+        _check_acts(model, what, "x", indices)
+        return _input(Signal(str(name), "moment", indices[0], axis), _function(what, value, 1), None)
     if place is not None:
         kind, index = place
         return Driven("force" if kind == "x" else "stress", jnp.array([index]), _function(what, value, 1))
     element, _, quantity = str(name).rpartition(".")
-    if not nodes and quantity in ("temperature", "gradient") and element in [of for of, *_ in labels.elements]:
+    if not nodes and quantity in ("temperature", "gradient") and element in [name for name, *_ in labels.elements]:
         return _warmed(model, int(labels.deformations(element)[0]), element, quantity, what, value)
     if not nodes:
         there = among(labels.names(), str(name))
@@ -154,15 +139,16 @@ def _load(model: Model, name: str, value: Any) -> Driven:
 
 
 def _check_acts(model: Model, what: str, kind: str, indices: list[int]) -> None:
-    """Refuse a load on what is FIXED, where it moves nothing."""
+    """Refuse a load on FIXED coordinates or deformations."""
     if is_concrete(model.topology) and set(indices) <= set(np.asarray(getattr(model.topology, kind).fixed).tolist()):
         raise ModelError(
-            f"{what} acts on something FIXED, where it moves nothing. Let it act on what can move, or leave it out."
+            f"{what} acts on something FIXED, where it moves nothing. Let it act on something that can move, or leave"
+            " it out."
         )
 
 
 def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
-    """Refuse names of no input, and inputs that can move nothing."""
+    """Refuse unknown inputs, and inputs that can move nothing."""
     known = [signal.name for signal in model.labels.inputs]
     for name in inputs:
         if name not in known:
@@ -173,8 +159,8 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
         if signal.name in inputs and moved is not None:
             owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
             raise ModelError(
-                f"Input '{signal.name}' is the {moved.quantity} of something held, {owner}; functions of time by"
-                f" `inputs` are forces, moments and stresses. Say prescribe() of it in the builder, and give"
+                f"Input '{signal.name}' is the {moved.quantity} of {owner}, which is held. Argument `inputs` accepts"
+                f" forces, moments and stresses. Call prescribe() for it in the builder, and give"
                 f" motion={{'{owner}': f}}."
             )
     if not inputs or not is_concrete(model):
@@ -187,7 +173,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
 
 
 def _input(signal: Signal, value: Any, weight: Any) -> Driven:
-    """An input as a function of time, or one of the parts of an actuator, with its weight."""
+    """An input, or one part of an actuator with its weight, as a function of time."""
     if weight is not None and isinstance(value, Table):
         value = Table(value.times, weight * jnp.asarray(value.values, float))
     elif weight is not None:
@@ -204,11 +190,9 @@ def _input(signal: Signal, value: Any, weight: Any) -> Driven:
 
 
 def _warmed(model: Model, first: int, element: str, quantity: str, what: str, value: Any) -> Driven:
-    """A change of temperature of an element, or its gradient across; ``first`` is its first deformation."""
+    """A change of temperature of an element, or its gradient across; `first` is its first deformation."""
     if element not in model.labels.warm:
-        raise ModelError(
-            f"{what}: the element has no temperature. Say temperature('{element}', 0.0) of it in the builder."
-        )
+        raise ModelError(f"{what}: the element has no temperature. Call temperature('{element}', 0.0) in the builder.")
     block = next(b for b in model.topology.blocks if "thermal" in b.companions and first in np.asarray(b.e)[:, 0])
     sizes = heat_sizes(block.element)
     if quantity == "gradient" and len(sizes) == 1:
@@ -217,7 +201,7 @@ def _warmed(model: Model, first: int, element: str, quantity: str, what: str, va
     row = np.asarray(block.e)[np.asarray(block.e)[:, 0] == first][0]
     if has_table(value) and not held.isdisjoint(row.tolist()):
         raise ModelError(
-            f"{what} is a table, but deformations of the element are FIXED: their velocity would jump. Give a smooth"
+            f"{what} is a table, but deformations of the element are FIXED. Their velocity would jump. Give a smooth"
             " function of time."
         )
     columns = np.arange(2) if quantity == "temperature" else 2 + np.arange(sizes[1])
@@ -226,39 +210,43 @@ def _warmed(model: Model, first: int, element: str, quantity: str, what: str, va
 
 
 def _closure(element: Element) -> int:
-    """How many deformations come before the strain fields of an element, and are zero at any temperature."""
+    """Number of deformations before the strain fields of an element; they are zero at any temperature."""
     return min((field[0] for field in element.fields), default=1) - 1
 
 
 def _prescribed(model: Model, name: str, value: Any):
-    """What a prescribed motion drives: "x" or "e", place among the PRESCRIBED ones, and the function of time."""
+    """Kind ("x" or "e"), place among the PRESCRIBED ones, and the function of time of a prescribed motion."""
     labels, topology, what = model.labels, model.topology, f"Motion '{name}'"
     place = labels.place(_rotation_prescribed(labels, name))
     if place is not None:
         kind, index = place
         order = np.asarray(getattr(topology, kind).prescribed).tolist()
         if index not in order:
-            raise ModelError(f"{what} is not PRESCRIBED: say prescribe() of it in the builder.")
+            raise ModelError(f"{what} is not PRESCRIBED. Call prescribe() for it in the builder.")
         if has_table(value):
-            raise ModelError(f"{what} is a table, whose velocity jumps. Give a smooth function of time.")
+            raise ModelError(f"{what} is a table. Its velocity jumps. Give a smooth function of time.")
         return kind, order.index(index), _function(what, value, 1)
-    of, _, component = str(name).rpartition(".")
+    node, _, component = str(name).rpartition(".")
     if labels.rotation_of(name) is not None:
-        raise ModelError(f"{what} is not PRESCRIBED: say prescribe('{of}', '{component}') of it in the builder.")
+        raise ModelError(f"{what} is not PRESCRIBED. Call prescribe('{node}', '{component}') in the builder.")
     if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
         call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
-        raise ModelError(f"{what} is not PRESCRIBED: say {call} of it in the builder.")
-    own = [
+        raise ModelError(f"{what} is not PRESCRIBED. Call {call} in the builder.")
+    prescribed = [
         str(entries[i])
         for entries, roles in ((labels.x, topology.x), (labels.e, topology.e))
         for i in np.asarray(roles.prescribed).tolist()
     ]
-    there = f"PRESCRIBED are: {among(own, name)}." if own else "Nothing is PRESCRIBED: say prescribe() in the builder."
+    there = (
+        f"PRESCRIBED are: {among(prescribed, name)}."
+        if prescribed
+        else "Nothing is PRESCRIBED. Call prescribe() first."
+    )
     raise ModelError(f"{what} names no coordinate or deformation. {there}")
 
 
 def _rotation_prescribed(labels: Labels, name: str) -> str:
-    """Name of what is prescribed in place of a rotation: its angle in the plane, that of a hinge in space."""
+    """Name of the prescribed angle of a rotation: a coordinate in the plane, a hinge's deformation in space."""
     indices = labels.coordinates(name)
     if not indices or labels.x[indices[0]].kind != "rotation":
         return name
@@ -268,13 +256,13 @@ def _rotation_prescribed(labels: Labels, name: str) -> str:
 
 
 def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:
-    """A function of time as it is now, which gives as many numbers as are driven, or if so said one for all."""
+    """A function of time as it is now, with as many numbers as it drives, or one for all if allowed."""
     if not callable(value):
         raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
     if isinstance(value, Table):
         _check_table(what, value)
     try:
-        taken, shape = of_time(value)
+        function, shape = of_time(value)
     except Exception as fault:
         first = first_line(fault)
         raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
@@ -282,7 +270,7 @@ def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Ca
         wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
         wanted = f"one number, or {size}, one for each end" if one_for_all else wanted
         raise ModelError(f"{what} must give {wanted}, but gives shape {shape}.")
-    return taken
+    return function
 
 
 def _check_table(what: str, table: Table) -> None:

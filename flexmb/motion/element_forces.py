@@ -1,8 +1,8 @@
 """Forces of elements in motion and their derivatives, element by element.
 
-Of each element deformations and inertia are one function of its coordinates, ``e(x), s(x)``, whose constants are worked
-out once. The nodal forces ``D_x^T sigma + J^T H s_ddot`` are linear in the accelerations and in the stress resultants,
-multipliers of held deformations among them; the second rate of the deformations closes the equations.
+Deformations and places of inertia of an element are one function of its coordinates, ``e(x), s(x)``. Its constants are
+computed once. The nodal forces ``D_x^T sigma + J^T H s_ddot`` are linear in accelerations, stress resultants and
+multipliers. The second rates of held deformations close the equations.
 """
 
 from collections.abc import Callable
@@ -20,21 +20,20 @@ from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, s
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 
-# Functions of an element of so few operations run quicker, and compile as quickly, differentiated time after time.
+# Functions of an element up to this number of operations run fastest when differentiated repeatedly.
 SHORT = 100
 
 
 class PreparedBlock(Record):
-    """Elements of one block, prepared for motion: what does not change while they move has been worked out.
+    """Elements of one block, prepared for motion: constants are computed.
 
     Attributes:
-        function: ``(x_el, *kept_el) -> (e_el, s_el)``, from the coordinates of an element to its deformations and the
-            places of its inertia, either None where there is none. Where angles are counted past full turns, the
-            deformations at the last accepted state come after x_el.
-        x: Index of each element's coordinates, (elements, coordinates).
-        e: Index of each element's deformations, (elements, deformations); none where e_el is None.
+        function: ``(x_el, *kept_el) -> (e_el, s_el)``: deformations and places of inertia of an element, or None. If
+            angles are counted past full turns, the deformations at the last accepted state follow x_el.
+        x: Index of each element's coordinates.
+        e: Index of each element's deformations; none if e_el is None.
         kept: Constants of each element, for the function.
-        mass: H of each element, (elements, k, k), or None.
+        mass: H of each element.
         counts: Whether angles are counted past full turns.
     """
 
@@ -46,35 +45,24 @@ class PreparedBlock(Record):
     counts: bool = static()
 
     def over(self, function: Callable[..., Any], near: Float[Array, "n_e"], *along: Any):
-        """Values for all elements of what is said of one, by its deformations and places of inertia.
-
-        Args:
-            function: Of ``(f, *along_el)`` where ``f(x_el) -> (e_el, s_el)``.
-            near: Deformations at the last accepted state, (n_e,) [m, rad].
-            along: Further arguments, one row for each element.
-        """
+        """Values of ``function(f, *along_el)`` for all elements, with ``f(x_el) -> (e_el, s_el)``."""
         rest = (near[self.e], *self.kept) if self.counts else self.kept
 
         def one(rest: tuple[Array, ...], *along: Any):
             return function(lambda x: self.function(x, *rest), *along)
 
-        return jax.vmap(one)(rest, *along)
+        return jax.vmap(of_element)(rest, *along)
 
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
-    """All elements that deform or carry mass, with what does not change in a motion worked out."""
+    """All elements that deform or carry mass, prepared for motion."""
     pairs = zip(topology.blocks, parameters.properties, strict=True)
-    found = (prepared_block(block, properties, parameters.reference) for block, properties in pairs)
-    return tuple(one for one in found if one is not None)
+    blocks = (prepared_block(block, properties, parameters.reference) for block, properties in pairs)
+    return tuple(block for block in blocks if block is not None)
 
 
 def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
-    """Elements of one block, with what does not change in a motion worked out; None if they neither deform nor weigh.
-
-    Args:
-        properties: Their stacked properties.
-        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
-    """
+    """Elements of one block, prepared for motion; None if they neither deform nor carry mass."""
     deformation, known = companion_of(block, properties, "deformation")
     inertia, own = companion_of(block, properties, "inertia")
     own = known if inertia is None else own
@@ -96,13 +84,13 @@ def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Ar
     early, late = split(both, varying, first)
     kept = jax.vmap(early)(ref, own)
     mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
-    # Another block computes the deformations of elements whose companions differ.
+    # Another block computes the deformations of elements with separate companions.
     measured = block.e if deformation is not None else block.e[:, :0]
     return PreparedBlock(late, block.x, measured, kept, mass, counts)
 
 
 def _jacobian(f: Callable[..., Any]):
-    """Function from coordinates to values and Jacobians; a Jacobian has the coordinates last."""
+    """Function from coordinates to values and Jacobians, coordinates last."""
 
     def found(x: Float[Array, "c"]):
         def twice(x: Float[Array, "c"]):
@@ -112,18 +100,11 @@ def _jacobian(f: Callable[..., Any]):
         jacobian, y = jax.jacfwd(twice, has_aux=True)(x)
         return y, jacobian
 
-    return found
+    return with_jacobian
 
 
 class Moving(NamedTuple):
-    """A state of motion.
-
-    Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        v: Their velocities, (n_x,) [1/s].
-        a: Their accelerations, (n_x,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-    """
+    """Nodal coordinates, velocities, accelerations, and deformations at the last accepted state."""
 
     x: Float[Array, "n_x"]
     v: Float[Array, "n_x"]
@@ -132,13 +113,7 @@ class Moving(NamedTuple):
 
 
 class Kinematics(NamedTuple):
-    """Deformations and their two rates.
-
-    Attributes:
-        e: Deformations, (n_e,) [m, rad].
-        ed: Rates, (n_e,) [m/s, rad/s].
-        edd: Second rates, (n_e,) [m/s^2, rad/s^2].
-    """
+    """Deformations, their rates and second rates."""
 
     e: Float[Array, "n_e"]
     ed: Float[Array, "n_e"]
@@ -146,13 +121,7 @@ class Kinematics(NamedTuple):
 
 
 class Acting(NamedTuple):
-    """Forces of elements in motion.
-
-    Attributes:
-        kinematics: Deformations and their rates.
-        sigma: Stress resultants, (n_e,) [N, N m].
-        force: Nodal forces of stress and inertia, (n_x,) [N, N m].
-    """
+    """Kinematics, stress resultants, and nodal forces of stress and inertia."""
 
     kinematics: Kinematics
     sigma: Float[Array, "n_e"]
@@ -163,14 +132,10 @@ class Derivatives(NamedTuple):
     """Derivatives of the forces of elements in motion.
 
     Attributes:
-        e: D_x, (n_e, n_x); of the rates by the velocities and of the second rates by the accelerations too.
-        ed: Of the rates by the coordinates, (n_e, n_x); of the second rates by the velocities it is twice this.
-        edd: Of the second rates by the coordinates, (n_e, n_x).
-        by_x: Of the forces by the coordinates, (n_x, n_x) [N/m].
-        by_v: By the velocities, (n_x, n_x) [N s/m].
-        mass: By the accelerations: mass matrix, (n_x, n_x) [kg].
-        kinematics: Deformations and their rates.
-        sigma: Stress resultants, (n_e,) [N, N m].
+        e: D_x; also of the rates by the velocities and of the second rates by the accelerations.
+        ed: Of the rates by the coordinates; of the second rates by the velocities it is twice this.
+        edd: Of the second rates by the coordinates.
+        by_x, by_v, mass: Of the forces by coordinates, velocities and accelerations.
     """
 
     e: Float[Array, "n_e n_x"]
@@ -186,53 +151,44 @@ class Derivatives(NamedTuple):
 def strained(
     elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
-    """Deformations, (n_e,) [m, rad]; arguments as for :func:`deformed`."""
-    own = [(block.e, block.over(lambda f, x: f(x)[0], near, x[block.x])) for block in elements if block.e.shape[1]]
-    return scatter_vector(near.shape[0], own)
+    """Deformations [m, rad]."""
+    pieces = [(block.e, block.over(lambda f, x: f(x)[0], near, x[block.x])) for block in elements if block.e.shape[1]]
+    return scatter_vector(near.shape[0], pieces)
+
+
+def _with_inertia(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+    """Blocks with mass, and the Jacobians of their places of inertia."""
+    heavy = (block for block in elements if block.mass is not None)
+    return [(b, b.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[b.x])) for b in heavy]
 
 
 def heaviness(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    """Diagonal of the mass matrix, (n_x,) [kg, kg m, kg m^2]; arguments as for :func:`deformed`."""
-    found = []
-    for block in elements:
-        if block.mass is not None:
-            j = block.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[block.x])
-            found.append((block.x, jnp.einsum("nkdx,nkl,nldx->nx", j, block.mass, j)))
-    return scatter_vector(x.shape[0], found)
+    """Diagonal of the mass matrix [kg, kg m, kg m^2]."""
+    blocks = _with_inertia(elements, x, near)
+    pieces = [(block.x, jnp.einsum("nkdx,nkl,nldx->nx", j, block.mass, j)) for block, j in blocks]
+    return scatter_vector(x.shape[0], pieces)
 
 
 def mass_of(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    """Mass matrix, (n_x, n_x) [kg, kg m, kg m^2]; arguments as for :func:`deformed`."""
-    found = []
-    for block in elements:
-        if block.mass is not None:
-            j = block.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[block.x])
-            found.append((block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)))
-    return scatter_matrix((x.shape[0], x.shape[0]), found)
+    """Mass matrix [kg, kg m, kg m^2]."""
+    blocks = _with_inertia(elements, x, near)
+    pieces = [(block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)) for block, j in blocks]
+    return scatter_matrix((x.shape[0], x.shape[0]), pieces)
 
 
 def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    """Deformations and their derivatives by the nodal coordinates.
-
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-
-    Returns:
-        e, (n_e,) [m, rad], and D_x, (n_e, n_x).
-    """
+    """Deformations and their derivatives by the nodal coordinates, D_x."""
     values, rows = [], []
-    for block in elements:
-        if block.e.shape[1]:
-            e, jacobian = block.over(lambda f, x: _jacobian(lambda x: f(x)[0])(x), near, x[block.x])
-            values.append((block.e, e))
-            rows.append((block.e, block.x, jacobian))
+    for block, pair in zip(elements, deformed_elements(elements, x, near), strict=True):
+        if pair is not None:
+            values.append((block.e, pair[0]))
+            rows.append((block.e, block.x, pair[1]))
     n_e = near.shape[0]
     return scatter_vector(n_e, values), scatter_matrix((n_e, x.shape[0]), rows)
 
 
 def second_rate(function: Callable[..., Any], x: Any, v: Any, a: Any):
-    """Value of a function of coordinates and its first and second rate of change along a motion."""
+    """Value of a function of coordinates, and its first and second rates along a motion."""
 
     def first(x: Any, v: Any):
         return jax.jvp(function, (x,), (v,))
@@ -248,10 +204,7 @@ def rates_along(
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None = None,
 ):
-    """Values (e, s) of one element, rates and second rates; those of s less free fall, which mass does not resist.
-
-    Each may be a tree of arrays, or None.
-    """
+    """Values (e, s) of one element, rates and second rates; free fall is subtracted, since mass does not resist it."""
     if length(f, x) <= SHORT:
         y, yd, (edd, sdd) = second_rate(f, x, v, a)
         if falling is not None and sdd is not None:
@@ -268,14 +221,15 @@ def _with_jacobians(
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None,
 ):
-    """As :func:`rates_along`, and the Jacobians of e and s."""
+    """:func:`rates_along`, and the Jacobians of e and s."""
     if length(f, x) <= SHORT:
         (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
         ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
         sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
         return (y, (ed, None), (edd, sdd)), (d, j)
     rows = jets(f, (x, v), None, directed=True)
-    (y, (ed, _)), ((d, j), (dd, jd)) = (_of_orders(rows, 2, None, of) for of in (lambda rows: rows[0], _by_directions))
+    values, jacobians = (_of_orders(rows, 2, None, part) for part in (lambda rows: rows[0], _by_directions))
+    (y, (ed, _)), ((d, j), (dd, jd)) = values, jacobians
     edd = None if d is None else d @ a + dd @ v
     sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
     return (y, (ed, None), (edd, sdd)), (d, j)
@@ -288,15 +242,15 @@ def derived_rates(
     a: Float[Array, "c"],
     falling: Float[Array, "c"] | None = None,
 ):
-    """As :func:`rates_along`, and their derivatives by the coordinates, which are the last axis."""
+    """:func:`rates_along`, and their derivatives by the coordinates, coordinates last."""
     if length(f, x) <= SHORT:
         return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
     rows = jets(f, (x, v, a), falling, directed=True)
-    return tuple(_of_orders(rows, 3, falling, of) for of in (lambda rows: rows[0], _by_directions))
+    return tuple(_of_orders(rows, 3, falling, part) for part in (lambda rows: rows[0], _by_directions))
 
 
 def _of_orders(rows: Any, orders: int, falling: Float[Array, "c"] | None, chosen: Callable[[Any], Any]):
-    """Pairs of value and rates, of what is chosen of the rows of two trees; the last second rate less free fall."""
+    """Pairs of the chosen part of value and rates of two trees; the last second rate minus free fall."""
 
     def of(number: int, k: int):
         falls = number == 1 and k == 2 and falling is not None
@@ -306,7 +260,7 @@ def _of_orders(rows: Any, orders: int, falling: Float[Array, "c"] | None, chosen
 
 
 def _by_directions(rows: Float[Array, "..."]):
-    """Derivatives, with the coordinates last."""
+    """Derivatives, coordinates last."""
     return jnp.moveaxis(rows[1:], 0, -1)
 
 
@@ -317,47 +271,42 @@ def _pulled(
 
 
 def _weight(block: PreparedBlock, sdd: Any):
-    """H s_ddot of every element, (elements, k, d), or None."""
+    """H s_ddot of each element."""
     return None if block.mass is None else multiplied(block.mass, sdd)
 
 
 def _stressed(block: PreparedBlock, sigma: Float[Array, "n_e"]):
-    """Stress resultants of every element, (elements, deformations), or None."""
+    """Stress resultants of each element."""
     return sigma[block.e] if block.e.shape[1] else None
 
 
 def own_of(e: Int[Array, "elements d"], matrix: Float[Array, "n_e n_e"]) -> Float[Array, "elements d d"]:
-    """What a matrix of all deformations has for each element, whose deformations are ``e``."""
+    """Blocks of a matrix of all deformations, for elements with the deformations ``e``."""
     return matrix[e[:, :, None], e[:, None, :]]
 
 
 def _along(block: PreparedBlock, at: Moving, falling: Float[Array, "n_x"] | None):
-    return [None if of is None else of[block.x] for of in (at.x, at.v, at.a, falling)]
+    return [None if array is None else array[block.x] for array in (at.x, at.v, at.a, falling)]
 
 
 def _kinematics(rates: list[Any], near: Float[Array, "n_e"]) -> Kinematics:
-    """Deformations and rates of the whole, from (e, s) and rates of every block."""
-    own = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
-    return Kinematics(*scatter_vectors(near.shape[0], own, 3))
+    """Kinematics of the mechanism from those of each block."""
+    pieces = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
+    return Kinematics(*scatter_vectors(near.shape[0], pieces, 3))
 
 
 def acting_forces(
     elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
 ) -> Acting:
-    """Deformations, stress resultants and nodal forces of elements in motion.
+    """Kinematics, stress resultants and nodal forces D_x^T sigma + J^T H s_ddot (THEORY.md 3 and 5, eq. (3.2), (5.2)).
 
-    Args:
-        falling: Accelerations of free fall, which mass does not resist, (n_x,) [1/s^2], or None.
-        stress: sigma as a function of e and e_dot, (n_e,) [N, N m].
-
-    Source:
-        THEORY.md 3 and 5, eq. (3.2) and (5.2): D_x^T sigma + J^T H s_ddot.
+    `stress` returns sigma from e and e_dot. Mass does not resist the accelerations `falling` of free fall.
     """
-    found = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
-    kinematics = _kinematics(found, at.near)
+    rates = [(block, block.over(rates_along, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics(rates, at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces = []
-    for block, (_, _, (_, sdd)) in found:
+    for block, (_, _, (_, sdd)) in rates:
         pulled = block.over(_pulled, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
         forces.append((block.x, pulled))
     return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces))
@@ -366,19 +315,12 @@ def acting_forces(
 def acting_matrices(
     elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
 ) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
-    """As :func:`acting_forces`, with D_x and the mass matrix, from the Jacobians of the elements.
-
-    Returns:
-        Acting, D_x and M.
-
-    Source:
-        See :func:`acting_forces`; M = J^T H J.
-    """
-    found = [(block, *block.over(_with_jacobians, at.near, *_along(block, at, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in found], at.near)
+    """:func:`acting_forces`, D_x and M = J^T H J, from the Jacobians of the elements."""
+    rates = [(block, *block.over(_with_jacobians, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([each[:2] for each in rates], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces, rows, masses = [], [], []
-    for block, (_, _, (_, sdd)), (d, j) in found:
+    for block, (_, _, (_, sdd)), (d, j) in rates:
         forces += _pulled_by(block, sigma, sdd, d, j)
         if d is not None:
             rows.append((block.e, block.x, d))
@@ -390,13 +332,13 @@ def acting_matrices(
 
 
 def _pulled_by(block: PreparedBlock, sigma: Float[Array, "n_e"], sdd: Any, d: Any, j: Any):
-    """D_x^T sigma and J^T H s_ddot of every element, those that there are, each with its coordinates."""
-    found = []
+    """D_x^T sigma and J^T H s_ddot of each element, with its coordinates."""
+    forces = []
     if d is not None:
-        found.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
+        forces.append((block.x, jnp.einsum("ni,nix->nx", _stressed(block, sigma), d)))
     if j is not None:
-        found.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
-    return found
+        forces.append((block.x, jnp.einsum("nkd,nkdx->nx", _weight(block, sdd), j)))
+    return forces
 
 
 def _derived_forces(
@@ -407,16 +349,7 @@ def _derived_forces(
 
 
 class OfElements(NamedTuple):
-    """Derivatives of the forces of the elements of a block, each by its own coordinates; None where there are none.
-
-    Attributes:
-        e: D_x, (elements, d, k).
-        ed: Of the rates, (elements, d, k).
-        edd: Of the second rates, (elements, d, k).
-        by_x: Of the forces by the coordinates, (elements, k, k) [N/m].
-        by_v: By the velocities, (elements, k, k) [N s/m].
-        mass: By the accelerations, (elements, k, k) [kg].
-    """
+    """:class:`Derivatives` of the elements of a block, each by its own coordinates; None without deformations."""
 
     e: Float[Array, "elements d k"] | None
     ed: Float[Array, "elements d k"] | None
@@ -427,17 +360,12 @@ class OfElements(NamedTuple):
 
 
 def deformed_elements(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    """Deformations and their Jacobians of each block, element by element, None where it has none; see :func:`deformed`.
+    """Deformations and Jacobians of each block's elements; None for a block without deformations."""
 
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-    """
-
-    def found(f: Callable[..., Any], x: Float[Array, "c"]):
+    def derived(f: Callable[..., Any], x: Float[Array, "c"]):
         return _jacobian(lambda x: f(x)[0])(x)
 
-    return [block.over(found, near, x[block.x]) if block.e.shape[1] else None for block in elements]
+    return [block.over(derived, near, x[block.x]) if block.e.shape[1] else None for block in elements]
 
 
 def derivatives_of_elements(
@@ -448,26 +376,30 @@ def derivatives_of_elements(
     stiffness: tuple[Float[Array, "elements d d"] | None, ...],
     damping: tuple[Float[Array, "elements d d"] | None, ...],
 ) -> list[OfElements]:
-    """As :func:`force_derivatives`, element by element, with the stiffness and damping of each block's elements.
+    """:func:`force_derivatives` element by element, from the stiffness and damping of each element."""
+    rates, _, sigma = _derived(elements, at, falling, stress)
+    blocks = zip(rates, stiffness, damping, strict=True)
+    return [_of_elements(at, sigma, of_block, *tangents) for of_block, *tangents in blocks]
 
-    Source:
-        Derivative of :func:`acting_forces`.
-    """
-    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in found], at.near)
-    sigma = stress(kinematics.e, kinematics.ed)
-    return [_of_elements(at, sigma, each, *own) for each, *own in zip(found, stiffness, damping, strict=True)]
+
+def _derived(
+    elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
+) -> tuple[list[Any], Kinematics, Float[Array, "n_e"]]:
+    """Result of :func:`derived_rates` for each block, kinematics, and stress resultants."""
+    rates = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([of_block[:2] for of_block in rates], at.near)
+    return rates, kinematics, stress(kinematics.e, kinematics.ed)
 
 
 def _of_elements(
     at: Moving,
     sigma: Float[Array, "n_e"],
-    found: tuple[Any, ...],
+    rates: tuple[Any, ...],
     stiffness: Float[Array, "elements d d"] | None,
     damping: Float[Array, "elements d d"] | None,
 ) -> OfElements:
-    """Derivatives of one block from what :func:`derived_rates` gives, stress resultants, and tangents of its own."""
-    block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = found
+    """Derivatives of one block from :func:`derived_rates`, stress resultants, and tangents."""
+    block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = rates
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
     by_v = mass = jnp.zeros_like(by_x)
     if d is not None and stiffness is not None:
@@ -487,18 +419,11 @@ def by_inertia(
     jd: Float[Array, "elements k axes x"],
     j2: Float[Array, "elements k axes x"],
 ):
-    """Derivatives of J^T H s_ddot of every element at constant J, by coordinates, velocities and accelerations.
-
-    Args:
-        mass: H.
-        j: Derivative of the places of inertia by the coordinates: J.
-        jd: Of their rates.
-        j2: Of their second rates.
-    """
+    """Derivatives of J^T H s_ddot at constant J, by coordinates, velocities and accelerations."""
     count, k, axes, columns = j.shape
     lever = (mass @ j.reshape(count, k, axes * columns)).reshape(count, k * axes, columns)
-    every = jnp.concatenate([of.reshape(lever.shape) for of in (j, 2 * jd, j2)], axis=2)
-    return jnp.split(lever.mT @ every, 3, axis=2)[::-1]
+    jacobians = jnp.concatenate([jacobian.reshape(lever.shape) for jacobian in (j, 2 * jd, j2)], axis=2)
+    return jnp.split(lever.mT @ jacobians, 3, axis=2)[::-1]
 
 
 def force_derivatives(
@@ -508,19 +433,16 @@ def force_derivatives(
     stress: Callable[..., Any],
     tangents: Callable[..., Any] | None = None,
 ) -> Derivatives:
-    """Derivatives of all that :func:`acting_forces` gives, with the same arguments.
+    """Derivatives of :func:`acting_forces`.
 
-    ``tangents`` gives the derivatives of sigma by e and e_dot as a function of these: two matrices (n_e, n_e) without
-    entries between elements, the second or None. Where it is None, sigma stays as it is.
-
-    Source:
-        Derivative of :func:`acting_forces`.
+    `tangents` returns the derivatives of sigma by e and e_dot, without entries between elements; the second may be
+    None. Without `tangents`, sigma is constant.
     """
     n_e, n_x = at.near.shape[0], at.x.shape[0]
-    acting, found = element_derivatives(elements, at, falling, stress, tangents)
-    rows = [(block.e, block.x, rows) for block, rows, _ in found if rows is not None]
+    acting, derived = element_derivatives(elements, at, falling, stress, tangents)
+    rows = [(block.e, block.x, rows) for block, rows, _ in derived if rows is not None]
     by_e = scatter_matrices((n_e, n_x), rows, 3)
-    forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in found], 3)
+    forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in derived], 3)
     return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], acting.kinematics, acting.sigma)
 
 
@@ -529,24 +451,22 @@ def element_derivatives(
     at: Moving,
     falling: Float[Array, "n_x"] | None,
     stress: Callable[..., Any],
-    tangents: Callable[..., Any] | None = None,
+    tangents: Callable[..., Any] | None,
 ):
-    """As :func:`force_derivatives`, of each element by itself; arguments as there.
+    """:func:`force_derivatives` of each element by itself.
 
     Returns:
-        Acting forces, and of each block it, the derivatives of deformations, rates and second rates by the element's
-        coordinates (None where it does not deform), and those of the forces by coordinates, velocities and
-        accelerations.
+        Acting forces. For each block: the block, derivatives of deformations, rates and second rates (or None), and
+        derivatives of the forces by coordinates, velocities and accelerations.
     """
-    found = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in found], at.near)
-    sigma = stress(kinematics.e, kinematics.ed)
+    rates, kinematics, sigma = _derived(elements, at, falling, stress)
     stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
     derived, forces = [], []
-    for each in found:
-        block, (_, _, (_, sdd)), (jacobians, *_) = each
+    for of_block in rates:
+        block, (_, _, (_, sdd)), (jacobians, *_) = of_block
         forces += _pulled_by(block, sigma, sdd, *jacobians)
-        own = [None if of is None or not block.e.shape[1] else own_of(block.e, of) for of in (stiffness, damping)]
-        of = _of_elements(at, sigma, each, *own)
-        derived.append((block, None if of.e is None else (of.e, of.ed, of.edd), (of.by_x, of.by_v, of.mass)))
+        matrices = [None if m is None or not block.e.shape[1] else own_of(block.e, m) for m in (stiffness, damping)]
+        at_block = _of_elements(at, sigma, of_block, *matrices)
+        rows = None if at_block.e is None else (at_block.e, at_block.ed, at_block.edd)
+        derived.append((block, rows, (at_block.by_x, at_block.by_v, at_block.mass)))
     return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces)), derived

@@ -1,4 +1,4 @@
-"""A method that keeps energy, for motion without losses over long times, as a diffrax solver of fixed steps."""
+"""An energy-keeping method for long motions without losses, as a diffrax solver of fixed steps."""
 
 from typing import Any, cast
 
@@ -14,24 +14,23 @@ from .term import MotionTerm, equations_of
 
 
 def _equations_of(terms: Any) -> EnergyEquations:
-    """The equations in a term; :func:`flexmb.simulate` has seen to it that they have what this method needs."""
+    """The equations in a term; :func:`flexmb.simulate` has checked that they suit this method."""
     return cast(EnergyEquations, equations_of(terms))
 
 
 class EnergyKeeping(SecondOrderSolver):
-    """Implicit method of second order whose forces do exactly the work of the energy that the elements gain.
+    """Implicit method of second order that keeps energy: forces do exactly the work that the elements store.
 
-    Energy is kept to round-off at any step where stiffness is linear in the deformations and other forces are constant;
-    nothing is damped, so that what a step does not resolve goes on ringing. For all nodal coordinates
-    (``form="coordinates"``), without controller.
+    Energy is kept to round-off at any step for constant stiffness and constant forces. Nothing is damped: vibrations
+    that steps do not resolve persist. Needs ``form="coordinates"`` and no controller.
 
     Source:
         Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
-        energy is that of the places of inertia, with their rates carried from step to step.
+        energy is that of the places of inertia, whose rates are carried from step to step.
     """
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Accelerations and multipliers at the start, and rates of the places of inertia.
+        """Return accelerations and multipliers at the start, and rates of the places of inertia.
 
         Args:
             terms: Equations of motion.
@@ -54,7 +53,7 @@ class EnergyKeeping(SecondOrderSolver):
         solver_state: Any,
         made_jump: Any,
     ):
-        """One step.
+        """Return the result of one step.
 
         Args:
             terms: Equations of motion.
@@ -62,7 +61,7 @@ class EnergyKeeping(SecondOrderSolver):
             t1: End [s].
             y0: State at the begin.
             args: Not used.
-            solver_state: Of :meth:`init`.
+            solver_state: From :meth:`init`.
             made_jump: Not used.
         """
         equations = _equations_of(terms)

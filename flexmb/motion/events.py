@@ -1,4 +1,4 @@
-"""Events that end a motion: their conditions, and the steps within which one comes about and passes unseen."""
+"""Events that end a motion: their conditions, and steps that would pass over one unseen."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from ..compilation.program import Captured, captured
 from ..compilation.record import Record, static
 from ..display import short
 from ..errors import warn
-from .kinks import FINE_PARTS, LEAST, ROUND_OFF, along_step
+from ..numerical_limits import SHORTEST_STEP, TIME_ROUND_OFF
+from .kinks import FINE_PARTS, along_step
 from .protocol import MotionState
 
 if TYPE_CHECKING:
@@ -24,25 +25,21 @@ if TYPE_CHECKING:
 
 
 class EventCondition(Record):
-    """Condition of an event, as it was when the simulation was called.
-
-    Attributes:
-        function: Of time and state.
-    """
+    """Condition of an event, a function of time and state, as it was when the simulation was called."""
 
     function: Captured
 
     def __call__(self, t: Float[Array, ""], y: MotionState, args: Any, **more: Any):
-        """What diffrax watches, of the time and the state alone."""
+        """Value of the condition, with the signature of diffrax."""
         return self.function(t, y)
 
 
 class Passing(Record):
-    """Finds steps within which an event comes about without being seen at their ends, or events more than once.
+    """Finds steps with an event that is not seen at their ends, or with several events.
 
     Attributes:
-        conditions: Those of time and state alone; others are looked at where steps end.
-        directions: Of each, whether it counts where it rises, where it falls (False), or both (None).
+        conditions: Conditions of time and state alone; others are evaluated where steps end.
+        directions: Whether each counts when it rises (True), falls (False), or both (None).
         controls: Number of states of a controller, the last of the velocities.
     """
 
@@ -51,48 +48,31 @@ class Passing(Record):
     controls: int = static(default=0)
 
     def within(self, times: tuple[Any, Any], states: tuple[MotionState, MotionState], smallest: Any) -> Bool[Array, ""]:
-        """Whether there is such an event within a step that can be shorter.
-
-        Args:
-            times: Its begin and end [s].
-            states: There.
-            smallest: Smallest step [s].
-        """
+        """Whether a step that can be shorter has such an event; `smallest` is the smallest step [s]."""
         times, states = jax.lax.stop_gradient((times, states))
         at = along_step(times, states, self.controls, FINE_PARTS)
         passed, count = jnp.array(False), 0
         for condition, direction in zip(self.conditions, self.directions, strict=True):
-            # One place after the other: a condition may call back to Python.
+            # Sequential: a condition may call back to Python.
             values = jax.lax.map(functools.partial(_at_place, condition), at)
-            own = jnp.sum(_comes(values[:-1], values[1:], direction))
-            count += own
-            passed |= (own > 0) & ~_comes(values[0], values[-1], direction)
-        # Of several within one step diffrax takes the first that it was given.
-        shorter = times[1] - times[0] > jnp.maximum(LEAST * smallest, ROUND_OFF * jnp.abs(times[1]))
+            times_met = jnp.sum(_comes(values[:-1], values[1:], direction))
+            count += times_met
+            passed |= (times_met > 0) & ~_comes(values[0], values[-1], direction)
+        # Of several events in one step diffrax would take the first in its list, not in time.
+        shorter = times[1] - times[0] > jnp.maximum(SHORTEST_STEP * smallest, TIME_ROUND_OFF * jnp.abs(times[1]))
         return (passed | (count > 1)) & shorter
 
 
 def passing_of(event: diffrax.Event | None, controls: int) -> Passing | None:
-    """What finds events that come about within a step, None where no condition is of time and state alone.
-
-    Args:
-        event: Of diffrax, or None.
-        controls: Number of states of a controller.
-    """
+    """Search for events within steps; None without a condition of time and state alone."""
     if event is None:
         return None
-    own = [(one, way) for one, way in _watched(event) if isinstance(one, EventCondition)]
-    return Passing(tuple(one for one, _ in own), tuple(way for _, way in own), controls) if own else None
+    watched = [pair for pair in _watched(event) if isinstance(pair[0], EventCondition)]
+    return Passing(*zip(*watched, strict=True), controls) if watched else None
 
 
 def as_it_is(event: diffrax.Event, t: Float[Array, ""], like: MotionState) -> diffrax.Event:
-    """An event whose conditions will not change; those that ask for more than time and state stay.
-
-    Args:
-        event: Of diffrax.
-        t: A time [s].
-        like: State, or its shapes.
-    """
+    """Event whose conditions are captured now; conditions of more than time and state stay."""
 
     def now(condition: Callable[..., Any]):
         try:
@@ -104,40 +84,29 @@ def as_it_is(event: diffrax.Event, t: Float[Array, ""], like: MotionState) -> di
 
 
 def conditions_of(event: diffrax.Event) -> list[EventCondition]:
-    """Conditions of an event that are of time and state alone."""
-    return [one for one, _ in _watched(event) if isinstance(one, EventCondition)]
+    """Conditions of an event that depend on time and state alone."""
+    return [condition for condition, _ in _watched(event) if isinstance(condition, EventCondition)]
 
 
 def check_at_start(event: diffrax.Event, values: Sequence[Any], soon: Sequence[Any], t: Any) -> None:
-    """Refuse conditions that are no numbers at the start, and warn of what ends the motion there.
-
-    Args:
-        event: Of diffrax.
-        values: Of its conditions at the start.
-        soon: A little later.
-        t: The start [s].
-
-    Raises:
-        ValueError: A condition is not a number there.
-    """
-    ways = [way for one, way in _watched(event) if isinstance(one, EventCondition)]
+    """Raise ValueError for conditions that are NaN at the start, and warn of those that end the motion there."""
+    ways = [way for condition, way in _watched(event) if isinstance(condition, EventCondition)]
     for value, later, way in zip(map(np.asarray, values), map(np.asarray, soon), ways, strict=True):
         if np.any(np.isnan(value)):
             raise ValueError(f"The condition of `event` is no number at the start, t = {short(t)} s, but {value}.")
         if value.dtype == bool and np.any(value):
-            warn("The condition of `event` holds at the start, so that the motion ends there, before any later time.")
+            warn("The condition of `event` holds at the start. The motion ends there, before any later time.")
         elif value.dtype != bool and way is not False and np.any((value == 0) & (later > 0 if way else later != 0)):
             warn(
-                "The condition of `event` is zero at the start and leaves it at once, which ends the motion. Say by"
-                " `direction` of diffrax.Event whether it is to end where the condition falls (False), or begin"
-                " elsewhere."
+                "The condition of `event` is zero at the start and leaves zero at once. This ends the motion. Give"
+                " `direction` to diffrax.Event, False to end where the condition falls, or begin elsewhere."
             )
 
 
 def _watched(event: diffrax.Event) -> list[tuple[Any, bool | None]]:
-    """Conditions of an event, and which way each of them counts."""
+    """Conditions of an event, and the direction in which each counts."""
     conditions = jax.tree.leaves(event.cond_fn, is_leaf=callable)
-    ways: list[Any] = jax.tree.leaves(event.direction, is_leaf=lambda one: one is None)
+    ways: list[Any] = jax.tree.leaves(event.direction, is_leaf=lambda way: way is None)
     return list(zip(conditions, ways, strict=True))
 
 
@@ -146,7 +115,7 @@ def _at_place(condition: EventCondition, place: tuple[Float[Array, ""], MotionSt
 
 
 def _comes(before: Any, after: Any, way: bool | None) -> Bool[Array, "..."]:
-    """Whether a condition comes about from one place to another."""
+    """Whether a condition is met between two places."""
     if before.dtype == bool:
         return after & ~before
     if way is None:

@@ -1,4 +1,4 @@
-"""The form in which equations of motion are integrated: as asked for, or chosen."""
+"""Choice of the form in which equations of motion are integrated, and checks of a form that a user chose."""
 
 from __future__ import annotations
 
@@ -17,52 +17,42 @@ from .drives_by_name import acted_on
 from .integrator import Integrator, is_energy_keeping
 
 FORMS = ("coordinates", "reduced", "chain", "tree")
-# From so many coordinates on, mechanisms that are no chains are solved on the host by default. Nets in the plane and
-# lattices in space take the time of dense matrices at 320 to 340, and a net of 480 half of it (benchmarks/nets.py); to
-# compile takes longer, once.
+# Mechanisms with at least this number of coordinates that are no chains use the sparse solver by default. Dense
+# matrices take equal time at 320 to 340 coordinates, and twice as long at 480 (benchmarks/nets.py); the sparse form
+# takes longer to compile.
 NET = 400
 
 
 def check_form(integrator: Integrator, controlled: bool) -> None:
-    """Refuse a form that does not exist, or that does not go with what else is asked for.
-
-    Args:
-        controlled: Whether there is a controller.
-
-    Raises:
-        ValueError: See above.
-    """
+    """Raise ValueError for an unknown form, or one that other arguments exclude."""
     form = integrator.form
     if form is not None:
         check_choice("form", form, FORMS)
     if form == "chain":
         if controlled:
-            raise ValueError('form="chain" takes no controller: leave `form` out.')
+            raise ValueError('form="chain" takes no controller. Leave `form` out.')
         for name in ("solver", "controller", "adjoint"):
             if getattr(integrator, name) is not None:
-                raise ValueError(f'form="chain" has its own solver and steps: leave `{name}` out, or `form`.')
+                raise ValueError(f'form="chain" has its own solver and steps. Leave `{name}` out, or `form`.')
     partly = form in ("reduced", "tree")
     if controlled and partly:
         raise ValueError('A controller needs form="coordinates".')
     if (controlled or partly) and is_energy_keeping(integrator.solver):
-        raise ValueError('EnergyKeeping() needs form="coordinates" and no controller: take GeneralizedAlpha().')
+        raise ValueError('EnergyKeeping() needs form="coordinates" and no controller. Use GeneralizedAlpha().')
     if integrator.event is not None and form == "tree":
-        raise ValueError('An event sees the state of all coordinates: it needs form="coordinates".')
+        raise ValueError('An event reads the state of all coordinates. It needs form="coordinates".')
 
 
 def chosen_form(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
 ) -> tuple[str, Levels | SparseOrder | None, Tree | None]:
-    """The form, with the order of the unknowns for "chain" and the beams whose last ends are computed for "tree".
+    """Form, the order of the unknowns for "chain", and the beams with computed last ends for "tree".
 
     Args:
-        integrator: As checked.
-        controlled: Whether there is a controller.
-        jumps: Times at which loads jump, or None.
-        numbers: What else may be traced.
+        numbers: Other values that may be traced.
 
     Raises:
-        ModelError: The form that is asked for does not apply.
+        ModelError: The form that the user chose does not apply.
     """
     form, top = integrator.form, model.topology
     if form in (None, "chain"):
@@ -76,8 +66,8 @@ def chosen_form(
             return "tree", None, tree
         if form == "tree":
             raise ModelError(
-                'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, in a'
-                " mechanism whose connections are not traced. Leave `form` out, and what serves is chosen."
+                'form="tree" needs a spectral beam with FIXED closure whose far node is free and closes no loop, and'
+                " connections that are not traced. Leave `form` out: flexmb chooses a form that applies."
             )
     return form or "coordinates", None, None
 
@@ -85,7 +75,7 @@ def chosen_form(
 def _order(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
 ) -> Levels | SparseOrder | None:
-    """Order of the unknowns of a chain or a net, None where the form "chain" is not taken."""
+    """Order of the unknowns of a chain or a net; None if another form is chosen."""
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
     if why is None and not is_concrete(top):
@@ -96,9 +86,11 @@ def _order(
     if asked and why is not None:
         raise ModelError(f'form="chain" does not apply: {why}. Leave `form` out.')
     options = (integrator.solver, integrator.controller, integrator.adjoint)
-    if not asked and (why is not None or controlled or any(one is not None for one in options)):
+    if asked:
+        return order_of(top)
+    if why is not None or controlled or any(option is not None for option in options):
         return None
-    if not asked and top.x.free.shape[0] < LARGE:
+    if (size := top.x.free.shape[0]) < LARGE:
         return None
     order = order_of(top)
-    return None if not asked and isinstance(order, SparseOrder) and top.x.free.shape[0] < NET else order
+    return None if isinstance(order, SparseOrder) and size < NET else order

@@ -1,4 +1,4 @@
-"""A word where a rotation in space that is measured passes a full turn, where it jumps."""
+"""Warn when a measured rotation in space passes a full turn. The measured angle jumps by 2 pi there."""
 
 from typing import Any
 
@@ -13,47 +13,43 @@ from ..mechanics.signals import terms_of
 from ..model.model import Signal
 from .motion import Motion
 
-# A jump is one of two turns; half of another is left to what the trapezoidal rule makes of the angular velocity.
+# A jump is two turns; the rest is left to errors of the trapezoidal rule for the angular velocity [rad].
 JUMP = 3 * np.pi
-# A jump is seen by an output whose axis it is by more than this [rad].
+# Smallest component of a jump about the axis of an output that is warned of [rad].
 SEEN = 0.1
 
 
 def warn_of_full_turns(motion: Motion, whence: Any) -> None:
-    """Warn of outputs that are rotations about axes in space where they jump: past a full turn from where they count.
+    """Warn of outputs that are rotations about axes in space and jump past a full turn.
 
-    They are components of a rotation vector, which is told within a full turn to either side. That one was passed
-    between two times is seen by the angular velocity at both: the vector does not change by what was turned. Where a
-    motion begins beyond a turn, or passes one between two times at which it rests, nothing is seen.
-
-    Args:
-        motion: Motion; nothing is looked at where it is traced.
-        whence: Nodal coordinates that rotations are counted from, (n_x,) [m, rad, -].
+    The outputs are components of a rotation vector, which is unique within a full turn to either side. Compared are its
+    change between two times and the mean angular velocity. Turns before the start, or between two times at rest, are
+    not found. `whence` are the nodal coordinates from which rotations are counted.
     """
     outputs = motion.labels.outputs
     asked = {s.name: [p for p in terms_of((s,)) if p.axis is not None and p.quantity == "position"] for s in outputs}
     if not any(asked.values()) or not is_concrete((motion.t, motion.x, motion.xd, whence)):
         return
-    t, x, xd, whence = (np.asarray(own) for own in (motion.t, motion.x, motion.xd, whence))
-    # What failed ends before its last time.
-    there = np.all(np.isfinite(x), axis=1)
-    t, x, xd = t[there], x[there], xd[there]
-    found = [f"'{name}'" for name, parts in asked.items() if any(_jumps(t, x, xd, whence, part) for part in parts)]
-    if found:
+    t, x, xd, whence = (np.asarray(array) for array in (motion.t, motion.x, motion.xd, whence))
+    # A failed motion ends before its last time.
+    finite = np.all(np.isfinite(x), axis=1)
+    t, x, xd = t[finite], x[finite], xd[finite]
+    jumping = [f"'{name}'" for name, parts in asked.items() if any(_jumps(t, x, xd, whence, part) for part in parts)]
+    if jumping:
         warn(
-            f"What {among(found)} measures passes a full turn along this motion, and a rotation about an axis in space"
-            " is told within one to either side alone: beyond it what is measured jumps. Measure a hinge, whose angle"
-            " is counted past full turns: output('hinge', 1)."
+            f"Output {among(jumping)} passes a full turn along this motion. A rotation about an axis in space is known"
+            " within one turn to either side: beyond, the output jumps. Measure a hinge, whose angle is counted past"
+            " full turns: output('hinge', 1)."
         )
 
 
 def _jumps(t: np.ndarray, x: np.ndarray, xd: np.ndarray, whence: np.ndarray, part: Signal) -> bool:
-    """Whether a rotation, by Euler parameters and their rates at times, passes a full turn."""
-    own = slice(part.index, part.index + 4)
-    lam, rate, start = x[:, own], xd[:, own], whence[None, own]
+    """Whether a rotation, from Euler parameters and their rates at times, passes a full turn."""
+    euler = slice(part.index, part.index + 4)
+    lam, rate, start = x[:, euler], xd[:, euler], whence[None, euler]
 
-    def between(of: Any, one: Any) -> Any:
-        return compose_turns(CONJUGATE * one, of) if part.local else compose_turns(of, CONJUGATE * one)
+    def between(turn: Any, start: Any) -> Any:
+        return compose_turns(CONJUGATE * start, turn) if part.local else compose_turns(turn, CONJUGATE * start)
 
     since = between(lam, start)
     size = np.linalg.norm(since[:, 1:], axis=1, keepdims=True)

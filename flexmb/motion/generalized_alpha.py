@@ -14,13 +14,13 @@ from .term import MotionTerm, equations_of
 
 
 class GeneralizedAlpha(SecondOrderSolver):
-    """Generalised-alpha method: second order, with as much damping of what a step does not resolve as wanted.
+    """Generalised-alpha method: second order, with adjustable damping of vibrations that steps do not resolve.
 
-    The constraints hold at the positions of every step; after it the velocities are brought onto them too.
+    The positions of each step satisfy the constraints; afterwards its velocities are projected onto them.
 
     Attributes:
-        radius: Share of an unresolved oscillation that is left after a step, from 0 to 1 [-]; 1 is the trapezoidal
-            rule, which keeps all of it and may gain energy where bodies turn.
+        radius: Share of an unresolved vibration that is left after a step, from 0 to 1 [-]; 1 is the trapezoidal rule,
+            which keeps all of it and may gain energy when bodies turn.
 
     Source:
         Chung, Hulbert (1993), J. Applied Mechanics 60, 371; with constraints: Arnold, Bruels (2007), Multibody System
@@ -30,7 +30,7 @@ class GeneralizedAlpha(SecondOrderSolver):
     radius: float = 0.8
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Accelerations and multipliers at the start, and the mean accelerations that the method carries.
+        """Return accelerations and multipliers at the start, and the mean accelerations of the method.
 
         Args:
             terms: Equations of motion.
@@ -53,7 +53,7 @@ class GeneralizedAlpha(SecondOrderSolver):
         solver_state: Any,
         made_jump: Any,
     ):
-        """One step.
+        """Return the result of one step.
 
         Args:
             terms: Equations of motion.
@@ -61,7 +61,7 @@ class GeneralizedAlpha(SecondOrderSolver):
             t1: End [s].
             y0: State at the begin.
             args: Not used.
-            solver_state: Of :meth:`init`.
+            solver_state: From :meth:`init`.
             made_jump: Not used.
         """
         equations, h, n = equations_of(terms), t1 - t0, y0.u.shape[0]

@@ -1,4 +1,4 @@
-"""How a simulation goes from step to step: solver, tolerances, step sizes, and where it ends."""
+"""Options of a simulation's steps: solver, tolerances, step sizes, and the end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def is_energy_keeping(solver: Any) -> bool:
-    """Whether a solver is ``EnergyKeeping()``, which is loaded where a solver is given alone."""
+    """Whether a solver is ``EnergyKeeping()``, without loading it by default."""
     if solver is None:
         return False
     from .energy_keeping import EnergyKeeping
@@ -24,36 +24,39 @@ def is_energy_keeping(solver: Any) -> bool:
 
 
 class Integrator(Record):
-    """How to integrate a motion; each may be given to :func:`simulate` as a keyword too.
+    """Options of time integration. :func:`simulate` accepts each attribute as a keyword too.
 
     Attributes:
-        form: "coordinates": all nodal coordinates, with a multiplier for each constraint, brought back onto the
-            constraints after every step; no choice of degrees of freedom can fail on the way. "tree": the same, but
-            that the last ends of spectral beams are computed from their first ends and strains wherever they close no
-            loop. "reduced": the degrees of freedom, from which the rest follows in every evaluation; fewer unknowns,
-            but it fails at a dead point. "chain": all coordinates of many elements, chains and nets alike, without
-            matrices of the size squared; it is differentiated in reverse mode, but where loads jump or an event ends
-            the motion. None: "chain" where there are many beams and it applies; "tree"
-            where there are such beams and no controller, event or ``EnergyKeeping()``, which need all coordinates; or
-            "coordinates".
-        rtol: Largest error of a displacement in one step, over the greatest displacement so far, or over half the
-            mechanism's extent (half a radian) where that is less. What comes together over a motion is of the same size
-            where it is damped or short, and more where it is neither (``benchmarks/stability.py``). Small deformations
-            beside a large motion want a smaller one. Energy that a step gains or loses although no force does that work
-            is at most 3 rtol of the greatest kinetic plus elastic energy.
-        atol: Part of that error which is allowed of a mechanism that has not moved, as share of its extent, and in
-            radians; by default just above round-off.
-        solver: Solver of diffrax, or one of ours: ``Rodas5P()``, for stiff motion, unless given; of fixed steps
+        form: Coordinates of the equations:
+
+            - "coordinates": all nodal coordinates with a multiplier for each constraint, projected onto the constraints
+              after each step. No choice of degrees of freedom can fail on the way.
+            - "tree": the same, but the last ends of spectral beams that close no loop are computed from first ends and
+              strains. Not with a controller, an event or ``EnergyKeeping()``.
+            - "reduced": the degrees of freedom, which determine the others in each evaluation. Fewer unknowns, but
+                fails
+              at a dead point.
+            - "chain": all coordinates of many elements, without dense matrices. Not differentiable in reverse mode if
+              loads jump or an event ends the motion.
+            - None: "chain" for many beams, else "tree", if they apply; otherwise "coordinates".
+        rtol: Largest error of a displacement in one step, over the greatest displacement so far, but at least over half
+            the mechanism's extent (half a radian). The accumulated error is of the same size if the motion is damped or
+            short, otherwise larger (``benchmarks/stability.py``). Use a smaller value for small deformations beside a
+            large motion. A step may gain or lose at most 3 rtol of the greatest kinetic plus elastic energy without
+            work by a force.
+        atol: Error allowed without displacement, as share of the extent and in radians; by default just above
+            round-off.
+        solver: Solver of diffrax, or of flexmb: ``Rodas5P()``, for stiff motion (default); with fixed steps
             ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
-        controller: Step size controller of diffrax, in place of the one of rtol and atol, or of fixed steps.
-        dt0: First step, or the step of a solver of fixed steps [s].
-        adjoint: How diffrax differentiates; reverse mode unless given, ``diffrax.ForwardMode()`` for forward mode.
-        event: Event of diffrax that ends the motion; later times are then given as not finite. Without a root finder
-            the motion ends with its step. A condition of time and state is looked at at 17 places of each step, unless
-            steps are of equal length or by a ``controller`` of yours: then where steps end alone. It sees t and y,
-            where y.u are displacements of the coordinates that move, in extents of the mechanism: y.u[0] is zero where
-            the first of them passes its undeformed place.
-        max_steps: Most steps to take, with ``progress`` in each part.
+        controller: Step size controller of diffrax that replaces control by rtol and atol, or fixed steps.
+        dt0: First step, or the fixed step [s].
+        adjoint: How diffrax differentiates: by default in reverse mode, with ``diffrax.ForwardMode()`` forward.
+        event: Event of diffrax that ends the motion; rows of later times are not finite. Without a root finder the
+            motion ends with its step. A condition of time and state is evaluated at 17 places of each step; with fixed
+            steps or a `controller` only at ends of steps. Its arguments are t and y; y.u are displacements of the
+            coordinates that move, in extents of the mechanism: y.u[0] is zero when the first of them passes its
+            undeformed place.
+        max_steps: Largest number of steps; with ``progress`` in each part.
     """
 
     form: Literal["coordinates", "reduced", "chain", "tree"] | None = static(default=None)
@@ -67,34 +70,34 @@ class Integrator(Record):
     max_steps: int = static(default=200_000)
 
     def checked(self, *, jumps: bool) -> Integrator:
-        """The same with its numbers as arrays, and with a solver that keeps the constraints.
+        """Return a copy with numbers as arrays, and with a solver that satisfies the constraints.
 
         Args:
             jumps: Whether loads jump.
 
         Raises:
-            ValueError, TypeError: See :func:`simulate`.
+            ValueError, TypeError: As :func:`simulate`.
         """
         check_number("rtol", self.rtol, above=0)
         check_number("atol", self.atol, least=0)
         if self.dt0 is not None:
             check_number("dt0", self.dt0, above=0)
         named = ("solver", "controller", "adjoint", "event")
-        # The library of solvers takes long to load: the default needs it for derivatives alone.
+        # diffrax takes long to load. The default needs it for derivatives alone.
         by_default = all(getattr(self, name) is None for name in named)
         solver = None if by_default else self._checked_solver(jumps)
         return dataclasses.replace(
             self,
             rtol=as_floats(self.rtol),
             atol=as_floats(self.atol),
-            # Zero stands for none, so that parts with a given first step and those without are one program.
+            # Zero means none, so that parts with and without a given first step share one program.
             dt0=as_floats(0.0 if self.dt0 is None else self.dt0),
             solver=solver,
             max_steps=check_whole("max_steps", self.max_steps, 1),
         )
 
     def _checked_solver(self, jumps: bool) -> diffrax.AbstractSolver | None:
-        """The solver, one that keeps the constraints; it and what goes with it are refused as :meth:`checked` says."""
+        """A solver that satisfies the constraints; raise for a wrong solver, controller, adjoint or event."""
         import diffrax
 
         from .projected import Projected
@@ -113,9 +116,7 @@ class Integrator(Record):
         if not isinstance(solver, diffrax.AbstractAdaptiveSolver | None) and self.controller is None:
             name = type(solver).__name__
             if self.dt0 is None:
-                raise ValueError(f"{name} takes steps of one size: say which with `dt0`.")
+                raise ValueError(f"{name} takes steps of one size. Give the size as `dt0`.")
             if jumps:
-                raise ValueError(
-                    f"{name} would step over the jumps of the loads: give `controller=diffrax.StepTo(..)`."
-                )
+                raise ValueError(f"{name} would pass over jumps of the loads. Give `controller=diffrax.StepTo(..)`.")
         return solver if isinstance(solver, MotionSolver | Projected | None) else Projected(solver)

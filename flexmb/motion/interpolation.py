@@ -1,4 +1,4 @@
-"""Motion between two steps."""
+"""Interpolation between two steps of a motion."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -11,17 +11,7 @@ from .stages import between
 
 
 class MotionInterpolation(diffrax.AbstractLocalInterpolation):
-    """Positions and velocities between two steps, Hermite polynomials of order three in each.
-
-    Attributes:
-        t0: Begin [s].
-        t1: End [s].
-        y0: State at the begin.
-        y1: State at the end.
-        a0: Accelerations at the begin, (n,) [1/s^2].
-        a1: Accelerations at the end, (n,) [1/s^2].
-        within: State at a time, of the times, states and accelerations at both ends.
-    """
+    """Positions and velocities between two steps: Hermite polynomials of order three in each."""
 
     t0: Any  # pyright: ignore[reportIncompatibleVariableOverride]
     t1: Any  # pyright: ignore[reportIncompatibleVariableOverride]

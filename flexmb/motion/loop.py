@@ -1,4 +1,4 @@
-"""Controllers around a mechanism: python-control systems and functions, as feedback for a simulation."""
+"""Controllers as feedback around a mechanism in a simulation."""
 
 from __future__ import annotations
 
@@ -18,105 +18,86 @@ from ..compilation.program import captured
 from ..compilation.record import Record
 from ..errors import ModelError, first_line, warn
 from ..mechanics.signals import combined, terms_of
-from ..model.model import MOTIONS, Model, Signal
+from ..model.model import MOTIONS, Model
 from .controlled_form import ControlledForm, Feedback, PortPlaces, driven_by_inputs
 from .controllers import Sampled, check_sizes, connected, controller_of
 from .coordinates_form import CoordinatesForm
 
-# From so many coordinates on, a controlled motion takes tens of seconds: 10 ms a step, a thousand steps or more.
+# With this number of coordinates a controlled motion takes tens of seconds: 1000 or more steps of 10 ms.
 MANY = 60
 
 
 class Loop(Record):
-    """Controller around a mechanism in a simulation; each may be given to :func:`simulate` as a keyword too.
+    """Controller around a mechanism in a simulation. :func:`simulate` accepts each attribute as a keyword too.
 
     Attributes:
         control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace`` or proper
-            ``control.TransferFunction``, continuous or sampled (with dt, its output held from sample to sample), a
-            function ``u = control(t, y)``, a :class:`Feedback`, or a :class:`Sampled`, such as the functions of
-            :mod:`flexmb.control` make. Where a system bears the names of inputs and outputs of the model it is
-            connected by them, else in their order.
-        reference: Wanted outputs as function of time; the controller then sees reference - y. Without it, y.
+            ``control.TransferFunction``, continuous or sampled (with dt; its output is held between samples), a
+            function ``u = control(t, y)``, a :class:`Feedback`, or a :class:`Sampled`; functions of
+            :mod:`flexmb.control` make some. A system with the names of the model's inputs and outputs is connected by
+            name, others by order.
+        reference: Wanted outputs as a function of time; the controller reads reference - y, without it y.
     """
 
     control: Any = None
     reference: Callable | None = None
 
 
-# What controllers are made of.
+# Functions of controllers.
 FUNCTIONS = ("step", "output", "rate")
 
 
 def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., Any] | None):
-    """What a controller is given: the outputs, or how far they are from the wanted ones."""
+    """Outputs, or the reference minus the outputs."""
     if reference is None:
         return y
     wanted = reference(t)
     if wanted.shape != y.shape:
-        raise ModelError(f"`reference` gives shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
+        raise ModelError(f"`reference` returns shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
     return wanted - y
 
 
 def check_signals(model: Model, needs: str) -> None:
-    """Refuse a mechanism without inputs or outputs, with an input that is a motion, or with a locked input.
-
-    Args:
-        needs: What needs them, for the message.
-
-    Raises:
-        ModelError: See above.
-    """
+    """Raise ModelError for a mechanism without inputs or outputs, or an input that is a motion or moves nothing."""
     inputs, outputs = model.labels.inputs, model.labels.outputs
     if not inputs or not outputs:
-        raise ModelError(f"{needs} needs an input and an output of the mechanism: name them with input() and output().")
+        raise ModelError(f"{needs} needs an input and an output of the mechanism. Name them with input() and output().")
     for signal in inputs:
         moved = next((part for part in signal.terms if part.quantity in MOTIONS), None)
         if moved is not None:
             owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
             raise ModelError(
-                f"{needs} gives forces, moments and stresses, and input '{signal.name}' is the {moved.quantity} of"
-                f" something held, {owner}. Leave it out, say prescribe() of what moves, and give it as a function of"
-                f" time: motion={{'{owner}': f}}; or let a force act on a heavy support that can move."
+                f"{needs} needs inputs that are forces, moments or stresses, but input '{signal.name}' is the"
+                f" {moved.quantity} of something held, {owner}. Leave it out, and prescribe the motion as a function of"
+                f" time: prescribe() and motion={{'{owner}': f}}. Or let a force act on a heavy support that can move."
             )
     if is_concrete(model):
-        # Also within a trace of something else, such as a gain.
+        # Also within a trace of other numbers, such as a gain.
         with jax.core.eval_context():
             locked = locked_inputs(model)
         for signal in locked:
             raise ModelError(
                 f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
-                " what can move, or leave it out."
+                " something that can move, or leave it out."
             )
 
 
 def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
-    """Feedback of a controller given as python-control system, function or Feedback; None where there is none.
-
-    Args:
-        model: Mechanism with named inputs and outputs.
-
-    Raises:
-        ValueError: A reference without a controller.
-        ModelError: No inputs or outputs, sizes that do not agree, a sampled controller without an interval, an input
-            that is a motion.
-
-    Warns:
-        FlexmbWarning: The mechanism has more coordinates than a controlled motion is quick with.
-    """
+    """Feedback of a controller around a mechanism with named inputs and outputs; None without a controller."""
     control, reference = loop.control, loop.reference
     if control is None:
         if reference is not None:
-            raise ValueError("Argument `reference` is what a controller follows: give `control` too.")
+            raise ValueError("Argument `reference` needs a controller. Give `control` too.")
         return None
     inputs, outputs = ([s.name for s in signals] for signals in (model.labels.inputs, model.labels.outputs))
     check_signals(model, "A controller")
     moving = model.topology.n_x - model.topology.x.fixed.shape[0]
     if moving >= MANY:
         warn(
-            f"A controller acts on a mechanism of {moving} coordinates: each step solves for all of them, and a sudden"
-            " action takes many steps, since it excites the stiffest elements. `fm.lean(model, bandwidth=...).model`"
-            " is a model with fewer degrees of freedom. For small motions"
-            " `control.feedback(fm.to_statespace(model, modes=...) * controller)` is quicker still."
+            f"A controller acts on a mechanism of {moving} coordinates: each step solves for all of them. A sudden"
+            " action takes many steps, since it excites the stiffest elements. For fewer degrees of freedom use"
+            " `fm.lean(model, bandwidth=...).model`. For small motions"
+            " `control.feedback(fm.to_statespace(model, modes=...) * controller)` is faster still."
         )
     controller = controller_of(control)
     if hasattr(control, "D") or hasattr(control, "num"):
@@ -135,28 +116,23 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
 
 
 def _now(controller: Feedback | Sampled, count: int):
-    """A controller with its functions as they are at this call, for so many outputs of the mechanism."""
+    """Controller with its functions captured at this call, for a number of outputs of the mechanism."""
     check_real("The `start` of the controller", controller.start, ModelError)
-    # Names and windup are used up; left in, they would only split the compilation cache.
+    # Names and windup are used before; left in, they would only split the compilation cache.
     plain = dataclasses.replace(controller, windup=None, reads=None, drives=None)
     return with_functions(plain, count, **{name: getattr(controller, name, None) for name in FUNCTIONS})
 
 
 def with_functions(controller: Feedback | Sampled, count: int, **functions: Any):
-    """Return a controller with other functions, taken as they are at this call.
-
-    Args:
-        controller: For so many outputs of the mechanism.
-        functions: By name, of those that it has.
-    """
+    """Controller with other functions by name, captured at this call, for a number of outputs of the mechanism."""
     states = jnp.zeros(0) if controller.start is None else controller.start
     like = (jax.ShapeDtypeStruct((), jnp.float64), states, jax.ShapeDtypeStruct((count,), jnp.float64))
-    own = {name: f for name, f in functions.items() if getattr(controller, name, None) is not None}
-    return dataclasses.replace(controller, **{name: captured(f, *like) for name, f in own.items()})
+    existing = {name: f for name, f in functions.items() if getattr(controller, name, None) is not None}
+    return dataclasses.replace(controller, **{name: captured(f, *like) for name, f in existing.items()})
 
 
 def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
-    """Refuse a sampled controller that takes no time, or whose step does not give inputs and a state like its start."""
+    """Refuse a sampled controller without a period, or whose step does not return inputs and a state like its start."""
     check_number("period", control.period, above=0)
     start = jax.tree.map(lambda leaf: as_reals("The `start` of the controller", leaf, ModelError), control.start)
     try:
@@ -165,11 +141,11 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
         first = first_line(fault)
         raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
     if not isinstance(given, tuple) or len(given) != 2:
-        raise ModelError("The step of the sampled controller must give the inputs and the state that follows.")
-    check_real("What the step of the sampled controller gives", given, ModelError)
+        raise ModelError("The step of the sampled controller must return the inputs and the next state.")
+    check_real("The result of the step of the sampled controller", given, ModelError)
     shapes = [jax.tree.map(jnp.shape, part) for part in (start, given[1])]
     if jax.tree.structure(start) != jax.tree.structure(given[1]) or shapes[0] != shapes[1]:
-        raise ModelError(f"The step of the sampled controller gives a state {shapes[1]}, but it starts as {shapes[0]}.")
+        raise ModelError(f"The step of the sampled controller returns a state {shapes[1]}, but starts at {shapes[0]}.")
     u = jax.tree.map(jnp.shape, given[0])
     if u != (inputs,) and not (u == () and inputs == 1):
         raise ModelError(f"The controller gives shape {u}, but the mechanism has {inputs} inputs.")
@@ -180,21 +156,21 @@ def _nothing(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
 
 
 def _places(model: Model) -> PortPlaces:
-    """What the inputs act on and the outputs measure."""
+    """Indices of what the inputs act on and the outputs measure."""
     labels, weights = model.labels, model.parameters.weights
-    found: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
+    indices: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
     for place, signal in enumerate(terms_of(labels.inputs)):
         if signal.quantity in MOTIONS:
-            # What is prescribed follows such an input, and no force is known.
+            # A prescribed motion follows such an input; its force is unknown.
             continue
         if signal.axis is None:
-            found[signal.quantity].append((signal.index, place))
+            indices[signal.quantity].append((signal.index, place))
         else:
-            found["local moment" if signal.local else "moment"].append((signal.index, place, signal.axis))
+            indices["local moment" if signal.local else "moment"].append((signal.index, place, signal.axis))
     outputs = terms_of(labels.outputs)
 
     def columns(kind: str, size: int):
-        return jnp.asarray(np.array(found[kind], int).reshape(-1, size).T)
+        return jnp.asarray(np.array(indices[kind], int).reshape(-1, size).T)
 
     return PortPlaces(
         forces=columns("force", 2),
@@ -205,12 +181,14 @@ def _places(model: Model) -> PortPlaces:
         axes=jnp.array([s.axis or 0 for s in outputs], int),
         read=None if weights is None else combined(labels.outputs, weights[1]),
         mix=None if weights is None else combined(labels.inputs, weights[0]).T,
-        quantities=tuple(_quantity(s) for s in outputs),
+        quantities=tuple(
+            s.quantity if s.axis is None else ("local " if s.local else "") + TURNED[s.quantity] for s in outputs
+        ),
         inputs=len(labels.inputs),
     )
 
 
-# What an output that is about a rotation in space measures.
+# Quantity of an output about a rotation in space.
 TURNED = {
     "position": "rotation",
     "velocity": "angular velocity",
@@ -219,39 +197,19 @@ TURNED = {
 }
 
 
-def _quantity(signal: Signal) -> str:
-    """What an output is, a rotation in space told from a coordinate."""
-    if signal.axis is None:
-        return signal.quantity
-    return f"local {TURNED[signal.quantity]}" if signal.local else TURNED[signal.quantity]
-
-
 def under_inputs(model: Model, form: CoordinatesForm, u: Float[Array, "n_u"]) -> CoordinatesForm:
-    """Equations of motion under given inputs.
-
-    Args:
-        u: Inputs, (n_u,), or (0,) for none.
-    """
+    """Equations of motion under given inputs."""
     return driven_by_inputs(form, _places(model), u) if u.shape[0] else form
 
 
 def controlled_form(
     model: Model, form: CoordinatesForm, feedback: Feedback, start: Float[Array, "n_x"] | None
 ) -> ControlledForm:
-    """Equations of motion of a mechanism with a controller.
-
-    Args:
-        start: See :func:`measuring`.
-    """
+    """Equations of motion of a mechanism with a controller; `start` as for :func:`measuring`."""
     return dataclasses.replace(measuring(model, form, start), feedback=feedback)
 
 
 def measuring(model: Model, form: CoordinatesForm, start: Float[Array, "n_x"] | None) -> ControlledForm:
-    """A mechanism with its sensors and actuators, whose inputs nothing gives.
-
-    Args:
-        start: Nodal coordinates from which rotations in space are measured, (n_x,) [m, rad, -]; None: the undeformed
-            mechanism.
-    """
+    """A mechanism with sensors and actuators, without inputs; rotations in space are measured from `start`."""
     whence = form.parameters.reference if start is None else start
     return ControlledForm(form, Feedback(_nothing), _places(model), whence)

@@ -196,7 +196,7 @@ def test_an_event_that_is_none_or_holds_at_the_start_is_told(mass):
 
     with pytest.raises(ValueError, match="condition of `event` is no number at the start, t = 0 s"):
         fm.simulate(mass, TIMES, event=diffrax.Event(lambda t, y, args, **_: jnp.nan * t))
-    with pytest.warns(fm.FlexmbWarning, match="holds at the start, so that the motion ends there"):
+    with pytest.warns(fm.FlexmbWarning, match="holds at the start. The motion ends there"):
         found = fm.simulate(mass, TIMES, event=diffrax.Event(lambda t, y, args, **_: t > -1))
     x = np.asarray(found.at("m")[:, 0])
     assert np.isfinite(x[0])

@@ -227,7 +227,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.saturated(LAG, [[1.0, -1.0]]), "least must be below"),
         (lambda: fm.control.saturated(LAG, [-1.0, 1.0]), r"has shape \(2,\)"),
         (lambda: fm.control.saturated(INTEGRATOR * INTEGRATOR, 1.0, tracking=0.1), "in a chain"),
-        (lambda: fm.control.saturated(control.tf([1, 0, 0], [1, 1]), 1.0), "A proper one has"),
+        (lambda: fm.control.saturated(control.tf([1, 0, 0], [1, 1]), 1.0), "It must be proper"),
         (lambda: fm.control.saturated(control.nlsys(None, lambda t, x, u, p: u, inputs=1, outputs=1), 1.0), "must be"),
         (lambda: fm.control.delayed(LAG.sample(0.1), 0.25), "whole samples of 0.1 s, and 0.25 s are 2.5"),
         (lambda: fm.control.delayed(LAG.sample(0.1), 0.2, order=2), "`order` is for a continuous"),

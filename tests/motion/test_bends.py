@@ -132,5 +132,5 @@ def test_a_law_made_of_a_table_is_no_prescribed_motion():
     b.mass("cart", 1.0)
     model, table = b.build(), Table(np.array([0.0, 0.2, 0.4]), np.array([0.0, 0.01, 0.0]))
     for value in (table, fm.trajectory.zv(table, 2.0)):
-        with pytest.raises(fm.ModelError, match="whose velocity jumps"):
+        with pytest.raises(fm.ModelError, match="Its velocity jumps"):
             fm.simulate(model, TIMES, motion={"foot.x": value})

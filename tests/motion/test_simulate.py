@@ -205,7 +205,7 @@ def test_sampled_loop_of_a_linear_mechanism_is_that_of_control():
     np.testing.assert_allclose(found.at("mass")[::2, 0] - 1.0, 0.01 * np.asarray(expected), atol=1e-7)
     # Held in between.
     np.testing.assert_array_equal(found.u[:-1:2], found.u[1::2])
-    with pytest.raises(fm.ModelError, match="sampled, but says not how often"):
+    with pytest.raises(fm.ModelError, match="sampled, but has no interval"):
         fm.simulate(model, times, control=control.ss([], [], [], [[1.0]], True))
 
 
