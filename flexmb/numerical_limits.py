@@ -86,6 +86,59 @@ STEADY_EQUATIONS = 1e-6
 SMALL_DIAGONAL = 1e-8
 """Diagonal entries below this share of the largest do not scale a comparison of matrices: it would show round-off."""
 
+SAME_TIME = 1e-9
+"""A time is one of the output times within this share of the largest time."""
+
+REUSED_FACTORS = 0.2
+"""A time step keeps its factorised matrix while each iteration reduces the change at least to this share."""
+
+STEP_CONVERGED = 1e-14
+"""Displacements over their sizes change by less than this when a time step is solved."""
+
+STEP_STALLED = 1e-10
+"""An iteration that stalls below this change, at round-off, counts as solved too."""
+
+WHOLE_STEPS = 1e-9
+"""A time is a whole number of steps or samples within this share of one step: times are often sums of steps."""
+
+ROOT_FINDER = 1e-3
+"""Tolerance of the root finder of an implicit solver, as share of the relative tolerance of a step."""
+
+ENERGY_OF_MOTION = 100.0
+"""A motion that gains or loses more than this times its relative tolerance of energy without a cause is reported."""
+
+ENERGY_ROUND_OFF = 1e-8
+"""Smaller shares of the greatest energy are round-off. Four bars that pass their singular position at rtol 1e-11 end at
+1.2e-9 (tests/motion/test_simulate.py), since their constraint forces are large there."""
+
+SOON_AFTER_START = 1e-3
+"""An event condition that is zero at the start is evaluated again after this share of the time."""
+
+SETTLED_START = 1e-9
+"""Held deformations of a driven start are met within this share of the mechanism's extent, or radians."""
+
+MOVED_START = 1e-6
+"""Drives that move the start by less than this share of the extent, or of the largest rate, are not reported."""
+
+LARGE_DISPLACEMENT = 0.5
+"""Displacement beyond which the tolerance of a step stays constant (extents, radians)."""
+
+RAN_AWAY = 1e8
+"""A motion that comes this far (extents, radians) runs away: it would end in infinity after very many steps."""
+
+SMALLEST_STEP = 1e-12
+"""Smallest step, as share of the time: shorter steps do not advance the time."""
+
+SUDDEN_OVER_USUAL = 5.0
+"""A function of time changes suddenly where its second difference exceeds this times the usual one."""
+
+SUDDEN_BEND = 1e-6
+"""Smallest second difference of a sudden change, over the range of the function. Changes that take a seventh of the
+time stay below; no step misses them."""
+
+JUMP_OF_RANGE = 0.02
+"""A function of time jumps if it changes by more than this share of its range between two of the compared times."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

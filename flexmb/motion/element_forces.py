@@ -48,7 +48,7 @@ class PreparedBlock(Record):
         """Values of ``function(f, *along_el)`` for all elements, with ``f(x_el) -> (e_el, s_el)``."""
         rest = (near[self.e], *self.kept) if self.counts else self.kept
 
-        def one(rest: tuple[Array, ...], *along: Any):
+        def of_element(rest: tuple[Array, ...], *along: Any):
             return function(lambda x: self.function(x, *rest), *along)
 
         return jax.vmap(of_element)(rest, *along)
@@ -92,7 +92,7 @@ def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Ar
 def _jacobian(f: Callable[..., Any]):
     """Function from coordinates to values and Jacobians, coordinates last."""
 
-    def found(x: Float[Array, "c"]):
+    def with_jacobian(x: Float[Array, "c"]):
         def twice(x: Float[Array, "c"]):
             y = f(x)
             return y, y

@@ -68,7 +68,8 @@ def passing_of(event: diffrax.Event | None, controls: int) -> Passing | None:
     if event is None:
         return None
     watched = [pair for pair in _watched(event) if isinstance(pair[0], EventCondition)]
-    return Passing(*zip(*watched, strict=True), controls) if watched else None
+    conditions, ways = (tuple(part) for part in zip(*watched, strict=True)) if watched else ((), ())
+    return Passing(conditions, ways, controls) if watched else None
 
 
 def as_it_is(event: diffrax.Event, t: Float[Array, ""], like: MotionState) -> diffrax.Event:

@@ -1,4 +1,4 @@
-"""Result of a simulation: where everything was at the times asked for, and what follows from that."""
+"""Result of a simulation: positions and velocities at the given times, and quantities that follow from them."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
+from ..numerical_limits import SAME_TIME
 from ..questions.over_states import Along
 from ..results import told
 from .chain_form import chain_form
@@ -43,32 +44,28 @@ from .element_forces import Moving
 from .loop import under_inputs
 from .moving_matrices import moving_matrices
 
-# A time is one of the output times where it differs from it by at most this share of the largest.
-SAME_TIME = 1e-9
-
 
 class Motion(ByName, Along, Labelled, Record):
-    """Motion of a mechanism at the times asked for.
+    """Motion of a mechanism at the given times.
 
-    Accelerations, stress resultants and forces are not stored: what is asked of them computes them by :meth:`observe`,
-    each time anew. ``seen = motion.observe()`` computes them once, and is asked by name as the motion is.
+    Accelerations, stress resultants and forces are not stored: :meth:`observe` computes them at each question. To
+    compute them once, use ``seen = motion.observe()`` and ask it by name.
 
     Attributes:
         t: Times, (n_t,) [s].
         x: Nodal coordinates, (n_t, n_x) [m, rad, -].
         xd: Their velocities, (n_t, n_x) [1/s].
         near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
-        u: Inputs that a controller gave, (n_t, n_u), (n_t, 0) without one [N, N m].
-        steps: Number of time steps taken, refused ones included.
+        u: Inputs from a controller, (n_t, n_u), (n_t, 0) without a controller [N, N m].
+        steps: Number of time steps, refused ones included.
         result: Code of RESULTS.
         driven: What depended on time.
         model: Mechanism.
-        form: Form of the equations that was integrated.
+        form: Form of the equations.
         solver: Name of the solver.
-        energy_error: Greatest energy that was gained or lost although no force did that work, over the greatest kinetic
-            plus elastic energy, () [-]. NaN: not computed (``form="chain"``, fixed steps, a ``controller`` of yours, a
-            motion without energy; with a ``solver`` other than ``Rodas5P()`` only elements with laws are looked at,
-            where nothing is prescribed and nothing controlled).
+        energy_error: Greatest energy gained or lost without work by a force, over the greatest kinetic plus elastic
+            energy, () [-]. NaN if not computed: ``form="chain"``, fixed steps, your own ``controller``, no energy. With
+            a ``solver`` other than ``Rodas5P()`` it needs elements with laws, and nothing prescribed or controlled.
     """
 
     t: Float[Array, "n_t"]
@@ -116,13 +113,13 @@ class Motion(ByName, Along, Labelled, Record):
         return self.observe().external
 
     def until(self, count: int) -> Motion:
-        """The first of the times only.
+        """Return the motion at its first times.
 
         Args:
-            count: How many, from 0 to all.
+            count: Number of times, from 0 to all.
 
         Raises:
-            ValueError: There are not so many.
+            ValueError: There are fewer times.
         """
         if not 0 <= check_whole("count", count) <= self.t.shape[0]:
             raise ValueError(f"Argument `count` must be 0 to {self.t.shape[0]}, the number of times, but is {count}.")
@@ -130,65 +127,61 @@ class Motion(ByName, Along, Labelled, Record):
         return dataclasses.replace(self, **parts)
 
     def observe(self) -> Observed:
-        """Everything else about the motion: accelerations, deformations, stresses, reactions, energies, power.
-
-        Returns:
-            Observed.
-        """
+        """Return accelerations, deformations, stress resultants, reactions, energies and power."""
         model = self.model
         order = order_of(model.topology) if self.form == "chain" else None
         rows = (self.t, self.x, self.xd, self.near, self.u)
-        found = _observe(model.without_names(), self.driven, *rows, order)
-        return dataclasses.replace(found, labels=model.labels)
+        observed = _observe(model.without_names(), self.driven, *rows, order)
+        return dataclasses.replace(observed, labels=model.labels)
 
     def linearizations(self) -> Linearization:
-        """Linearised equations at every time; see :func:`flexmb.motion.linearize_motion`."""
+        """Return the linearised equations at all times; see :func:`flexmb.motion.linearize_motion`."""
         return self._linearized_at(slice(None))
 
     def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
-        """Linearised equations at one of the times.
+        """Return the linearised equations at one time.
 
         Args:
-            step: Number of the time, from 0; the last unless given.
-            time: The time itself [s].
+            step: Number of the time, from 0; by default the last.
+            time: The time [s]; give one of both.
 
         Raises:
-            IndexError: There are not so many times.
-            ValueError: It is none of the times, of which the nearest are named; or both are given.
+            IndexError: There are fewer times.
+            ValueError: `time` is none of the times, or both are given.
         """
         number = self.number_of(step, time)
         return self._linearized_at(slice(number, number + 1)).at_time(0)
 
     def number_of(self, step: int | None = None, time: float | None = None) -> int:
-        """Number of a state, from 0.
+        """Return the number of a state, from 0.
 
         Args:
-            step: The number, from the end where negative; the last unless given.
-            time: Time of the state [s].
+            step: The number, negative from the end; by default the last.
+            time: Time of the state [s]; give one of both.
 
         Raises:
-            IndexError: There are not so many times.
-            ValueError: It is none of the times, of which the nearest are named; or both are given.
+            IndexError: There are fewer times.
+            ValueError: `time` is none of the times, or both are given.
         """
         times = np.asarray(self.t)
         if time is not None:
             check_number("time", time)
             if step is not None:
-                raise ValueError("Arguments `step` and `time` say both which state is meant: give one of them.")
+                raise ValueError("Arguments `step` and `time` both choose a state. Give one of them.")
             near = np.argsort(np.abs(times - time), kind="stable")[:2]
             if len(near) and abs(times[near[0]] - time) <= SAME_TIME * np.max(np.abs(times)):
                 return int(near[0])
             raise ValueError(
-                f"Argument `time` must be one of the {len(times)} times of the motion, but is {short(time)} s; the"
+                f"Argument `time` must be one of the {len(times)} times of the motion, but is {short(time)} s. The"
                 f" nearest are {listed(np.sort(times[near]), 's')}. Simulate with that time among them."
             )
         count, chosen = len(times), -1 if step is None else check_whole("step", step)
         if not -count <= chosen < count:
-            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+            raise IndexError(f"There are {count} times, numbered from 0. Number {chosen} is none of them.")
         return chosen % count
 
     def stressed(self) -> Stressed:
-        """What the stress at all times is computed from, by :meth:`observe`.
+        """Return what stress at all times is computed from.
 
         Raises:
             ModelError: The motion did not reach its end.
@@ -200,14 +193,14 @@ class Motion(ByName, Along, Labelled, Record):
         return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
 
     def _refuse_not_reached(self, which: slice) -> None:
-        """Refuse times that the motion did not reach, as it was ended by an event or failed before them."""
+        """Refuse times that the motion did not reach, because an event or a failure ended it."""
         if is_concrete((self.t, self.x)):
             reached = np.all(np.isfinite(np.asarray(self.x)), axis=1)
             missing, count = np.arange(len(reached))[which][~reached[which]], int(np.sum(reached))
             if len(missing):
                 raise ModelError(
-                    f"The motion did not reach t = {short(np.asarray(self.t)[missing[0]])} s: it has {count} of"
-                    f" {len(reached)} states. Ask about one of these, or give motion.until({count})."
+                    f"The motion did not reach t = {short(np.asarray(self.t)[missing[0]])} s. It has {count} of"
+                    f" {len(reached)} states. Choose one of these, or give motion.until({count})."
                 )
 
     def _linearized_at(self, which: slice) -> Linearization:
@@ -216,11 +209,11 @@ class Motion(ByName, Along, Labelled, Record):
         return Linearization(_along(model.without_names(), self.driven, *rows), model)
 
     def states(self) -> States:
-        """The states, over time."""
+        """Return the states over time."""
         return States(self.model, self.x, "motion", self.t, "time [s]")
 
     def summary(self) -> Summary:
-        """Outcome, times and how they were computed."""
+        """Return outcome, times and solver."""
         t = np.asarray(self.t)
         rows = {
             "result": told(self.result),
@@ -232,7 +225,7 @@ class Motion(ByName, Along, Labelled, Record):
 
 
 class Observed(ByName, Result, Record):
-    """Quantities that follow from positions and velocities, at every time; asked by name as the motion is.
+    """Quantities that follow from a motion, at all times; asked by name as the motion is.
 
     Attributes:
         x: Nodal coordinates, (n_t, n_x) [m, rad, -].
@@ -242,12 +235,12 @@ class Observed(ByName, Result, Record):
         ed: Their rates, (n_t, n_e) [m/s, rad/s].
         sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
         reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
-        external: Forces that act from outside, loads but weight and the supports' together, (n_t, n_x) [N, N m].
+        external: Loads except weight, plus reactions, (n_t, n_x) [N, N m].
         kinetic: Kinetic energy, (n_t,) [J].
         elastic: Elastic energy, (n_t,) [J].
         potential: Energy of constant forces and gravity, zero in the undeformed mechanism, (n_t,) [J].
-        power: Power of all other loads, of prescribed motion, thermal expansion and prestress that is scaled, less
-            what dampers and laws take, (n_t,) [W].
+        power: Power of all other loads, of prescribed motion, thermal expansion and scaled prestress, minus the power
+            of dampers and laws, (n_t,) [W].
         labels: Names.
     """
 
@@ -267,7 +260,7 @@ class Observed(ByName, Result, Record):
     one_axis = "kinetic"
 
     def summary(self) -> Summary:
-        """Extremes over time, with the names of where they are, and the energies."""
+        """Return extremes over time with their names, and the energies."""
         entries = self.labels.x
         rows = {"times": str(len(self.kinetic))}
         for name, values, names, unit in (
@@ -276,8 +269,9 @@ class Observed(ByName, Result, Record):
             ("largest reaction", self.reactions, entries, unit_of_force),
             ("largest stress resultant", self.sigma, self.labels.e, "[N, N m]"),
         ):
-            own = np.asarray(values)
-            extreme = np.take_along_axis(own, np.argmax(np.abs(own), axis=0)[None], axis=0)[0] if len(own) else own
+            extreme = np.asarray(values)
+            if len(extreme):
+                extreme = np.take_along_axis(extreme, np.argmax(np.abs(extreme), axis=0)[None], axis=0)[0]
             rows[name] = largest(extreme, names, unit)
         for name in ("kinetic", "elastic", "potential"):
             rows[f"{name} energy"] = span(getattr(self, name), "J")
@@ -285,7 +279,7 @@ class Observed(ByName, Result, Record):
 
     @property
     def energy(self) -> Float[Array, "n_t"]:
-        """Whole energy, (n_t,) [J]; its rate is ``power``."""
+        """Total energy, (n_t,) [J]; its rate is ``power``."""
         return computed(lambda _, *parts: sum(parts), self.kinetic, self.elastic, self.potential)
 
 
@@ -299,10 +293,10 @@ def _along(
     near: Float[Array, "n_t n_e"],
     u: Float[Array, "n_t n_u"],
 ):
-    """Linearised equations at every time, under the inputs as they were then."""
+    """Linearised equations at every time, under the inputs at that time."""
     without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
-    def one(at: tuple[Array, ...]):
+    def at_one_time(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, without_inputs, u)
         state = form.state_of(x, xd, near)
@@ -310,7 +304,7 @@ def _along(
         whole = form.whole(t, state.u, state.w, z[: form.size])
         return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
 
-    return jax.lax.map(one, (t, x, xd, near, u))
+    return jax.lax.map(at_one_time, (t, x, xd, near, u))
 
 
 @jit_beside_options
@@ -329,7 +323,7 @@ def _observe(
     chain = None if order is None else chain_form(model, driven, order)
     gravity = parameters.loads.gravity
 
-    def one(at: tuple[Array, ...]):
+    def at_one_time(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         form = under_inputs(model, undriven, u)
         state = form.state_of(x, xd, near)
@@ -343,7 +337,7 @@ def _observe(
         if gravity is not None:
             potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
         stored = strain_of(topology, parameters, drive.loads, kin.e)
-        # Stress that comes of stored energy, and that energy.
+        # Stress from stored energy, and this energy.
         conservative = (undriven if chain is None else chain).elastic_stress(stored)
         elastic = 0.5 * stored @ conservative
         if is_nonlinear(topology):
@@ -351,24 +345,24 @@ def _observe(
             conservative, elastic = conservative + stress, elastic + energy
         if drive.loads.prestress is not None:
             conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
-        # All forces but inertia, springs, constant forces and gravity.
+        # All forces except inertia, springs, constant forces and gravity.
         applied = form.applied(t, whole.x)
         other = applied - (0.0 if constant is None else constant)
         held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
         reactions = jnp.where(held == 1.0, force, 0.0)
         power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
         if drive.loads.temperature is not None:
-            # What is warmed or cooled gives or takes the work of its stress.
+            # A change of temperature does the work of the stress.
             def free(t: Float[Array, ""]):
                 return free_deformations(topology, parameters, form.drive(t).loads)
 
             power = power - conservative @ jax.jvp(free, (t,), (jnp.ones_like(t),))[1]
-        if drive.loads.prestress is not None and any(own.quantity == "increment" for own in driven):
-            # Stress that grows where an element is strained stores energy without a motion.
+        if drive.loads.prestress is not None and any(drive.quantity == "increment" for drive in driven):
+            # Stress that grows in a strained element stores energy without motion.
             grown = jax.jvp(lambda t: form.drive(t).loads.prestress, (t,), (jnp.ones_like(t),))[1]
             power = power + grown @ stored
         kinetic = kinetic_energy(topology, parameters, whole.x, whole.v)
         seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
         return Observed(*seen, kinetic, elastic, potential, power, model.labels)
 
-    return jax.lax.map(one, (t, x, xd, near, u))
+    return jax.lax.map(at_one_time, (t, x, xd, near, u))

@@ -17,25 +17,14 @@ from .element_forces import Moving, acting_forces, deformed, force_derivatives
 
 
 def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
-    """Changes of the DEPENDENT coordinates that cancel changes of the held deformations and keep q.
-
-    Args:
-        rows: Changes of all deformations, (n_e, k).
-    """
+    """Changes of the DEPENDENT coordinates that cancel changes of the held deformations at constant q."""
     top = form.topology
     change = tangent.factors.solve(-rows[top.e.given])
     return jnp.zeros((top.n_x, rows.shape[1])).at[top.x.dependent].set(change)
 
 
 class DynamicBalance(NamedTuple):
-    """Forces at a state of motion.
-
-    Attributes:
-        sigma: Stress resultants, multipliers included, (n_e,).
-        force: Nodal forces less those of inertia, (n_x,).
-        jacobian: D_x, (n_e, n_x).
-        tangent: Transfer functions.
-    """
+    """Stress resultants, nodal forces minus inertia forces, D_x and transfer functions at a state of motion."""
 
     sigma: Float[Array, "n_e"]
     force: Float[Array, "n_x"]
@@ -59,31 +48,22 @@ class DynamicBalance(NamedTuple):
 
 
 def dynamic_balance(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> DynamicBalance:
-    """Forces at a state of motion, multipliers from those at the DEPENDENT coordinates.
-
-    Source:
-        THEORY.md 5, eq. (5.2) and (5.5).
-    """
+    """Forces at a state of motion, multipliers from DEPENDENT coordinates (THEORY.md 5, eq. (5.2) and (5.5))."""
     top = form.topology
     _, jacobian = deformed(form.elements, moving.x, moving.near)
     tangent = transfer(top, jacobian)
     nothing = jnp.zeros(form.held.shape[0])
     acting = acting_forces(form.elements, moving, form.falling, form.stress_of(t, nothing))
-    # The forces of inertia and the loads, without those of stress.
+    # Loads and inertia forces, without stress.
     force = form.applied(t, moving.x) - acting.force + jacobian.T @ acting.sigma
     return DynamicBalance(multipliers(top, tangent, jacobian, acting.sigma, force), force, jacobian, tangent)
 
 
 def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> tuple[Matrices, Float[Array, "n_q"]]:
-    """Linearised equations about a state of motion.
+    """Linearised equations about a state of motion, and the force out of balance (THEORY.md 6, eq. (6.4) and (6.5)).
 
-    Returns:
-        Matrices, and the force out of balance along each degree of freedom, (n_q,).
-
-    Source:
-        THEORY.md 6, eq. (6.4) and (6.5). With dx = DFx dq the change of the configuration, the velocities change by
-        DFx dqd + DFx_d dq with DFx_d = -A^-1 (D_xx v) DFx, and the accelerations by DFx dqdd + 2 DFx_d dqd + DFx_dd dq
-        with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
+    For dx = DFx dq the velocities change by DFx dqd + DFx_d dq with DFx_d = -A^-1 (D_xx v) DFx. The accelerations
+    change by DFx dqdd + 2 DFx_d dqd + DFx_dd dq with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
     x, v, a, near = moving
@@ -111,11 +91,11 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     m0, k0, c0 = z.T @ by_x.mass @ z, dfe.T @ stiffness @ dfe, z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning)
     g0 = z.T @ (curvature - loads) @ z
     finite = jnp.all(jnp.isfinite(m0)) & jnp.all(jnp.isfinite(k0 + n0 + g0)) & jnp.all(jnp.isfinite(c0))
-    # Without mass some motion has no acceleration, and none of what follows from it is known.
+    # Without mass the acceleration is unknown, and with it all that follows.
     result = jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)
     result = jnp.where(at.regular, result, RESULTS.singular_configuration)
     reactions = put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held])
-    found = Matrices(
+    matrices = Matrices(
         M0=m0,
         C0=c0,
         D0=dfe.T @ damping @ dfe,
@@ -139,7 +119,7 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
         factors=LoadFactors(jnp.ones(()), jnp.asarray(drive.increment, float)),
         turning=drive.turning,
     )
-    return found, at.residual
+    return matrices, at.residual
 
 
 def rates_at(
@@ -150,22 +130,13 @@ def rates_at(
     qd: Float[Array, "n_q"],
     speed: float | Float[Array, ""] = 1.0,
 ) -> Float[Array, "n_x"]:
-    """Velocities of all coordinates at given rates of the degrees of freedom and of what is prescribed, (n_x,).
-
-    Args:
-        form: Equations of motion in all coordinates.
-        given: What is prescribed, and its rates.
-        tangent: Transfer functions there.
-        jacobian: Derivatives of the deformations there.
-        qd: Rates of the degrees of freedom, (n_q,) [1/s].
-        speed: Factor of the rates of what is prescribed, () [-].
-    """
+    """Velocities of all coordinates at rates qd of the degrees of freedom; `speed` scales prescribed rates."""
     still = jnp.zeros(form.topology.n_e)
     return tangent.DFx @ qd + speed * _following(form, tangent, jacobian, given.v, given.ed, still)
 
 
 def _following(form: CoordinatesForm, tangent: Transfer, jacobian: Array, moved: Array, wanted: Array, rest: Array):
-    """Change of all coordinates where the prescribed ones change and the degrees of freedom do not."""
+    """Change of all coordinates when prescribed ones change at constant degrees of freedom."""
     excess = put(jnp.zeros(form.topology.n_e), form.held, -wanted) + jacobian @ moved + rest
     return correction(form.topology, tangent, excess, moved)
 
@@ -179,16 +150,7 @@ def carried(
     near: Float[Array, "n_e"],
     speed: float | Float[Array, ""] = 1.0,
 ) -> Moving:
-    """State of motion at given rates of the degrees of freedom.
-
-    Args:
-        t: Time [s].
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        qd: Rates of the degrees of freedom, (n_q,) [1/s].
-        qdd: Their second rates, (n_q,) [1/s^2].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        speed: Factor of the rates of what is prescribed, () [-].
-    """
+    """State of motion at rates of the degrees of freedom; `speed` scales prescribed rates."""
     top = form.topology
     none = jnp.zeros(form.size)
     given = form.whole(t, none, none, none)

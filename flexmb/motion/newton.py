@@ -1,4 +1,4 @@
-"""Equations of one time step, solved by a Newton method that keeps its factors as long as they serve."""
+"""Newton's method for the equations of one time step, which reuses its factors while it converges fast."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,13 +8,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..math.linear import factorise
+from ..numerical_limits import REUSED_FACTORS, STEP_CONVERGED, STEP_STALLED
 
-# The factorised matrix is kept as long as each iteration brings down the change to this share of the one before.
-SERVES = 0.2
-# Displacements over their sizes change by less than this once a step is solved; what stalls at round-off below the
-# second number counts as solved too.
-CHANGE = 1e-14
-ROUND_OFF = 1e-10
+# Largest number of iterations.
 MOST = 40
 
 
@@ -26,32 +22,26 @@ def solve_step(
     positions: int,
     lever: Float[Array, ""],
 ) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
-    """Accelerations and multipliers of one time step.
+    """Accelerations and multipliers of one time step, and whether the equations are solved; differentiable.
 
     Args:
-        residual: Function of the unknowns, (r,) to (r,).
-        matrix: Its derivative as a function of the unknowns, or what is close to it, (r,) to (r, r).
-        first: The value of ``matrix`` at the first guess, (r, r).
-        start: First guess, (r,).
-        positions: How many of the unknowns, the first, are accelerations.
-        lever: How much a position changes with its acceleration [s^2].
-
-    Returns:
-        Unknowns, (r,), and whether the equations are solved. Derivatives are those of the solution.
-
-    Source:
-        Newton's method; implicit function theorem.
+        residual: Function of the unknowns.
+        matrix: Its derivative, or an approximation, as a function of the unknowns.
+        first: Value of ``matrix`` at the first guess.
+        start: First guess.
+        positions: Number of accelerations, the first unknowns.
+        lever: Change of a position per change of its acceleration [s^2].
     """
 
     def solve(f: Callable[..., Any], start: Float[Array, "r"]):
         def unsolved(carry: tuple[Any, ...]):
             _, _, change, before, count = carry
-            stalled = (change < ROUND_OFF) & (change > 0.5 * before)
-            return (change > CHANGE) & ~stalled & ~jnp.isnan(change) & (count < MOST)
+            stalled = (change < STEP_STALLED) & (change > 0.5 * before)
+            return (change > STEP_CONVERGED) & ~stalled & ~jnp.isnan(change) & (count < MOST)
 
         def once(carry: tuple[Any, ...]):
             z, factors, change, before, count = carry
-            again = (count > 1) & (change > SERVES * before)
+            again = (count > 1) & (change > REUSED_FACTORS * before)
             factors = jax.lax.cond(again, lambda: factorise(matrix(z)), lambda: factors)
             step = factors.solve(f(z))
             now = lever * jnp.max(jnp.abs(step[:positions]), initial=0.0)
@@ -62,9 +52,9 @@ def solve_step(
         return z, change
 
     def tangent(g: Callable[..., Any], right: Float[Array, "r"]):
-        # What keeps redundant constraints solvable does so here too.
+        # The corner keeps redundant constraints solvable, as in the step.
         corner = jax.lax.stop_gradient(first).at[:positions].set(0.0).at[:, :positions].set(0.0)
         return factorise(jax.jacfwd(g)(jnp.zeros_like(right)) + corner).solve(right)
 
     z, change = jax.lax.custom_root(residual, start, solve, tangent, has_aux=True)
-    return z, change <= ROUND_OFF
+    return z, change <= STEP_STALLED

@@ -1,4 +1,4 @@
-"""Motion in the degrees of freedom: the other coordinates follow by Newton's method from where they were."""
+"""Equations of motion in the degrees of freedom; Newton's method computes the other coordinates."""
 
 import jax
 import jax.numpy as jnp
@@ -19,13 +19,12 @@ from .protocol import MotionState, Tangent, WholeMotion
 class ReducedForm(Record):
     """Equations of motion M(q) q_ddot + h(q, q_dot) = DFx^T f - DFe^T sigma.
 
-    Constraints hold in every evaluation, so nothing drifts; but where the degrees of freedom do not determine the
-    rest, at a dead point, it fails. The memory holds all coordinates and deformations, whence
-    Newton's method starts.
+    Constraints hold in each evaluation, so nothing drifts. At a dead point the degrees of freedom do not determine the
+    other coordinates, and the form fails. The memory stores coordinates and deformations, where Newton's method starts.
 
     Attributes:
         form: The same equations in all coordinates.
-        sizes: Sizes by which the degrees of freedom are divided to be pure numbers, (n_q,) [m, -].
+        sizes: Sizes that make the degrees of freedom pure numbers [m, -].
     """
 
     form: CoordinatesForm
@@ -33,7 +32,7 @@ class ReducedForm(Record):
 
     @property
     def states(self) -> int:
-        """Number of states of a controller: none."""
+        """Number of states of a controller."""
         return 0
 
     @property
@@ -47,7 +46,7 @@ class ReducedForm(Record):
         return self.size
 
     def regular(self, by_z: Float[Array, "n_q n_q"]):
-        """Whether all motions carry mass, where the degrees of freedom determine the rest."""
+        """Whether all motions carry mass."""
         return is_positive_definite(by_z)
 
     def state_of(
@@ -63,39 +62,22 @@ class ReducedForm(Record):
         return MotionState(q / self.sizes, qd / self.sizes, jnp.concatenate([x, e]))
 
     def placed(self, t: Float[Array, ""], u: Float[Array, "n_q"], memory: Float[Array, "k"]):
-        """All coordinates at given degrees of freedom, and deformations, from a guess.
-
-        Args:
-            u: Degrees of freedom over their sizes, (n_q,) [-].
-            memory: Coordinates and deformations to start from, (n_x + n_e,).
-        """
+        """All coordinates and deformations at degrees of freedom u, from the guess in the memory."""
         none, n_x = jnp.zeros(self.form.size), self.form.topology.n_x
         given = self.form.whole(t, none, none, none)
         return self.form.placed(given, u * self.sizes, memory[:n_x], memory[n_x:])
 
     def everything(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Moving:
-        """State of motion in all coordinates.
-
-        Args:
-            z: Second rates of the degrees of freedom over their sizes, (n_q,).
-        """
+        """State of motion in all coordinates; z are the second rates over their sizes."""
         x, near = self.placed(t, state.u, state.memory)
         return carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near)
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
-        """Forces out of balance along the degrees of freedom, (n_q,) [N m].
-
-        Source:
-            THEORY.md 5, eq. (5.3).
-        """
+        """Forces out of balance along the degrees of freedom (THEORY.md 5, eq. (5.3))."""
         return dynamic_balance(self.form, t, self.everything(t, state, z)).residual * self.sizes
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Tangent:
-        """Derivatives of the residual.
-
-        Source:
-            THEORY.md 6, eq. (6.1).
-        """
+        """Derivatives of the residual (THEORY.md 6, eq. (6.1))."""
         at, _ = moving_matrices(self.form, t, self.everything(t, state, z))
         by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))
         by_t = None
@@ -105,7 +87,7 @@ class ReducedForm(Record):
 
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
-        """Second rates of the degrees of freedom over their sizes, (n_q,), and whether all motions carry mass."""
+        """Second rates of the degrees of freedom over their sizes, and whether all motions carry mass."""
         moving = self.everything(t, state, jnp.zeros(self.size))
         at = dynamic_balance(self.form, t, moving)
         mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, moving.x) @ at.DFx
@@ -113,17 +95,17 @@ class ReducedForm(Record):
         return factorise(mass).solve(-at.residual * self.sizes), self.regular(mass) & at.regular
 
     def gap(self, t: Float[Array, ""], state: MotionState):
-        """There are no constraints with multipliers, (0,)."""
+        """No constraints have multipliers."""
         return jnp.zeros(0)
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
-        """How coordinates and deformations change."""
+        """Rates of coordinates and deformations."""
         x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
         _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
         return jnp.concatenate([v, jacobian @ v])
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """The state with its memory renewed; constraints are always kept."""
+        """State with its memory updated; constraints always hold."""
         return state._replace(memory=jnp.concatenate(self.placed(t, state.u, state.memory)))
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
@@ -133,11 +115,7 @@ class ReducedForm(Record):
 
 
 def reduced_form(form: CoordinatesForm) -> ReducedForm:
-    """Equations of motion in the degrees of freedom of a model.
-
-    Args:
-        form: The same in all coordinates.
-    """
+    """Equations of motion in the degrees of freedom of a model."""
     top = form.topology
     sizes = jax.lax.stop_gradient(sizes_of(top, form.parameters))[top.x.dof]
     return ReducedForm(form, jnp.concatenate([sizes, jnp.ones(top.e.dof.shape[0])]))

@@ -15,18 +15,15 @@ from .term import MotionTerm, equations_of
 
 
 class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
-    """Rosenbrock methods: one factorisation a step, and one solve a stage.
+    """Rosenbrock methods: one factorisation per step, one solve per stage; see :func:`step_taken`.
 
-    The accelerations and multipliers are carried from step to step, and found anew after a jump. After each step the
+    Accelerations and multipliers are carried from step to step, and computed anew after a jump. After each step the
     state is brought back onto the constraints.
 
     Attributes:
         tableau: Coefficients.
-        jumps: Whether loads may jump, so that accelerations are found anew there.
-        balanced: Whether the error of a step comes with its energy balance, for :class:`DisplacementController`.
-
-    Source:
-        See :func:`step_taken`.
+        jumps: Whether loads may jump; accelerations are then computed anew.
+        balanced: Whether the error of a step includes its energy balance, for :class:`DisplacementController`.
     """
 
     tableau: eqx.AbstractClassVar[Tableau]
@@ -52,7 +49,7 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         solver_state: Any,
         made_jump: Any,
     ):
-        """One step, from the accelerations and multipliers at its begin, which are the state of the solver."""
+        """One step, from the accelerations and multipliers at its begin, which are the solver's state."""
         equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
         if self.jumps:
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
@@ -69,8 +66,8 @@ class Rodas5P(Rosenbrock):
     """Stiffly accurate Rosenbrock method of order five with eight stages.
 
     Attributes:
-        jumps: Whether loads may jump, so that accelerations are found anew there.
-        balanced: Whether the error of a step comes with its energy balance; set by :func:`simulate`.
+        jumps: Whether loads may jump; accelerations are then computed anew.
+        balanced: Whether the error of a step includes its energy balance; set by :func:`simulate`.
 
     Source:
         Steinebach (2023), BIT Numerical Mathematics 63, 27.

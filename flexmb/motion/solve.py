@@ -1,4 +1,4 @@
-"""Equations of motion integrated by diffrax."""
+"""Equations of motion, integrated by diffrax."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..numerical_limits import SMALLEST_STEP, WHOLE_STEPS
 from ..results import RESULTS
 from .balance import Balance, Before, elastic_energy, is_seen
 from .chain_form import ChainForm
@@ -19,20 +20,20 @@ from .kinks import kinks_of
 from .projected import Projected
 from .protocol import Equations, MotionState
 from .rosenbrock import Rodas5P, Rosenbrock
-from .step_control import SMALLEST_STEP, DisplacementController
+from .step_control import DisplacementController
 from .steps_again import Span
 from .term import MotionTerm
 
 
 class Solved(NamedTuple):
-    """Where steps have led.
+    """Result of the steps.
 
     Attributes:
-        states: At the times asked for, in rows; infinite where they were not reached.
+        states: States at the times, in rows; infinite if not reached.
         moved: Greatest displacement so far (extents, radians).
         steps: Number of steps.
         result: Code of RESULTS.
-        jumped: Whether a force has jumped, as far as that was looked at.
+        jumped: Whether a force has jumped, if that was checked.
         balance: Energy balance.
     """
 
@@ -56,20 +57,19 @@ def solve(
     every: bool,
     recorded: bool = False,
 ) -> tuple[Solved, Float[Array, "most"] | None]:
-    """States at times, and the ends of the steps that were kept where they are asked for.
+    """States at times and, if recorded, the ends of all kept steps, (max_steps,) [s], infinite beyond the last.
 
     Args:
-        before: What is known of the motion before.
-        parts: The first step is so small a part of the time at most.
+        before: Values that control the first step.
+        parts: The first step is at most this fraction of the time.
         adjoint: How diffrax differentiates.
         every: Whether steps across all kinks are short, as for derivatives.
-        recorded: Whether the ends of the steps are asked for, (max_steps,) [s], infinite beyond the last.
     """
     t0, t1, times, _, _ = span
     solver, controller = _solver_and_steps(equations, integrator, span, start, before, every)
     equal = isinstance(controller, diffrax.ConstantStepSize)
     z0, regular = equations.acceleration(t0, start)
-    # Nothing is integrated where some motion has no mass.
+    # Without mass in every motion nothing is integrated.
     t1, times = jnp.where(regular, t1, t0), jnp.where(regular, times, t0)
     fast = jax.lax.stop_gradient(jnp.max(jnp.abs(z0[: equations.size]), initial=1e-30))
     rows = diffrax.SubSaveAt(ts=times)
@@ -81,7 +81,8 @@ def solve(
         _first_step(integrator, fast, t1 - t0, parts, equal),
         start,
         saveat=diffrax.SaveAt(
-            subs=[rows, diffrax.SubSaveAt(steps=True, fn=_time)] if recorded else [rows], controller_state=True
+            subs=[rows, diffrax.SubSaveAt(steps=True, fn=lambda t, y, args: t)] if recorded else [rows],
+            controller_state=True,
         ),
         stepsize_controller=controller,
         adjoint=adjoint,
@@ -90,11 +91,11 @@ def solve(
         solver_state=z0 if isinstance(solver, Rosenbrock) else None,
         throw=False,
     )
-    found: Any = solution.ys
-    states = found[0]
+    saved: Any = solution.ys
+    states = saved[0]
     if integrator.event is not None:
-        # What ends at once has its start all the same.
-        states = jax.tree.map(lambda row, own: jnp.where((times <= t0)[:, None], own, row), states, start)
+        # A motion that ends at once still has its start.
+        states = jax.tree.map(lambda row, first: jnp.where((times <= t0)[:, None], first, row), states, start)
     result = _code(solution, states, equal, integrator.event)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
     state: Any = solution.controller_state
@@ -105,17 +106,13 @@ def solve(
         _, before, search = state
         jumped = search.jumped
     steps = solution.stats["num_steps"].astype(jnp.int32)
-    return Solved(states, before.moved, steps, result, jumped, before.balance), found[1] if recorded else None
-
-
-def _time(t: Any, y: Any, args: Any):
-    return t
+    return Solved(states, before.moved, steps, result, jumped, before.balance), saved[1] if recorded else None
 
 
 def _solver_and_steps(
     equations: Equations, integrator: Integrator, span: Span, start: MotionState, before: Before, every: bool
 ) -> tuple[Any, Any]:
-    """Solver and step size control of diffrax, as they are given, or as they are chosen here."""
+    """Solver and step size controller of diffrax, as given or chosen."""
     controller, jumps = integrator.controller, span.jumps
     solver = Rodas5P(jumps=jumps is not None) if integrator.solver is None else integrator.solver
     adapts = isinstance(solver.solver if isinstance(solver, Projected) else solver, diffrax.AbstractAdaptiveSolver)
@@ -144,20 +141,20 @@ def _solver_and_steps(
         solver = solver.with_tolerances(controller)
     onto: Any = {"step_ts": span.stops, "jump_ts": jumps}
     adaptive = isinstance(controller, diffrax.AbstractAdaptiveStepSizeController)
-    if adaptive and any(one is not None for one in onto.values()):
+    if adaptive and any(stops is not None for stops in onto.values()):
         controller = diffrax.ClipStepSizeController(controller, **onto)
     return solver, controller
 
 
 def _code(solution: Any, states: MotionState, equal: bool, event: Any) -> Int[Array, ""]:
     """Code of RESULTS of a solution of diffrax."""
-    found, codes = solution.result, diffrax.RESULTS
+    outcome, codes = solution.result, diffrax.RESULTS
     failed = RESULTS.step_too_large if equal else RESULTS.step_too_small
-    result = jnp.where(found == codes.successful, RESULTS.successful, failed)
-    result = jnp.where(found == codes.max_steps_reached, RESULTS.motion_unfinished, result)
-    result = jnp.where(found == codes.internal_error, RESULTS.ran_away, result)
+    result = jnp.where(outcome == codes.successful, RESULTS.successful, failed)
+    result = jnp.where(outcome == codes.max_steps_reached, RESULTS.motion_unfinished, result)
+    result = jnp.where(outcome == codes.internal_error, RESULTS.ran_away, result)
     if event is not None:
-        ends = found == codes.event_occurred
+        ends = outcome == codes.event_occurred
         lost = functools.reduce(jnp.logical_or, jax.tree.leaves(solution.event_mask)) & ~ends
         return jnp.where(ends, RESULTS.successful, jnp.where(lost, RESULTS.event_not_found, result))
     wrong = (result == RESULTS.successful) & ~jnp.all(jnp.isfinite(states.u))
@@ -171,6 +168,6 @@ def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Arra
     first = jnp.where(given > 0, given, guess)
     if not equal:
         return first
-    # A whole number of equal steps is not to become one more by round-off.
+    # Round-off must not add a step to a whole number of equal steps.
     steps = jnp.round(span / first)
-    return jnp.where(jnp.abs(span / first - steps) < 1e-9 * steps, span / steps, first)
+    return jnp.where(jnp.abs(span / first - steps) < WHOLE_STEPS * steps, span / steps, first)

@@ -1,4 +1,4 @@
-"""Base classes of the solvers of motion, which take the equations as they are and keep their constraints."""
+"""Base classes of the solvers of motion, which use the equations directly and satisfy their constraints."""
 
 from typing import Any
 
@@ -10,9 +10,9 @@ from .term import MotionTerm
 
 
 class MotionSolver(diffrax.AbstractSolver):
-    """A solver that takes the equations of motion as they are, and keeps their constraints itself.
+    """A solver that uses the equations of motion directly, and satisfies their constraints itself.
 
-    Its ``step`` is to be under ``jit_beside_options``: diffrax traces it three times, and this keeps the first trace.
+    Put its ``step`` under ``jit_beside_options``: diffrax traces it three times, and this keeps the first trace.
     """
 
     term_structure = MotionTerm

@@ -1,7 +1,7 @@
-"""Rosenbrock methods for second-order equations with constraints: their coefficients, and one step.
+"""Rosenbrock methods for second-order equations with constraints: coefficients, and one step.
 
-The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Eliminating the first two from each stage leaves one linear
-system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
+The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Elimination of the first two from each stage leaves one
+linear system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ class Tableau(NamedTuple):
         c: Weights of earlier stages in the right-hand sides, strictly lower triangular.
         m: Weights of the stages in the result.
         error: Weights of the stages in the error estimate.
-        within: Weights of the stages in the polynomial between the ends of a step, a row for each power.
+        within: Weights of the stages in the polynomial within a step, a row for each power.
         order: Order of the method.
     """
 
@@ -145,14 +145,14 @@ def _coefficients(tableau: Tableau) -> np.ndarray:
 
 
 class Taken(NamedTuple):
-    """What a step leads to.
+    """Result of a step.
 
     Attributes:
-        end: State at its end, not yet brought back onto the constraints.
-        z: Accelerations and multipliers there, (n + m,).
-        error: Estimate of the error of the state.
-        mass: Mass matrix at its begin, (n, n), or None where no dense one is formed.
-        bows: What makes z leave the straight line within the step, (3, n + m), see :func:`z_within`.
+        end: State at its end, before projection onto the constraints.
+        z: Accelerations and multipliers there.
+        error: Estimated error of the state.
+        mass: Mass matrix at its begin; None without a dense one.
+        bows: Deviation of z from the straight line within the step, see :func:`z_within`.
     """
 
     end: MotionState
@@ -171,15 +171,9 @@ def step_taken(
     z: Float[Array, "r"],
     end: Any = None,
 ) -> Taken:
-    """One step of a Rosenbrock method.
+    """One step of a Rosenbrock method, from `t` of length `h`.
 
-    Args:
-        tableau: Its coefficients.
-        t: Begin [s].
-        h: Length [s].
-        state: State at the begin.
-        z: Accelerations and multipliers there, (n + m,).
-        end: Its end, where round-off of begin and length must not lead beyond it, as over a jump of the loads [s].
+    `end` limits the times of stages, so that round-off does not pass a jump of the loads.
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section VI.4; elimination derived here.
@@ -188,7 +182,7 @@ def step_taken(
     rows, weights = _coefficients(tableau), np.vstack([tableau.m, tableau.error, tableau.within])
     tangent = equations.tangent(t, state, z)
     hg = h * tableau.gamma
-    # Of a batch the motions that have ended take steps of no length, which count for nothing but in derivatives.
+    # Motions of a batch that have ended take steps of zero length; these still need finite derivatives.
     rate = 1.0 / jnp.where(h == 0, 1.0, h)
     solve = tangent.solver(hg)
 
@@ -198,39 +192,29 @@ def step_taken(
     def stage(i: Array, increments: Float[Array, "stages k"]):
         row = jax.lax.dynamic_index_in_dim(rows, i, keepdims=False)
         both, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
-        # Of u, w and z, of all earlier stages.
+        # Sums of u, w and z over earlier stages.
         (du, dw, dz), (cu, cw, _) = map(apart, both @ increments)
-        own = MotionState(state.u + du, state.w + dw, state.memory)
-        z_own = z + dz
-        at = t + alpha * h if end is None else jnp.minimum(t + alpha * h, end)
-        r = equations.residual(at, own, z_own)
+        at_stage, z_stage = MotionState(state.u + du, state.w + dw, state.memory), z + dz
+        time = t + alpha * h if end is None else jnp.minimum(t + alpha * h, end)
+        r = equations.residual(time, at_stage, z_stage)
         if tangent.by_t is not None:
             r = r + gamma * h * tangent.by_t
         # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
-        right_u, right_w = own.w + cu * rate, z_own[:n] + cw * rate
-        own_z = -solve(r + tangent.product(hg * right_w, hg * (right_u + hg * right_w)))
-        own_w = hg * (own_z[:n] + right_w)
-        own_u = hg * (own_w + right_u)
-        return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([own_u, own_w, own_z]), i, 0)
+        right_u, right_w = at_stage.w + cu * rate, z_stage[:n] + cw * rate
+        k_z = -solve(r + tangent.product(hg * right_w, hg * (right_u + hg * right_w)))
+        k_w = hg * (k_z[:n] + right_w)
+        k_u = hg * (k_w + right_u)
+        return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([k_u, k_w, k_z]), i, 0)
 
     rows, nothing = jnp.asarray(rows), jnp.zeros((len(tableau.m), 2 * n + z.shape[0]))
-    found = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
-    (du, dw, dz), (error_u, error_w, _) = map(apart, found[:2])
+    sums = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
+    (du, dw, dz), (error_u, error_w, _) = map(apart, sums[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
-    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, found[2:, 2 * n :])
+    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, sums[2:, 2 * n :])
 
 
 def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[Array, ""]) -> Float[Array, "r"]:
-    """Accelerations and multipliers at a share of a step, of order four.
-
-    Args:
-        ends: At its begin and its end, (n + m,).
-        bows: Of :class:`Taken`.
-        share: From 0 to 1.
-
-    Source:
-        Steinebach (2023), BIT Numerical Mathematics 63, 27.
-    """
+    """Accelerations and multipliers at a share of a step, of order four (Steinebach (2023), BIT 63, 27)."""
     bow = bows[0] + share * (bows[1] + share * bows[2])
     return (1 - share) * ends[0] + share * (ends[1] + (1 - share) * bow)
 
@@ -238,14 +222,7 @@ def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[
 def between(
     times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t: Float[Array, ""]
 ) -> MotionState:
-    """State at a time within a step, by Hermite polynomials of order three in positions and in velocities.
-
-    Args:
-        times: Begin and end of the step [s].
-        states: There.
-        rates: Accelerations there, (n,) [1/s^2].
-        t: Time [s].
-    """
+    """State at a time within a step, by Hermite polynomials of order three in positions and in velocities."""
     (t0, t1), (y0, y1), (a0, a1) = times, states, rates
     h = t1 - t0
     s = (t - t0) / jnp.where(h == 0, 1.0, h)
@@ -262,20 +239,11 @@ def hermite(
     v0: Float[Array, "n"],
     v1: Float[Array, "n"],
 ) -> Float[Array, "n"]:
-    """The polynomial of order three through two points with two rates, at a share of a step.
-
-    Args:
-        s: Share of the step, from 0 to 1.
-        h: Length of the step [s].
-        p0: Values at its begin, (n,).
-        p1: Values at its end.
-        v0: Rates at its begin, (n,) [1/s].
-        v1: Rates at its end.
-    """
+    """Polynomial of order three through two values with two rates, at a share s of a step of length h."""
     change = p1 - p0
     return p0 + s * (h * v0 + s * (3 * change - h * (2 * v0 + v1) + s * (h * (v0 + v1) - 2 * change)))
 
 
 def _finite(error: Float[Array, "n"]):
-    """A step that went wrong has an error without bound, so that it is refused and shortened."""
+    """An infinite error for NaN, so that the step is refused and shortened."""
     return jnp.where(jnp.isfinite(error), error, jnp.inf)

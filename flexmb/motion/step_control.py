@@ -9,46 +9,37 @@ import jax
 import jax.numpy as jnp
 import optimistix as optx
 
+from ..numerical_limits import LARGE_DISPLACEMENT, RAN_AWAY
 from .balance import Balance, Before, StepError, at_start, elastic_energy, gained_between, kinetic_energy
 from .events import Passing
 from .kinks import Kinks, search_of
 from .protocol import MotionState
 
-# Displacement beyond which a tolerance grows no more (extents, radians).
-LARGE = 0.5
-# A motion that comes as far runs away: it would end in numbers that are not finite, after very many steps.
-FAR = 1e8
-# Smallest step, as share of the time.
-SMALLEST_STEP = 1e-12
-
 
 def greatest(before: Any, state: MotionState):
-    """Greatest displacement so far, at most what is large."""
+    """Greatest displacement so far, at most ``LARGE_DISPLACEMENT``."""
     now = jnp.max(jnp.abs(jax.lax.stop_gradient(state.u)), initial=0.0)
-    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE), before)
+    return jnp.where(jnp.isfinite(now), jnp.clip(now, before, LARGE_DISPLACEMENT), before)
 
 
 class DisplacementController(diffrax.PIDController):
     """A PID controller whose tolerance is a share of the greatest displacement so far, the same for all displacements.
 
-    A displacement that is zero for a moment, or still small where others are not, asks for no smaller steps. The error
-    of a velocity counts by what it does to a position within the step, so that stiff parts that ring count by their
-    displacement. Beyond half the mechanism's extent, or half a radian (an Euler parameter is half an angle), the
-    tolerance grows no more. States of a controller are measured each by its own size. The norm is the greatest
-    of all: then no displacement has a larger error, however many there are.
+    A displacement that is small for a moment asks for no smaller steps. The error of a velocity counts by its effect on
+    a position within the step, so that stiff vibrations count by their displacement. Beyond half the mechanism's
+    extent, or half a radian (an Euler parameter is half an angle), the tolerance stays constant. Each state of a
+    controller is measured by its own size. The norm is the maximum, so that the number of displacements has no effect.
 
-    A motion that comes a hundred million extents or radians far is stopped: it runs away.
-
-    Where it is told of kinks, a step across one is refused and its half tried, until what is left of it is short; and
-    likewise one within which an event passes unseen.
+    A motion that runs away is stopped. A step across a kink, or within which an event passes unseen, is refused and
+    halved.
 
     Attributes:
-        norm: Of the errors over their tolerances.
-        before: What is known of the motion before the start.
+        norm: Norm of the errors over their tolerances.
+        before: Values before the start.
         states: Number of states of a controller, the last of the velocities.
-        kinks: What finds a kink within a step, or None.
-        passing: What finds an event that passes within a step, or None.
-        equations: Equations of motion whose energy balance refuses a step too, or None.
+        kinks: Search for kinks within a step, or None.
+        passing: Search for events within a step, or None.
+        equations: Equations whose energy balance can refuse a step, or None.
 
     Source:
         Hairer, Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.4; measures derived here.
@@ -63,12 +54,12 @@ class DisplacementController(diffrax.PIDController):
 
     def init(self, terms: Any, t0: Any, t1: Any, y0: MotionState, *args: Any, **named: Any) -> Any:
         """End of the first step, and the state of the controller."""
-        found: Any = super().init(terms, t0, t1, y0, *args, **named)
+        first: Any = super().init(terms, t0, t1, y0, *args, **named)
         moved, balance = greatest(self.before.moved, y0), self.before.balance
         if self.equations is not None:
-            own, t, state = jax.lax.stop_gradient((self.equations, t0, y0))
-            balance = balance.with_energy(elastic_energy(own, t, state) + kinetic_energy(own, t, state))
-        return found[0], (found[1], Before(moved, balance), search_of(self.kinks, t0, y0))
+            equations, t, state = jax.lax.stop_gradient((self.equations, t0, y0))
+            balance = balance.with_energy(elastic_energy(equations, t, state) + kinetic_energy(equations, t, state))
+        return first[0], (first[1], Before(moved, balance), search_of(self.kinks, t0, y0))
 
     def adapt_step_size(
         self,
@@ -81,7 +72,7 @@ class DisplacementController(diffrax.PIDController):
         error_order: Any,
         controller_state: Any,
     ) -> Any:
-        """Whether to keep a step, and the next one."""
+        """Whether to keep a step, and the next step."""
         before_step, (moved, balance), search = controller_state
         gain: Any = 0.0
         after_step = balance
@@ -93,15 +84,15 @@ class DisplacementController(diffrax.PIDController):
         mechanism = jnp.arange(n) < n - self.states
         error_u = jnp.where(mechanism, jnp.maximum(jnp.abs(y_error.u), (t1 - t0) * jnp.abs(y_error.w)), 0.0)
         error_w = jnp.where(mechanism, 0.0, y_error.w)
-        # A step that went wrong has an error without bound, so that it is refused and shortened.
+        # An infinite error for NaN, so that the step is refused and shortened.
         error_u, error_w = (jnp.where(jnp.isfinite(error), error, jnp.inf) for error in (error_u, error_w))
         measured = MotionState(error_u, error_w, jnp.zeros_like(y_error.memory))
         begin, end = (MotionState(jnp.broadcast_to(after, (n,)), y.w, y.memory) for y in (y0, y1_candidate))
-        # The energy counts as an error too, by its share of what is allowed.
+        # Energy gained counts as an error, over the allowed one.
         begin, end = (begin, after), (end, after)
         measured = measured, gain * (self.atol + self.rtol * after)
-        # Steps stay where they are when what they end at moves, but for their beginning: were the next one longer in
-        # proportion, after one that a jump cut short all others would move by many times as much, and their errors.
+        # Derivatives do not move steps, except for the first begin. If the next step grew in proportion, all steps
+        # after one that a jump cut short would move by many times as much, and so would their errors.
         fixed = jax.lax.stop_gradient((t0, t1))
         keep, next_t0, next_t1, made_jump, state, result = super().adapt_step_size(
             *fixed, begin, end, args, measured, error_order, before_step
@@ -122,24 +113,24 @@ class DisplacementController(diffrax.PIDController):
             small = unbalanced & (0.5 * (t1 - t0) < least)
             result = diffrax.RESULTS.where(small, diffrax.RESULTS.dt_min_reached, result)
             refused = refused | unbalanced
-        if any(one is not None for one in (self.passing, self.kinks, self.equations)):
+        if any(check is not None for check in (self.passing, self.kinks, self.equations)):
             keep, next_t0 = keep & ~refused, jnp.where(refused, t0, next_t0)
             state = jax.tree.map(lambda a, b: jnp.where(refused, a, b), before_step, state)
-        # For which diffrax has no code of its own.
-        away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > FAR)
+        # diffrax has no code for this.
+        away = keep & (jnp.max(jnp.abs(y1_candidate.u), initial=0.0) > RAN_AWAY)
         result = diffrax.RESULTS.where(away, diffrax.RESULTS.internal_error, result)
         balance = jax.tree.map(lambda a, b: jnp.where(keep, a, b), after_step, balance)
         before = Before(jnp.where(keep, after, moved), balance)
         return keep, next_t0, next_t1, made_jump, (state, before, search), result
 
-    def _balanced_by(self, balance: Balance, found: StepError, h: Any):
-        """As :meth:`_balanced`, by what the solver found along the step."""
-        balance, found, h = jax.lax.stop_gradient((balance, found, h))
-        noise = found.inertia * (self.atol / jnp.where(h == 0, 1.0, h)) ** 2
-        return balance.after(found.gained, found.energy, self.rtol, noise)
+    def _balanced_by(self, balance: Balance, error: StepError, h: Any):
+        """:meth:`_balanced`, from the solver's energies along the step."""
+        balance, error, h = jax.lax.stop_gradient((balance, error, h))
+        noise = error.inertia * (self.atol / jnp.where(h == 0, 1.0, h)) ** 2
+        return balance.after(error.gained, error.energy, self.rtol, noise)
 
     def _balanced(self, balance: Balance, times: tuple[Any, Any], states: tuple[MotionState, MotionState]):
-        """What a step gains over what it may gain, and the balance behind it."""
+        """Energy gained in a step over the allowed one, and the balance after it."""
         equations, balance, times, states = jax.lax.stop_gradient((self.equations, balance, times, states))
         energy = elastic_energy(equations, times[1], states[1]) + kinetic_energy(equations, times[1], states[1])
         noise = kinetic_energy(equations, times[1], states[1]._replace(w=jnp.full_like(states[1].w, self.atol)))

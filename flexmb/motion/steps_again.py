@@ -1,7 +1,6 @@
-"""Derivatives of a motion in reverse: its steps are taken again, and each is differentiated where it was taken.
+"""Reverse derivatives of a motion: its steps are repeated, and each is differentiated.
 
-The lengths of the steps are as they were. The begin of a motion, and where it must stop, take the steps behind them
-along, up to its end.
+Lengths of steps are constant. The begin of a motion, and times where it must stop, move all later steps, up to its end.
 """
 
 from __future__ import annotations
@@ -18,20 +17,19 @@ from ..math.derivative import Varied
 from .protocol import MotionState
 from .stages import RODAS5P, between, step_taken
 
-# States of so many steps are stored at once, some ten megabytes; of many coordinates fewer, with some these numbers
-# together, but no fewer than the last.
+# Steps whose states are stored at once, some ten megabytes. For many coordinates fewer steps, with this number of
+# numbers together, but at least the last number of steps.
 STORED, NUMBERS, FEWEST = 2048, 2**24, 300
 
 
 class Span(NamedTuple):
-    """Times of a motion.
+    """Times of a motion [s].
 
     Attributes:
-        t0: Begin [s].
-        t1: End [s].
-        times: At which it is given, (n_t,) [s].
-        stops: To be stepped onto, (k,) [s], or None.
-        jumps: To be stepped onto, where accelerations are computed anew, (k,) [s], or None.
+        t0, t1: Begin and end.
+        times: Times of the result.
+        stops: Times to step onto.
+        jumps: Times to step onto at which accelerations are computed anew.
     """
 
     t0: Float[Array, ""]
@@ -42,14 +40,14 @@ class Span(NamedTuple):
 
 
 class _Back(NamedTuple):
-    """Derivatives on the way back.
+    """Derivatives during the reverse pass.
 
     Attributes:
-        step: Step to go back over.
+        step: Next step, from the end.
         row: Last row before its end.
         end: By the state at the end of the step, and by accelerations and multipliers there.
-        numbers: By the numbers of the equations that vary.
-        edges: By the begins and ends of all steps, (most + 1,), and by the times of the rows, or None.
+        numbers: By the varied numbers of the equations.
+        edges: By the begins and ends of all steps, and by the times of the rows, or None.
     """
 
     step: Int[Array, ""]
@@ -60,21 +58,11 @@ class _Back(NamedTuple):
 
 
 def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: MotionState) -> list[list[Any]]:
-    """Derivatives by the numbers that vary of equations, times and start, of states at times.
+    """Derivatives by the varied numbers of equations, :class:`Span` and start (`parts`); NaN by states not reached.
 
-    Steps are taken forward from the start, and every so many states are stored. From the last of these on, all states
-    are stored, and the way back goes over these steps; then over those before.
-
-    Args:
-        parts: Equations, :class:`Span` and start.
-        ends: Of the steps that were kept, infinite beyond the last [s].
-        changes: Derivatives by the states, in rows.
-
-    Returns:
-        Derivatives; NaN where a state is asked about that was not reached.
-
-    Source:
-        THEORY.md 10, eq. (10.5).
+    Steps run forward from the start, and every n-th state is stored. From the last stored state on, all states are
+    stored, and the reverse pass goes over these steps; then over those before (THEORY.md 10, eq. (10.5)). `ends` are
+    those of the kept steps, `changes` derivatives by the states in rows.
     """
     _, timed, start = (part.whole(part.numbers) for part in parts)
     numbers, most = parts[0].numbers, ends.shape[0]
@@ -86,18 +74,18 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         return parts[0].whole(numbers).acceleration(t0, state)[0]
 
     def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
-        of = parts[0].whole(numbers)
-        taken = step_taken(of, RODAS5P, t0, t1 - t0, state, z)
-        return of.settle(t1, taken.end, taken.mass), taken.z
+        equations = parts[0].whole(numbers)
+        taken = step_taken(equations, RODAS5P, t0, t1 - t0, state, z)
+        return equations.settle(t1, taken.end, taken.mass), taken.z
 
     z, by_start = jax.vjp(accelerated, numbers, start, timed.t0)
-    size = sum(one.size for one in jax.tree.leaves((start, z)))
+    size = sum(leaf.size for leaf in jax.tree.leaves((start, z)))
     room = min(most, max(FEWEST, min(STORED, NUMBERS // max(size, 1))))
     stored, sparse = _rows(room, (start, z)), _put(_rows(-(-most // room) + 1, (start, z)), 0, (start, z))
 
     def forward(m: tuple[Any, ...]):
         step, at, stored, sparse = m
-        # What is not stored goes to the last place.
+        # States that are not stored go to the last place.
         place = jnp.where(step % room == 0, step // room, -1)
         stored, sparse = _put(stored, step % room, at), _put(sparse, place, at)
         return step + 1, stepped(numbers, at[0], at[1], edges[step], edges[step + 1]), stored, sparse
@@ -108,7 +96,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         if varied:
             (after, z1), pull = jax.vjp(stepped, numbers, state, z, t0, t1)
         else:
-            (after, z1), pull = jax.vjp(lambda *of: stepped(of[0], of[1], of[2], t0, t1), numbers, state, z)
+            (after, z1), pull = jax.vjp(lambda n, s, z: stepped(n, s, z, t0, t1), numbers, state, z)
         whole = (t0, t1), (state, after), (z, z1)
         by_times = None if m.edges is None else m.edges[1]
         row, (by_whole, by_times) = _over_rows(timed.times, changes, whole, m.row, by_times)
@@ -116,7 +104,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         of_numbers, of_state, of_z, *of_span = pull(jax.tree.map(jnp.add, m.end, (by_end, by_z1)))
         by_edges = None
         if m.edges is not None and by_times is not None:
-            pair = jnp.stack([own + more for own, more in zip(of_span, by_span, strict=True)])
+            pair = jnp.stack([of_edge + by_edge for of_edge, by_edge in zip(of_span, by_span, strict=True)])
             pair = pair + jax.lax.dynamic_slice(m.edges[0], (m.step,), (2,))
             by_edges = jax.lax.dynamic_update_slice(m.edges[0], pair, (m.step,)), by_times
         begin = jax.tree.map(jnp.add, (of_state, of_z), (by_begin, by_z))
@@ -125,7 +113,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     def part(m: tuple[Any, ...]):
         limit, stored, sparse, back = m
         first = (limit - 1) // room * room
-        # At first all steps, so that states are stored.
+        # First run over all steps, to store states.
         whence = jnp.where(limit == count, 0, first)
         at = jax.tree.map(lambda rows: rows[whence // room], sparse)
         steps = whence, at, stored, sparse
@@ -145,8 +133,8 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     still = (timed.times <= timed.t0)[:, None]
     of_still = jax.tree.map(lambda rows: jnp.sum(jnp.where(still, rows, 0.0), axis=0), changes)
     by_numbers = jax.tree.map(jnp.add, by_numbers, of_numbers)
-    by_state = jax.tree.map(lambda *of: sum(of), by_state, of_state, of_still)
-    found = [by_numbers, [], _by(parts[2].whole, parts[2].numbers, by_state)]
+    by_state = jax.tree.map(lambda *parts: sum(parts), by_state, of_state, of_still)
+    derivatives = [by_numbers, [], _by(parts[2].whole, parts[2].numbers, by_state)]
     if back.edges is not None:
 
         def known(numbers: list[Any]):
@@ -154,9 +142,9 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
             return span.t0, _moved_along(ends, timed, span), span.times
 
         by_edges, by_times = back.edges
-        found[1] = _by(known, parts[1].numbers, (by_edges[0] + of_t0, by_edges[1:], by_times))
+        derivatives[1] = _by(known, parts[1].numbers, (by_edges[0] + of_t0, by_edges[1:], by_times))
     lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed) for rows in changes])
-    return jax.tree.map(lambda one: jnp.where(lost, jnp.nan, one), found)
+    return jax.tree.map(lambda leaf: jnp.where(lost, jnp.nan, leaf), derivatives)
 
 
 def _by(function: Callable[..., Any], numbers: list[Any], changes: Any) -> list[Any]:
@@ -164,15 +152,15 @@ def _by(function: Callable[..., Any], numbers: list[Any], changes: Any) -> list[
 
 
 def _rows(count: int, like: Any) -> Any:
-    return jax.tree.map(lambda one: jnp.zeros((count, *one.shape)), like)
+    return jax.tree.map(lambda leaf: jnp.zeros((count, *leaf.shape)), like)
 
 
 def _put(rows: Any, place: Any, at: Any) -> Any:
-    return jax.tree.map(lambda rows, one: rows.at[place].set(one), rows, at)
+    return jax.tree.map(lambda rows, leaf: rows.at[place].set(leaf), rows, at)
 
 
 def _over_rows(times: Array, changes: MotionState, whole: Any, row: Any, by_times: Array | None):
-    """Derivatives of the rows within a step, from the last one, by what is at its ends, and by their times."""
+    """Derivatives of the rows within a step, from the last, by states at its ends and by their times."""
 
     def state(whole: Any, t: Float[Array, ""]):
         n = whole[1][0].u.shape[0]
@@ -191,7 +179,7 @@ def _over_rows(times: Array, changes: MotionState, whole: Any, row: Any, by_time
 
 
 def _moved_along(ends: Float[Array, "most"], known: Span, span: Span) -> Float[Array, "most"]:
-    """Ends of steps, moved along with the begin, the last stop before them, or the end of a motion."""
+    """Ends of steps, moved with the begin, the last stop before them, or the end of a motion."""
     along = ends + (span.t0 - known.t0)
     if span.stops is not None and known.stops is not None:
         for stop, was in zip(span.stops, known.stops, strict=True):

@@ -1,6 +1,6 @@
 """Times at which functions of time change suddenly, which long steps would pass over.
 
-A mechanism at rest is integrated by ever longer steps, and a pulse between two stages of one of them is never seen.
+A mechanism at rest is integrated by ever longer steps, which do not see a pulse between two of their stages.
 """
 
 from collections.abc import Sequence
@@ -17,81 +17,65 @@ from ..compilation.compile import jit
 from ..compilation.program import Captured, has_effects, is_wave
 from ..display import short
 from ..errors import warn
+from ..numerical_limits import JUMP_OF_RANGE, SUDDEN_BEND, SUDDEN_OVER_USUAL
 from .drive import has_table
 
-# Functions are looked at so often: what is over sooner has to be named as a jump.
+# Number of intervals at which functions are evaluated: name shorter changes as jumps.
 PARTS = 10_000
-# Second differences over the range of a function, from which on it changes suddenly: so many times the usual one, and
-# no less than of what takes a seventh of the time, which no step misses.
-UNUSUAL, SHARP = 5.0, 1e-6
-# From one time to the next values jump by this share of their range.
-JUMP = 0.02
-# Changes so near to each other are one.
+# Changes within this number of intervals are one.
 TOGETHER = 64
 
 
 def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = False) -> np.ndarray | None:
-    """Begins and ends of sudden changes within a time, ascending; None where there are none.
+    """Begins and ends of sudden changes of functions of time [s], ascending; None without any.
 
-    Functions whose numbers are traced are looked at outside ``jax.jit`` and ``jax.vmap`` only; tables not, whose times
-    are stepped onto, nor functions that print.
-
-    Args:
-        functions: Functions of time.
-        span: Start and end, (2,) [s].
-        named: Whether the user has named jumps.
-
-    Returns:
-        (k,) [s], with k a power of two, so that few structures are compiled; filled up with infinity.
-
-    Warns:
-        FlexmbWarning: A function that is differentiated jumps.
+    Functions of traced numbers are evaluated outside ``jax.jit`` and ``jax.vmap`` only. Tables, whose times are stepped
+    onto, and functions that print are skipped. The result is filled up with infinity to a power of two, so that few
+    programs are compiled. Warns of a differentiated function that jumps, unless the user has named jumps.
     """
-    looked_at = [f for f in functions if not has_table(f)]
-    looked_at = [f for f in looked_at if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
-    known = [undifferentiated(f) for f in looked_at]
-    both = [(f, own) for f, own in zip(looked_at, known, strict=True) if is_concrete(own)]
+    smooth = [f for f in functions if not has_table(f)]
+    smooth = [f for f in smooth if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
+    both = [(f, known) for f in smooth if is_concrete(known := undifferentiated(f))]
     if not both or not span[0] < span[1]:
         return None
     times, edges = np.linspace(span[0], span[1], PARTS + 1), np.zeros(0, int)
-    for f, own in both:
-        values = np.asarray(_values(own, times))
-        found = _edges(values)
-        edges = np.union1d(edges, found[(found > 0) & (found < PARTS)])
-        if len(found) and not named and not is_concrete(f) and (at := _jump(values)) is not None:
+    for f, known in both:
+        values = np.asarray(_values(known, times))
+        at_change = _edges(values)
+        edges = np.union1d(edges, at_change[(at_change > 0) & (at_change < PARTS)])
+        if len(at_change) and not named and not is_concrete(f) and (at := _jump(values)) is not None:
             warn(
-                f"A function of time jumps at t = {short(times[at])} s, and its numbers are differentiated: the"
-                " derivative by the time of the jump, if that is one of them, is zero unless it is named, as in"
-                " jumps=[t1]."
+                f"A function of time jumps at t = {short(times[at])} s, and its numbers are differentiated. The"
+                " derivative by the time of the jump is zero. To differentiate by this time, name it: jumps=[t1]."
             )
     if not len(edges):
         return None
-    found = np.full(max(4, 2 ** int(np.ceil(np.log2(len(edges))))), np.inf)
-    found[: len(edges)] = times[edges]
-    return found
+    changes = np.full(max(4, 2 ** int(np.ceil(np.log2(len(edges))))), np.inf)
+    changes[: len(edges)] = times[edges]
+    return changes
 
 
 @jit
 def _values(function: Any, times: Float[Array, "n"]) -> Float[Array, "n k"]:
-    # One by one: a call of the host need not take many times at once.
+    # One after the other: a callback to the host may not accept many times at once.
     return jax.lax.map(lambda t: jnp.ravel(jnp.asarray(function(t), float)), times)
 
 
 def _jump(values: np.ndarray) -> int | None:
-    """Number of the time before the first of the values jump; None where none does."""
+    """Number of the time before the first jump; None without a jump."""
     ranges = np.ptp(values, axis=0)
     moved = ranges > 0
     steps = np.max(np.abs(np.diff(values[:, moved], axis=0)) / ranges[moved], axis=1, initial=0.0)
     at = int(np.argmax(steps))
-    return at if steps[at] > max(JUMP, UNUSUAL * float(np.median(steps))) else None
+    return at if steps[at] > max(JUMP_OF_RANGE, SUDDEN_OVER_USUAL * float(np.median(steps))) else None
 
 
 def _edges(values: np.ndarray) -> np.ndarray:
-    """Numbers of the times just before and just after values change suddenly."""
+    """Numbers of the times just before and just after sudden changes."""
     ranges = np.ptp(values, axis=0)
     values = values[:, np.isfinite(ranges) & (ranges > 0)] / ranges[np.isfinite(ranges) & (ranges > 0)]
     bends = np.max(np.abs(np.diff(values, 2, axis=0)), axis=1, initial=0.0)
-    sharp = np.flatnonzero(bends > max(UNUSUAL * float(np.median(bends)), SHARP)) + 1
+    sharp = np.flatnonzero(bends > max(SUDDEN_OVER_USUAL * float(np.median(bends)), SUDDEN_BEND)) + 1
     if not len(sharp):
         return sharp
     last = np.append(np.diff(sharp) > TOGETHER, True)

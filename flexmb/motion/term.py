@@ -1,4 +1,4 @@
-"""Equations of motion as diffrax takes them."""
+"""Equations of motion as a term of diffrax."""
 
 from typing import Any
 
@@ -8,11 +8,7 @@ from .protocol import Equations, MotionState
 
 
 class MotionTerm(diffrax.AbstractTerm):
-    """Equations of motion as a term: explicit solvers of diffrax see a vector field, others the equations.
-
-    Attributes:
-        equations: Equations of motion.
-    """
+    """Equations of motion as a term: a vector field for explicit solvers, the equations for others."""
 
     equations: Equations
 
@@ -31,7 +27,7 @@ class MotionTerm(diffrax.AbstractTerm):
 
 
 def equations_of(terms: Any) -> Equations:
-    """Equations of motion in a term, which diffrax hands to solvers inside a term of its own."""
+    """Equations of motion in a term, which diffrax may wrap in another term."""
     while not isinstance(terms, MotionTerm):
         terms = terms.term
     return terms.equations

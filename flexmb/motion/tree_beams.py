@@ -1,4 +1,4 @@
-"""Beams whose last end is computed, in motion: what follows from their coefficients alone is worked out once."""
+"""Beams with computed last ends, in motion: functions of their coefficients alone are evaluated once."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -19,11 +19,11 @@ from .element_forces import by_inertia, derived_rates, own_of, rates_along, seco
 
 
 class Bent(NamedTuple):
-    """What follows from the coefficients of a beam.
+    """Functions of the coefficients of a beam.
 
     Attributes:
-        way: Way from the first end to the last, and turn; without what is not asked for.
-        shape: What places of inertia are computed from, together with the first end.
+        way: Way from the first end to the last, and turn, as far as needed.
+        shape: Input of the places of inertia, together with the first end.
     """
 
     way: tuple[Float[Array, "*beams k"], ...]
@@ -31,13 +31,7 @@ class Bent(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """Places of inertia of beams, as they move.
-
-    Attributes:
-        s: The places, (beams, k, axes).
-        sd: Their rates.
-        sdd: Their second rates, less free fall.
-    """
+    """Places of inertia of beams, their rates, and second rates minus free fall."""
 
     s: Float[Array, "*beams k axes"]
     sd: Float[Array, "*beams k axes"]
@@ -49,14 +43,14 @@ class TreeBeams(Record):
 
     Attributes:
         bent: ``(c_el, *kept_el)`` to :class:`Bent` of one beam, with all parts of its way.
-        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``, its places of inertia; None where it has none.
-        ends: Index of the coordinates of the first ends, (beams, ends).
-        c: Index of the coefficients, (beams, coefficients).
-        e: Index of the deformations that these are, (beams, coefficients); none where another block has them.
+        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``: its places of inertia, or None.
+        ends: Index of the coordinates of the first ends.
+        c: Index of the coefficients.
+        e: Index of the deformations that equal the coefficients; none if another block has them.
         kept: Constants of each beam, for both functions.
-        mass: H of each beam, (beams, k, k), or None.
-        gives: Whether these give last ends; beams may have their mass in a block of its own.
-        parts: On how many parts of a way something acts or depends: none, the way alone, or way and turn.
+        mass: H of each beam.
+        gives: Whether the beams compute last ends; a separate block may have the mass.
+        parts: Needed parts of a way: 0, 1 (way), or 2 (way and turn).
     """
 
     bent: Callable[..., Bent] = static()
@@ -75,59 +69,53 @@ class TreeBeams(Record):
         return jnp.concatenate([self.ends, self.c], axis=1)
 
     def ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
-        """Way and turn of each beam, side by side, of nodal coordinates (n_x,) [m, rad, -]."""
+        """Way and turn of each beam, side by side."""
         return jax.vmap(lambda c, kept: jnp.concatenate(self.bent(c, *kept).way))(x[self.c], self.kept)
 
     def felt_ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams k"]:
-        """As :meth:`ways`, as far as something depends on them."""
-        found = jax.vmap(lambda c, kept: self._felt(kept)(c).way)(x[self.c], self.kept)
-        return jnp.concatenate(found, axis=1)
+        """Needed parts of :meth:`ways`."""
+        return jnp.concatenate(jax.vmap(lambda c, kept: self._felt(kept)(c).way)(x[self.c], self.kept), axis=1)
 
     def rates(self, at: AllCoordinates) -> tuple[Bent, Bent, Bent]:
-        """What follows from the coefficients, its rates and second rates."""
-        found = jax.vmap(lambda kept, *motion: rates_along(self._felt(kept), *motion))(self.kept, *self._motion(at))
-        return _bent_of(found)
+        """Functions of the coefficients, rates and second rates."""
+        rates = jax.vmap(lambda kept, *motion: rates_along(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        return _bent_of(rates)
 
     def derived(self, at: AllCoordinates) -> tuple[tuple[Bent, Bent, Bent], tuple[Bent, Bent, Bent]]:
-        """As :meth:`rates`, and their derivatives by the coefficients, which are the last axis of each array."""
-        found = jax.vmap(lambda kept, *motion: derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
-        return _bent_of(found[0]), _bent_of(found[1])
+        """:meth:`rates`, and their derivatives by the coefficients, coefficients last."""
+        pair = jax.vmap(lambda kept, *motion: derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        return _bent_of(pair[0]), _bent_of(pair[1])
 
     def _motion(self, at: AllCoordinates) -> list[Array]:
-        return [own[self.c] for own in (at.x, at.v, at.a)]
+        return [array[self.c] for array in (at.x, at.v, at.a)]
 
     def _felt(self, kept: tuple[Array, ...]):
-        """What follows from the coefficients of one beam, without what nothing depends on."""
+        """Needed functions of the coefficients of one beam."""
 
-        def of(c: Float[Array, "c"]) -> Bent:
-            found = self.bent(c, *kept)
-            return found._replace(way=found.way[: self.parts])
+        def needed(c: Float[Array, "c"]) -> Bent:
+            bent = self.bent(c, *kept)
+            return bent._replace(way=bent.way[: self.parts])
 
-        return of
+        return needed
 
     def moved(self, at: AllCoordinates, falling: Float[Array, "n_x"] | None, bent: tuple[Bent, ...]) -> Moved:
-        """Places of inertia and their rates.
-
-        Args:
-            falling: Accelerations of free fall, which mass does not resist, (n_x,) [1/s^2], or None.
-            bent: As :meth:`rates` gives it.
-        """
-        return jax.vmap(self._moved)(self.kept, *self._ends(at, falling), *(own.shape for own in bent))
+        """Places of inertia and their rates; `bent` from :meth:`rates`."""
+        return jax.vmap(self._moved)(self.kept, *self._ends(at, falling), *(part.shape for part in bent))
 
     def _ends(self, at: AllCoordinates, falling: Float[Array, "n_x"] | None) -> list[Any]:
-        return [None if own is None else own[self.ends] for own in (falling, at.x, at.v, at.a)]
+        return [None if array is None else array[self.ends] for array in (falling, at.x, at.v, at.a)]
 
     def _moved(self, kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any) -> Moved:
-        """Of one beam, from its first end and its shape: each with rates and second rates."""
+        """Places of one beam, from motions of its first end and its shape."""
         placed: Any = self.placed
 
-        def of(at: tuple[Array, tuple[Array, ...]]):
+        def places(at: tuple[Array, tuple[Array, ...]]):
             return placed(at[0], *kept, *at[1])
 
         x, v, a = zip(along[:3], along[3:], strict=True)
-        s, sd, sdd = second_rate(of, x, v, a)
+        s, sd, sdd = second_rate(places, x, v, a)
         if falling is not None:
-            sdd = sdd - jax.jvp(lambda ends: of((ends, x[1])), (x[0],), (falling,))[1]
+            sdd = sdd - jax.jvp(lambda ends: places((ends, x[1])), (x[0],), (falling,))[1]
         return Moved(s, sd, sdd)
 
     def moved_and_derived(
@@ -137,58 +125,41 @@ class TreeBeams(Record):
         bent: tuple[Bent, ...],
         slopes: tuple[Bent, ...],
     ) -> tuple[Moved, Moved]:
-        """As :meth:`moved`, and the derivatives by the coordinates that the beams depend on, which are the last axis.
+        """:meth:`moved`, and its derivatives by the beams' coordinates, which are last."""
 
-        Args:
-            falling: As there.
-            bent: As there.
-            slopes: Its derivatives, as :meth:`derived` gives them.
-        """
-
-        def of(kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any):
-            ends, shapes, own = along[:3], along[3:6], along[6:]
+        def of_beam(kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any):
+            ends, shapes, by_coefficients = along[:3], along[3:6], along[6:]
             by_ends = jax.jacfwd(lambda x: self._moved(kept, falling, x, *ends[1:], *shapes))(ends[0])
 
             def changed(*changes: Any):
                 return jax.jvp(lambda *shapes: self._moved(kept, falling, *ends, *shapes), shapes, changes)
 
-            found, by_c = jax.vmap(changed, -1, (None, -1))(*own)
-            return found, jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
+            moved, by_c = jax.vmap(changed, -1, (None, -1))(*by_coefficients)
+            return moved, jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
 
-        shapes = [own.shape for own in (*bent, *slopes)]
-        return jax.vmap(of)(self.kept, *self._ends(at, falling), *shapes)
+        shapes = [part.shape for part in (*bent, *slopes)]
+        return jax.vmap(of_beam)(self.kept, *self._ends(at, falling), *shapes)
 
     def pulled(
         self, x: Float[Array, "n_x"], bent: Bent, weights: Float[Array, "beams k axes"] | None
     ) -> tuple[Float[Array, "beams ends"], tuple[Array, ...]]:
-        """Forces on the first ends, and on the shape, of forces on the places of inertia.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            bent: What follows from the coefficients.
-            weights: The forces, or None where there are no places.
-        """
+        """Forces on the first ends and on the shape, from forces on the places of inertia."""
         if weights is None:
             return jnp.zeros(self.ends.shape), ()
         placed: Any = self.placed
 
-        def of(kept: tuple[Array, ...], ends: Float[Array, "k"], shape: Any, weight: Float[Array, "k axes"]):
+        def of_beam(kept: tuple[Array, ...], ends: Float[Array, "k"], shape: Any, weight: Float[Array, "k axes"]):
             return jax.vjp(lambda ends, shape: placed(ends, *kept, *shape), ends, shape)[1](weight)
 
-        return jax.vmap(of)(self.kept, x[self.ends], bent.shape, weights)
+        return jax.vmap(of_beam)(self.kept, x[self.ends], bent.shape, weights)
 
     def pulled_along(self, x: Float[Array, "n_x"], force: Bent) -> Float[Array, "beams coefficients"]:
-        """Forces on the coefficients, of those on what follows from them.
+        """Forces on the coefficients, from forces on their functions."""
 
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            force: Their forces, as :class:`Bent`.
-        """
-
-        def of(kept: tuple[Array, ...], c: Float[Array, "c"], force: Bent):
+        def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], force: Bent):
             return jax.vjp(self._felt(kept), c)[1](force)[0]
 
-        return jax.vmap(of)(self.kept, x[self.c], force)
+        return jax.vmap(of_beam)(self.kept, x[self.c], force)
 
     def weights(self, moved: Moved) -> Float[Array, "beams k axes"]:
         """H s_ddot."""
@@ -196,21 +167,16 @@ class TreeBeams(Record):
         return multiplied(mass, moved.sdd)
 
     def mass_along(self, x: Float[Array, "n_x"], along: Float[Array, "n_x n"]) -> Float[Array, "n n"]:
-        """Mass matrix of what moves, as far as the beams go.
-
-        Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            along: Their derivative by what moves.
-        """
+        """Mass matrix of the beams, from the derivative `along` of the coordinates by what moves."""
         placed: Any = self.placed
         first = self.ends.shape[1]
 
-        def of(kept: tuple[Array, ...], x: Float[Array, "k"]):
+        def places(kept: tuple[Array, ...], x: Float[Array, "k"]):
             return placed(x[:first], *kept, *self.bent(x[first:], *kept).shape)
 
-        j = jax.vmap(jax.jacfwd(of, 1))(self.kept, x[self.x])
-        own = jnp.einsum("bkax,bxn->bkan", j, along[self.x])
-        return jnp.einsum("bkan,bkl,blam->nm", own, self.mass, own)
+        j = jax.vmap(jax.jacfwd(places, 1))(self.kept, x[self.x])
+        by_moving = jnp.einsum("bkax,bxn->bkan", j, along[self.x])
+        return jnp.einsum("bkan,bkl,blam->nm", by_moving, self.mass, by_moving)
 
     def derivatives(
         self,
@@ -221,15 +187,13 @@ class TreeBeams(Record):
         stiffness: Float[Array, "n_e n_e"],
         damping: Float[Array, "n_e n_e"] | None = None,
     ) -> tuple[Float[Array, "beams k k"], Float[Array, "beams k k"], Float[Array, "beams k k"]]:
-        """Derivatives of the forces by the coordinates that the beams depend on, by their rates and second rates.
+        """Derivatives of the forces by the beams' coordinates, their rates and second rates.
 
         Args:
-            x: Nodal coordinates, (n_x,) [m, rad, -].
-            weights: Forces on the places of inertia, or None where there are none.
-            way: Forces on way and turn, as :class:`Bent` has these.
-            derived: Derivatives of the places of inertia, as :meth:`moved_and_derived` gives them.
-            stiffness: Of all deformations [N/m].
-            damping: Of their rates [N s/m], or None.
+            weights: Forces on the places of inertia.
+            way: Forces on way and turn, as in :class:`Bent`.
+            derived: Derivatives of the places of inertia from :meth:`moved_and_derived`.
+            stiffness, damping: Of all deformations, and of their rates.
         """
         by_x = self._derived_forces(x, weights, way)
         by_v = by_a = jnp.zeros_like(by_x)
@@ -239,25 +203,25 @@ class TreeBeams(Record):
         c = self.ends.shape[1]
         if self.e.shape[1]:
             by_x = by_x.at[:, c:, c:].add(own_of(self.e, stiffness))
-        if self.e.shape[1] and damping is not None:
-            by_v = by_v.at[:, c:, c:].add(own_of(self.e, damping))
+            if damping is not None:
+                by_v = by_v.at[:, c:, c:].add(own_of(self.e, damping))
         return by_x, by_v, by_a
 
     def _derived_forces(
         self, x: Float[Array, "n_x"], weights: Float[Array, "beams k axes"] | None, way: tuple[Array, ...]
     ) -> Float[Array, "beams k k"]:
-        """Derivatives of what forces on places of inertia, on ways and on turns do, by what the beams depend on."""
+        """Derivatives of the effect of constant forces on places, ways and turns, by the beams' coordinates."""
         first, placed = self.ends.shape[1], self.placed
 
-        def of(kept: tuple[Array, ...], x: Float[Array, "k"], *weights: Any):
-            def given(x: Float[Array, "k"]):
+        def of_beam(kept: tuple[Array, ...], x: Float[Array, "k"], *weights: Any):
+            def places_and_way(x: Float[Array, "k"]):
                 bent = self._felt(kept)(x[first:])
                 places = None if placed is None else placed(x[:first], *kept, *bent.shape)
                 return places, bent.way
 
-            return jax.jacfwd(lambda x: jax.vjp(given, x)[1](weights)[0])(x)
+            return jax.jacfwd(lambda x: jax.vjp(places_and_way, x)[1](weights)[0])(x)
 
-        return jax.vmap(of)(self.kept, x[self.x], weights, way)
+        return jax.vmap(of_beam)(self.kept, x[self.x], weights, way)
 
 
 def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
@@ -266,33 +230,30 @@ def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
 
 
 def tree_beams(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[TreeBeams, ...]:
-    """All beams whose last end is computed, with what does not change in a motion worked out.
-
-    Args:
-        tree: Which they are.
-    """
-    found, felt = [], [0] * len(topology.blocks)
+    """All beams with computed last ends, prepared for motion."""
+    beams, felt = [], [0] * len(topology.blocks)
     if tree.felt is not None:
         parts = 2 if tree.felt.turns.shape[1] else 1
         felt = [parts if rows.shape[0] else 0 for rows in tree.felt.rows]
-    for block, properties, (rows, _), own in zip(topology.blocks, parameters.properties, tree.rows, felt, strict=True):
+    blocks = zip(topology.blocks, parameters.properties, tree.rows, felt, strict=True)
+    for block, properties, (rows, _), needed in blocks:
         if rows.shape[0]:
-            found.append(_prepared(*some_of(block, properties, rows), parameters.reference, own))
-    return tuple(found)
+            beams.append(_prepared(*some_of(block, properties, rows), parameters.reference, needed))
+    return tuple(beams)
 
 
 def _prepared(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], parts: int) -> TreeBeams:
     inertia, properties = companion_of(block, with_rigidities(properties), "inertia")
     deforms = "deformation" in block.companions
     passage: Any = element_function(block, block.element.passage, deforming(block, properties)) if deforms else None
-    # Position and rotation of the first end, of the last, and the coefficients.
+    # Coordinates are position and rotation of the first end, of the last end, and coefficients.
     ends, first = block.splits[1], block.splits[-1]
     ref = reference[block.x]
 
     def every(constant: tuple[Any, ...], c: tuple[Array], end: tuple[Array]):
         ref, own = constant
         known = jnp.split(ref, block.splits)[:-1]
-        # Not side by side in one array: what follows from the coefficients alone would seem to follow from all.
+        # In one array, functions of the coefficients alone would seem to depend on all coordinates.
         x = [*jnp.split(end[0], block.splits[:1]), *known[2:], *c]
         way = tuple(passage([*known, *c], ref, deforming(block, own))) if deforms else ()
         return (), way, None if inertia is None else inertia(x, ref, own)[0]
