@@ -126,7 +126,7 @@ LARGE_DISPLACEMENT = 0.5
 RAN_AWAY = 1e8
 """A motion that comes this far (extents, radians) runs away: it would end in infinity after very many steps."""
 
-SMALLEST_STEP = 1e-12
+SHORTEST_TIME_STEP = 1e-12
 """Smallest step, as share of the time: shorter steps do not advance the time."""
 
 SUDDEN_OVER_USUAL = 5.0

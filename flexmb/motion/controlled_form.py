@@ -363,7 +363,9 @@ class ControlledForm(Record):
         if self.places.late:
             late = np.array(self.places.late)
 
-            def late_parts(u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]):
+            def late_parts(
+                u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]
+            ):
                 return self._late(t, own._replace(u=u, w=w), z, inputs)
 
             rows = jax.jacfwd(late_parts, (0, 1, 2, 3))(own.u, own.w, z, u)

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..numerical_limits import SMALLEST_STEP, WHOLE_STEPS
+from ..numerical_limits import SHORTEST_TIME_STEP, WHOLE_STEPS
 from ..results import RESULTS
 from .balance import Balance, Before, elastic_energy, is_seen
 from .chain_form import ChainForm
@@ -129,7 +129,7 @@ def _solver_and_steps(
             atol=integrator.atol,
             pcoeff=0.1,
             icoeff=0.3,
-            dtmin=SMALLEST_STEP * (span.t1 - span.t0),
+            dtmin=SHORTEST_TIME_STEP * (span.t1 - span.t0),
             force_dtmin=False,
             before=before,
             states=equations.states,
