@@ -11,7 +11,8 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.motion.balance import at_start
 from flexmb.motion.protocol import MotionState
-from flexmb.motion.step_control import LARGE, DisplacementController
+from flexmb.motion.step_control import DisplacementController
+from flexmb.numerical_limits import LARGE_DISPLACEMENT
 
 RTOL = 1e-5
 # Of a mass of 2 kg on a bar of 1 m [N].
@@ -83,8 +84,8 @@ def judged(error_u, error_w, *, moved=0.0, states=0, size=1e-3, speed=1.0):
         (([0, 0.9e-8], [0, 0]), {}, True),  # for another that has not moved as well,
         (([0, 1.1e-8], [0, 0]), {}, False),
         (([0, 1.1e-8], [0, 0]), {"moved": 2e-3}, True),  # or of what it was before,
-        (([0, 0.9 * LARGE * 1e-5], [0, 0]), {"moved": 50.0}, True),  # but no more than of what is large,
-        (([0, 1.1 * LARGE * 1e-5], [0, 0]), {"moved": 50.0}, False),
+        (([0, 0.9 * LARGE_DISPLACEMENT * 1e-5], [0, 0]), {"moved": 50.0}, True),  # but no more than of what is large,
+        (([0, 1.1 * LARGE_DISPLACEMENT * 1e-5], [0, 0]), {"moved": 50.0}, False),
         (([0, 0], [0.9e-7, 0]), {}, True),  # velocities by what they do in a step of 0.1 s,
         (([0, 0], [1.1e-7, 0]), {}, False),
         (([0, 0], [0, 0.9e-5]), {"states": 1}, True),  # states of a controller each by its own size.
@@ -99,7 +100,7 @@ def test_what_is_kept(errors, settings, kept):
     assert keep == kept
     # A refused step is shortened, and does not count as a motion.
     assert (step >= 0.1) if kept else (0 < step < 0.1)
-    before = min(settings.get("moved", 0.0), LARGE)
+    before = min(settings.get("moved", 0.0), LARGE_DISPLACEMENT)
     assert after == (max(before, 1e-3) if kept else before)
 
 
