@@ -151,6 +151,59 @@ EIGENVALUES_ALIKE = 1e-5
 """Relative distance of two eigenvalues below which the mean slope replaces their divided difference. Both have lost as
 many digits there."""
 
+EIGENVALUES_REPEATED = 1e-10
+"""Relative distance of two eigenvalues of a pencil below which their vectors have no derivative of their own: the
+derivative divides by the distance."""
+
+EIGENVECTORS_APART = 1e6
+"""Largest row sum of the inverse of the matrix of eigenvectors. Beyond, vectors are nearly parallel, and derivatives of
+their eigenvalues lose as many digits."""
+
+EIGENVECTOR_DIGITS = 1e-11
+"""Residual of an iterated eigenvector over its eigenvalue at which the iteration ends."""
+
+SEMIDEFINITE = 1e-9
+"""An eigenvalue is negative below minus this, in units that make the diagonal one: far above round-off."""
+
+SMALLEST_PIVOT = 1e-13
+"""Least pivot of a regular dense matrix over its largest pivot. Solutions keep three digits there."""
+
+ZERO_SINGULAR_VALUE = 1e-12
+"""Singular values below this share of the largest are zero for the dense solver: some digits above round-off."""
+
+RANK_TOLERANCE = 2.0**-26
+"""Singular values below this share of the largest are zero in decisions about a model: square root of round-off, the
+predecessor's choice."""
+
+REPROJECTED = 1e-6
+"""Rows are projected anew when the squares of what is left fall below this share: differences have lost six digits."""
+
+EQUAL_ROWS = 1 - 1e-6
+"""Rows of at least this share of the largest norm count as equally large, so that round-off does not choose one."""
+
+NEGLIGIBLE_PIVOT = 1e-14
+"""Pivots of a sparse matrix, scaled to entries of one, are round-off below this share of the largest."""
+
+DIAGONAL_PIVOT = 1e-8
+"""A diagonal entry is a pivot of sparse factors above this share of the largest in its column. It may be small, since
+stiffnesses are far apart and rows that change places would fill the factors."""
+
+BACKWARD_ERROR = 1e-10
+"""Largest residual of a solution over itself and the right-hand side, in scaled equations. Beyond, rows change."""
+
+SUPPORTED = 1e-13
+"""Stiffness that every coordinate gets, over the largest, so that a singular matrix can be factored: just above
+round-off."""
+
+REFINED = 1e-13
+"""A correction this small beside the solution ends iterative refinement: it is round-off."""
+
+UNREFINED = 1e-6
+"""The largest last correction of a refined solution; a larger one that no longer falls by half is refused."""
+
+FORCE_ROUND_OFF = 10 * 2.0**-52
+"""Round-off of forces over the largest: some units in the last place."""
+
 # --- trajectory -----------------------------------------------------------------------------------------------------
 
 OUTSIDE_TIMES = 1e-9

@@ -3178,7 +3178,7 @@ FAULTS = [
     ),
     Fault(
         "math/by_deformations.py",
-        "np.where(found <= still, 0.0, ",
+        "np.where(change <= still, 0.0, ",
         "np.where(False, 0.0, ",
         "math/test_by_deformations.py -k bear_alone",
     ),

@@ -8,26 +8,17 @@ from .sparse import SparseFactors
 
 
 class Bordered:
-    """Factors of [matrix, column; row, corner], for any number of right-hand sides.
+    """Factors of [matrix, column; row, corner], built from the factors of the matrix, which may be nearly singular.
 
     Attributes:
-        regular: Whether the whole can be solved.
+        regular: Whether the bordered matrix is regular.
 
     Source:
-        Govaerts 1991, Stable solvers and block elimination for bordered systems: the factors are those of the matrix,
-        which may be nearly singular, since a border fills them.
+        Govaerts (1991), Stable solvers and block elimination for bordered systems.
     """
 
     def __init__(self, matrix: Any, factored: SparseFactors, column: np.ndarray, row: np.ndarray, corner: float):
-        """Prepare the solution.
-
-        Args:
-            matrix: Sparse, (n, n).
-            factored: Its factors.
-            column: Of the border, (n,).
-            row: Of the border, (n,).
-            corner: Where both meet.
-        """
+        """Prepare the solution, from the factors of the sparse matrix and its border."""
         self._column, self._row, self._corner = column, row, corner
         self._factored = factored if factored.regular else None
         if self._factored is None:
@@ -40,7 +31,7 @@ class Bordered:
         self.regular = bool(np.all(np.isfinite(scalars)) and np.all(scalars != 0) and np.all(np.isfinite(self._across)))
 
     def solve(self, right: np.ndarray, last: float) -> tuple[np.ndarray, float]:
-        """Solution (z, w) of the whole for (right, last)."""
+        """Solution (z, w) of the bordered system for (right, last)."""
         if self._factored is None:
             z = self._whole.solve(np.append(right, self._by_row * last))
             return z[:-1], float(self._by_column * z[-1])
@@ -50,19 +41,19 @@ class Bordered:
         return z - second * self._across, float(first + second)
 
     def left(self) -> np.ndarray:
-        """First part of the solution of the transposed whole for zero and one: of [0, 1] = [y, w] whole, (n,)."""
+        """First part y of the solution of [y, w] [matrix, column; row, corner] = [0, 1]."""
         if self._factored is None:
             one = np.append(np.zeros_like(self._column), self._by_column)
             return self._whole.solve(one, transposed=True)[:-1]
         return -self._left / self._by_left
 
     def _factors_of_all(self, matrix: Any) -> tuple[SparseFactors, bool]:
-        """Factors of the whole, where the matrix alone has none, and whether they can be trusted."""
+        """Factors of the bordered matrix, scaled, if the matrix alone has none; and whether they are regular."""
         import scipy.sparse
 
         pivots = np.abs(matrix.diagonal())
         pivots = pivots[pivots > 0]
-        # Row and column are brought to the middle of the stiffnesses, for the choice of pivots.
+        # Entries of row and column get the mean size of the stiffnesses, so that pivots are chosen well.
         middle = float(np.exp(np.mean(np.log(pivots)))) if len(pivots) else 1.0
         entire = np.append(self._row, self._corner)
         self._by_row, self._by_column = (middle / max(float(np.max(np.abs(v))), 1e-300) for v in (entire, self._column))

@@ -1,7 +1,7 @@
-"""Forces and energies of large mechanisms by the deformations of their elements, which lose little to round-off.
+"""Forces and energies of large mechanisms, computed from the deformations of elements to lose little to round-off.
 
-Of many short beams the stiffness of the whole is a small difference of large entries: round-off is a share of the
-fourth power of their number along a leaf spring. Deformations are differences of motions, and lose the square.
+The stiffness of many short beams is a small difference of large entries: the relative round-off grows with the
+fourth power of their number along a leaf spring. In deformations it grows with the square.
 """
 
 from collections.abc import Callable
@@ -14,22 +14,18 @@ from jaxtyping import Array, Float, Inexact
 from ..arguments import library_of
 from ..compilation.compile import jit
 from ..errors import AnalysisError
+from ..numerical_limits import FORCE_ROUND_OFF, REFINED, UNREFINED
 from ..results import RESULTS
 from .element_matrices import ElementMatrices, times, times_transposed
 from .indices import put
 from .linear import uneven
 
-# A correction that is so small a share of the solution ends its refinement; one that no longer falls by half, and is
-# larger than LEFT, is refused.
-DONE, LEFT = 1e-13, 1e-6
-# So many are made.
+# Most corrections of a solution by iterative refinement.
 MOST_CORRECTIONS = 20
-# Round-off of forces, as share of the largest.
-NOISE = 10 * float(np.finfo(float).eps)
 
 
 def spread(elements: ElementMatrices, moving: Any) -> Any:
-    """Motions of all coordinates of those that move; what is held stays. Returns (n_x, k)."""
+    """Motions of all coordinates, (n_x, k), from the motions of the free coordinates; all others are zero."""
     whole = library_of(moving).zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
     return put(whole, elements.free, moving)
 
@@ -47,22 +43,18 @@ def product(
         sigma = sigma + s * times(elements.viscous, changed, size=n_e)
     if elements.lossy:
         sigma = sigma + 1j * times(elements.lossy, changed, size=n_e)
-    found = times_transposed(elements.constraints, sigma, size=n_x) + times(elements.curved, v, size=n_x)
+    forces = times_transposed(elements.constraints, sigma, size=n_x) + times(elements.curved, v, size=n_x)
     if values is not None:
-        found = found - times(elements.mass, v, size=n_x) * values
+        forces = forces - times(elements.mass, v, size=n_x) * values
     if s is not None:
-        found = found + s**2 * times(elements.mass, v, size=n_x)
-    return jnp.concatenate([found[elements.free], changed[elements.held]])
+        forces = forces + s**2 * times(elements.mass, v, size=n_x)
+    return jnp.concatenate([forces[elements.free], changed[elements.held]])
 
 
 def bordered(
     elements: ElementMatrices, z: Float[Array, "r *k"], border: Float[Array, "n b"], values: Any = None
 ) -> Array:
-    """As :func:`product`, with motions to which the solution is to be orthogonal and the forces along them.
-
-    Args:
-        z: Motions, multipliers and sizes of these forces, one a column, (n + h + b, k).
-    """
+    """As :func:`product`, bordered by motions to which z is orthogonal; z ends with forces along them."""
     (n, h) = elements.unknowns
     balance = product(elements, z[: n + h], values)
     balance = balance.at[:n].add(border @ z[n + h :])
@@ -70,22 +62,22 @@ def bordered(
 
 
 def deformed(elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]) -> Inexact[np.ndarray, "n_e k"]:
-    """Deformations of motions of all coordinates, on the host."""
-    found = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
-    for at, columns, own in elements.constraints:
-        found[at] = own @ motions[columns]
-    return found
+    """Deformations of motions of all coordinates, by NumPy."""
+    deformations = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
+    for rows, columns, matrices in elements.constraints:
+        deformations[rows] = matrices @ motions[columns]
+    return deformations
 
 
 def pulled(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> Inexact[np.ndarray, "n_x k"]:
-    """Forces on all coordinates of stress resultants, on the host."""
+    """Forces of stress resultants on all coordinates, by NumPy."""
     return times_transposed(elements.constraints, sigma, size=len(elements.sizes))
 
 
 def forces(
     elements: ElementMatrices, z: Inexact[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
 ) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`product`, on the host."""
+    """As :func:`product`, by NumPy."""
     n = elements.unknowns[0]
     v = np.zeros((len(elements.sizes), z.shape[1]), z.dtype)
     v[elements.free] = z[:n]
@@ -99,7 +91,7 @@ def forces_of(
     transposed: bool = False,
     s: complex | None = None,
 ) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`forces`, of motions of all coordinates, also of those that do not move by themselves."""
+    """As :func:`forces`, for motions of all coordinates, also those that do not move by themselves."""
     n_x, n_e = len(elements.sizes), len(elements.kept)
     changed, product = deformed(elements, v), times_transposed if transposed else times
     sigma = product(elements.elastic, changed, size=n_e)
@@ -108,33 +100,33 @@ def forces_of(
         sigma = sigma + s * product(elements.viscous, changed, size=n_e)
     if elements.lossy:
         sigma = sigma + 1j * product(elements.lossy, changed, size=n_e)
-    found = pulled(elements, sigma) + product(elements.curved, v, size=n_x)
+    balance = pulled(elements, sigma) + product(elements.curved, v, size=n_x)
     if s is not None:
-        found = found + s**2 * product(elements.mass, v, size=n_x)
-    return np.concatenate([found[elements.free], changed[elements.held]])
+        balance = balance + s**2 * product(elements.mass, v, size=n_x)
+    return np.concatenate([balance[elements.free], changed[elements.held]])
 
 
 def energies_between(
     elements: ElementMatrices, left: Float[np.ndarray, "n_x k"], right: Float[np.ndarray, "n_x m"]
 ) -> Float[np.ndarray, "k m"]:
-    """Elastic stiffness between motions of all coordinates, one a column."""
+    """Elastic stiffness between motions of all coordinates, one per column."""
     before, behind = deformed(elements, left), deformed(elements, right)
-    found = np.zeros((left.shape[1], right.shape[1]))
-    for at, by, own in elements.elastic:
-        found += np.tensordot(before[at], own @ behind[by], ((0, 1), (0, 1)))
-    return found
+    work = np.zeros((left.shape[1], right.shape[1]))
+    for rows, columns, matrices in elements.elastic:
+        work += np.tensordot(before[rows], matrices @ behind[columns], ((0, 1), (0, 1)))
+    return work
 
 
 def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "k"]:
-    """Twice the elastic energy of motions of all coordinates, one a column."""
-    changed, found = deformed(elements, motions), np.zeros(motions.shape[1])
-    for at, by, own in elements.elastic:
-        found += np.einsum("eik,eij,ejk->k", changed[at], own, changed[by])
-    return found
+    """Twice the elastic energy of motions of all coordinates, one per column."""
+    changed, twice = deformed(elements, motions), np.zeros(motions.shape[1])
+    for rows, columns, matrices in elements.elastic:
+        twice += np.einsum("eik,eij,ejk->k", changed[rows], matrices, changed[columns])
+    return twice
 
 
 def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray, "n"], rows: int, kind: Any) -> float:
-    """How far uneven forces of about one move, both in extents and radians."""
+    """Largest motion under uneven forces of size one, in extents and radians."""
     forces, n = np.zeros((rows, 1), kind), len(sizes)
     forces[:n, 0] = uneven(n) / sizes
     return float(np.max(np.abs(solve(forces)[:n, 0]) / sizes, initial=0.0))
@@ -145,13 +137,12 @@ def refined(
     solve: Callable[[np.ndarray], np.ndarray],
     right: Inexact[np.ndarray, "r k"],
     sizes: Float[np.ndarray, "n"],
-    left: float = LEFT,
+    left: float = UNREFINED,
     soft: float | None = None,
 ) -> Inexact[np.ndarray, "r k"]:
-    """Solution of A z = right, corrected until it is that of a product which is less spoilt than the factors.
+    """Solution of A z = right, refined iteratively (Wilkinson 1963) by a product more accurate than the factors.
 
-    Raises AnalysisError: lost_in_round_off: corrections do not become smaller. Source: Iterative refinement (Wilkinson
-    1963).
+    Raises AnalysisError: lost_in_round_off: corrections do not become smaller.
     """
     n = len(sizes)
 
@@ -159,18 +150,18 @@ def refined(
         return np.max(np.abs(z[:n]) / sizes[:, None], axis=0, initial=0.0)
 
     z = solve(right)
-    # What round-off of the forces moves: constraints may leave no more of a solution.
+    # Constraints may leave no more of a solution than round-off of the forces.
     soft = softness(solve, sizes, len(right), right.dtype) if soft is None else soft
-    still = NOISE * soft * np.max(np.abs(right[:n]) * sizes[:, None], axis=0, initial=0.0)
+    still = FORCE_ROUND_OFF * soft * np.max(np.abs(right[:n]) * sizes[:, None], axis=0, initial=0.0)
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
         step = solve(right - product(z))
-        found = size(step)
-        share = np.max(np.where(found <= still, 0.0, found / np.maximum(size(z), np.finfo(float).tiny)), initial=0.0)
+        change = size(step)
+        share = np.max(np.where(change <= still, 0.0, change / np.maximum(size(z), np.finfo(float).tiny)), initial=0.0)
         if not share < before / 2:
             break
         z, before = z + step, share
-        if share <= DONE:
+        if share <= REFINED:
             break
     if not before <= left:
         raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)

@@ -1,4 +1,4 @@
-"""Derivatives that are cheaper to compile than those that JAX finds by itself."""
+"""Derivatives that compile faster than those JAX would find by itself."""
 
 import functools
 import itertools
@@ -13,16 +13,13 @@ from jax.custom_derivatives import SymbolicZero
 
 from ..compilation.compile import is_staged, jit_beside_options
 
-# Steps of Newton's method that derivatives pass through, from a solution that is a number to them: one step has first
-# derivatives right, two have those up to the third.
+# Steps of Newton's method that derivatives pass through, from a solution that JAX takes as constant: one step yields
+# first derivatives, two steps yield derivatives up to the third.
 DIFFERENTIATED = 2
 
 
 def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple) -> tuple[Any, Any]:
-    """As ``jax.jvp``, for tangents of which many are symbolic zeros: nothing is traced for those.
-
-    Returns the value of the function and its change.
-    """
+    """As ``jax.jvp``, without tracing tangents that are symbolic zeros."""
     leaves, structure = jax.tree.flatten(primals)
     changes = jax.tree.leaves(tangents, is_leaf=lambda t: isinstance(t, SymbolicZero))
     varied = [i for i, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
@@ -37,19 +34,13 @@ def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple)
 
 
 def _number_of(change: Any) -> Any:
-    """A change, zeros where it is known to be none."""
+    """A change as an array; symbolic zeros become zeros."""
     shaped: Any = change
     return jnp.zeros(shaped.shape, shaped.dtype) if isinstance(change, SymbolicZero) else change
 
 
 class Varied(NamedTuple):
-    """An argument of which some numbers vary.
-
-    Attributes:
-        numbers: Those that vary.
-        whole: The argument, from these numbers.
-        varies: Which of its leaves vary.
-    """
+    """An argument with its varying numbers, its reconstruction from these numbers, and which of its leaves vary."""
 
     numbers: list[Any]
     whole: Callable[[list[Any]], Any]
@@ -62,13 +53,12 @@ def with_derivative(
     backward: Callable[..., Sequence[list[Any]]],
     *arguments: Any,
 ) -> Any:
-    """Value of a function whose derivatives in reverse mode are given.
+    """Value of a function with a given derivative in reverse mode.
 
     Args:
-        forward: What is evaluated in its place where a derivative is asked for: the same value, and what
-            :func:`backward` needs of it.
-        backward: Of a :class:`Varied` for each argument, of what forward has kept, and of a pytree like the value, the
-            derivatives by it: the derivatives by the numbers of each argument that vary.
+        forward: Called instead of the function under differentiation: the same value, and what ``backward`` needs.
+        backward: Of a :class:`Varied` for each argument, of what ``forward`` kept, and of a cotangent: the derivatives
+            by the varying numbers of each argument.
     """
     leaves, structure = jax.tree.flatten(arguments)
     places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
@@ -86,7 +76,7 @@ def with_derivative(
     def ahead(*numbers: Any):
         values = [number.value for number in numbers]
         found, carried = called(forward, values)
-        # An empty tuple marks what varies: what is carried over may hold arrays alone.
+        # An empty tuple marks numbers that vary: residuals may hold arrays alone.
         return found, (values, carried, [() if number.perturbed else None for number in numbers])
 
     def back(carried: tuple[Any, ...], changes: Any):
@@ -106,7 +96,7 @@ def with_derivative(
 
 
 def refusing_derivatives(value: Any, message: str) -> Any:
-    """The same numbers, whose derivatives are refused in both modes, also where they would be stopped afterwards."""
+    """The same numbers, whose derivatives raise TypeError in both modes, even under ``stop_gradient``."""
 
     @jax.custom_jvp
     def same(number: jax.Array):
@@ -120,7 +110,7 @@ def refusing_derivatives(value: Any, message: str) -> Any:
 
 
 def root_or_zero(square: Any) -> Any:
-    """Square root of what is not negative, with a derivative of zero where it is zero; NaN stays NaN."""
+    """Square root of a non-negative number, with derivative zero at zero; NaN stays NaN."""
     none = square <= 0
     return jnp.where(none, 0.0, jnp.sqrt(jnp.where(none, 1.0, square)))
 
@@ -137,16 +127,15 @@ def _varied(argument: Any, varies: list[bool]) -> Varied:
 
 
 def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], once: str) -> Callable[..., Any]:
-    """As :func:`jit_beside_options`, of a function whose derivatives are taken in reverse mode alone.
+    """As :func:`jit_beside_options`, for a function that is differentiated in reverse mode alone.
 
-    JAX compiles what ``jax.grad`` asks for without options, which takes twice as long. Here the way back is a program
-    of its own, compiled as settings ask for.
+    JAX compiles the backward pass of ``jax.grad`` without our compiler options, which takes twice as long. Here the
+    backward pass is a program of its own with these options.
 
     Args:
-        function: Function of arguments that may hold what is no array, and of ``known``: None, or what ``ahead`` found.
-        ahead: What gives the value where a derivative is asked for, and what the way back is to know of it: arrays, or
-            None where it is to take the function once more.
-        once: What a derivative of a derivative is told.
+        function: Also takes ``known``: None, or what ``ahead`` found.
+        ahead: Returns the value and what the backward pass needs: arrays, or None to evaluate the function again.
+        once: Message of the error that a second derivative raises.
     """
     run, there = jit_beside_options(function), jit_beside_options(ahead)
 
@@ -169,7 +158,7 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], 
         def way_back(parts: list[Varied], known: Any, changes: Any):
             varies = tuple(varied for part in parts for varied in part.varies)
             given = [None if one.dtype == jax.dtypes.float0 else one for one in jax.tree.leaves(changes)]
-            # What comes in is refused too: the way back may call the host, whose derivatives JAX refuses in its words.
+            # Inputs are refused too: the backward pass may call the host, whose derivatives JAX refuses unclearly.
             numbers, given = refusing_derivatives(([part.numbers for part in parts], given), once)
             whole = tuple(part.whole(own) for part, own in zip(parts, numbers, strict=True))
             found = iter(back(varies, whole, known, given))
@@ -183,23 +172,23 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], 
             return value, known
 
         found = with_derivative(run, forward, way_back, *arguments)
-        # What has no derivative is a number still, that one may ask.
+        # Integers and flags have no derivative: return their known values.
         return jax.tree.map(_as_known, found, values[-1]) if values else found
 
     return call
 
 
 def _as_known(found: Any, known: Any) -> Any:
-    """A number that is known in place of what is differentiated, where it has no derivative."""
+    """The known value of an integer or flag, else the differentiated value."""
     whole = not jnp.issubdtype(found.dtype, jnp.inexact) and not isinstance(known, jax.core.Tracer)
     return known if whole else found
 
 
 def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:
-    """A function of one number, applied to each of an array, whose derivatives are found once a number.
+    """A function of one number, applied to each entry of an array; its derivative is computed once per entry.
 
-    JAX carries all directions of a derivative through each operation of the function; here its slope is one number, by
-    which each direction is multiplied. Returns the same function, which may be differentiated any number of times.
+    JAX would carry every direction of a derivative through each operation. Here each direction is multiplied by the
+    slope. The result may be differentiated any number of times.
     """
 
     @jax.custom_jvp

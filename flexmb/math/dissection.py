@@ -1,29 +1,23 @@
-"""An order of elimination by nested dissection, for meshes whose factors another order fills."""
+"""Nested dissection: an order of elimination for meshes, where other orders fill the factors."""
 
 from typing import Any
 
 import numpy as np
 
-# Unknowns of equal neighbours are one vertex; graphs of so many are not divided further.
+# Unknowns with equal neighbours are one vertex. Smaller graphs are not divided further.
 SMALL = 24
-# A graph is divided into two of which the smaller one has this share of the vertices at least, where that is possible.
+# Least share of the vertices in the smaller half, where possible.
 SHARE = 0.35
-# Vertices from which levels begin, each far from the last.
+# Attempts to find two vertices far apart.
 TRIES = 4
 
 
 def dissected(matrix: Any) -> np.ndarray:
-    """Order of elimination of a matrix of symmetric pattern: what separates two halves comes after both.
-
-    Args:
-        matrix: Sparse, by columns, (n, n).
-
-    Returns:
-        Of the unknowns, (n,).
+    """Order of elimination of a sparse matrix of symmetric pattern; each separator comes after both of its halves.
 
     Source:
-        THEORY.md 9. George (1973); George and Liu (1978), whose levels have equal distances from a vertex at the
-        border; here the smallest of them about the middle separates.
+        THEORY.md 9. George (1973); George and Liu (1978): levels have equal distances from a vertex at the border. Here
+        the smallest level near the middle separates.
     """
     import scipy.sparse
 
@@ -34,7 +28,7 @@ def dissected(matrix: Any) -> np.ndarray:
     unknowns = np.split(np.argsort(vertex, kind="stable"), np.cumsum(np.bincount(vertex))[:-1])
     graph = graph[first][:, first]
     order: list[np.ndarray] = []
-    # The last ones are found first.
+    # Separators are eliminated last and found first: the order is reversed at the end.
     left = [np.arange(len(first))]
     while left:
         among = left.pop()
@@ -50,7 +44,7 @@ def dissected(matrix: Any) -> np.ndarray:
 
 
 def _parts(graph: Any) -> tuple[np.ndarray, ...]:
-    """Vertices of parts that are not joined but by the last one; nothing where a graph cannot be divided."""
+    """Parts joined only by the last one, a separator; empty if the graph cannot be divided."""
     from scipy.sparse.csgraph import connected_components, dijkstra
 
     count, component = connected_components(graph, directed=False)
@@ -71,7 +65,7 @@ def _parts(graph: Any) -> tuple[np.ndarray, ...]:
         return ()
     even = smaller >= min(SHARE * len(levels), np.max(smaller))
     middle = int(np.argmin(np.where(even, sizes, len(levels))))
-    # What has no neighbour beyond does not separate.
+    # Vertices without a neighbour beyond do not separate.
     beyond = graph @ (levels == middle + 1) > 0
     between = (levels == middle) & beyond
-    return tuple(np.flatnonzero(of) for of in ((levels <= middle) & ~between, levels > middle, between))
+    return tuple(np.flatnonzero(part) for part in ((levels <= middle) & ~between, levels > middle, between))

@@ -1,4 +1,4 @@
-"""Matrices of elements with their places in a whole that is never formed: products, and what the host makes of them."""
+"""Element matrices with their places in the matrix of the mechanism; products without that matrix, and its factors."""
 
 import hashlib
 from collections import OrderedDict
@@ -12,8 +12,8 @@ from ..compilation.compile import jit
 from .indices import accumulate
 from .sparse import SparseFactors, SparsePattern
 
-# Patterns of so many structures are kept.
-MOST = 8
+# Structures whose patterns are kept.
+MOST_PATTERNS = 8
 
 # Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
 Pieces = list[tuple[Any, Any, Any]]
@@ -24,17 +24,17 @@ class ElementMatrices(NamedTuple):
 
     Attributes:
         structural: Elements' own stiffness, in pieces by coordinates.
-        curved: The part of the stiffness that stress resultants and loads have, likewise.
-        damping: Likewise; empty where there is none, or no one asks.
+        curved: Stiffness from stress resultants and loads, likewise.
+        damping: Likewise; empty without damping.
         mass: Likewise.
         loss: Structural stiffness times loss factors, likewise.
-        constraints: Derivatives of all deformations by the coordinates, in pieces; those of the held are constraints.
-        elastic: Stress resultants by deformations, in pieces as those of the constraints lie; zero for held ones.
-        viscous: Stress resultants by rates of the deformations, likewise; empty where there is no damping.
-        lossy: Elastic times loss factors, likewise; empty where no one asks.
+        constraints: Derivatives of all deformations by the coordinates, in pieces; rows of held ones are constraints.
+        elastic: Stress resultants by deformations, in pieces that lie as the constraints do; zero for held ones.
+        viscous: Stress resultants by rates of the deformations, likewise; empty without damping.
+        lossy: Elastic times loss factors, likewise; empty unless asked for.
         free: Coordinates that move, (n,).
         held: Deformations that are held, (h,).
-        sizes: What coordinates are measured by, (n_x,) [m, -].
+        sizes: Sizes of the coordinates, for scaling, (n_x,) [m, -].
         kept: One for each deformation that is not held, else zero, (n_e,).
     """
 
@@ -54,26 +54,17 @@ class ElementMatrices(NamedTuple):
 
     @property
     def stiffness(self) -> Pieces:
-        """All of the tangent: of elements, stress resultants and loads."""
+        """All of the tangent: elements, stress resultants and loads."""
         return [*self.structural, *self.curved]
 
     @property
     def unknowns(self) -> tuple[int, int]:
-        """How many coordinates move, and how many constraints there are."""
+        """Numbers of free coordinates and of constraints."""
         return self.free.shape[0], self.held.shape[0]
 
 
 def times(pieces: Pieces, vectors: Any, *, size: int) -> Any:
-    """Product of a matrix in pieces and vectors; by NumPy where its arrays are given, which compiles nothing.
-
-    Args:
-        pieces: The matrix.
-        vectors: One a column, (n, k).
-        size: Number of rows of the matrix.
-
-    Returns:
-        (size, k).
-    """
+    """Product of a matrix in pieces with ``size`` rows, and vectors as columns; by NumPy for NumPy's arrays."""
     if not _are_known(pieces, vectors):
         return _times(pieces, vectors, size=size)
     found = np.zeros((size, vectors.shape[1]), vectors.dtype)
@@ -95,7 +86,7 @@ def _times(pieces: Pieces, vectors: Inexact[Array, "n k"], *, size: int) -> Inex
 
 
 def times_transposed(pieces: Pieces, vectors: Any, *, size: int) -> Any:
-    """Product of the transposed matrix and vectors, as :func:`times`."""
+    """Product of the transposed matrix and vectors; see :func:`times`."""
     if not _are_known(pieces, vectors):
         return _times_transposed(pieces, vectors, size=size)
     return times(_turned(pieces), vectors, size=size)
@@ -111,37 +102,26 @@ def _turned(pieces: Pieces) -> Pieces:
 
 
 def transposed(elements: ElementMatrices) -> ElementMatrices:
-    """The same with all but mass and constraints transposed: without a potential they are unsymmetric."""
+    """The same with everything but mass and constraints transposed; without a potential these are unsymmetric."""
     own = elements
     names = ("structural", "curved", "damping", "loss", "elastic", "viscous", "lossy")
     return own._replace(**{name: _turned(getattr(own, name)) for name in names})
 
 
 def by_coordinates(constraints: Pieces, pieces: Pieces) -> Pieces:
-    """Matrices of elements by coordinates, D^T A D, of matrices by their deformations that lie alike.
-
-    Args:
-        constraints: D, of each block that deforms.
-        pieces: A of each, or none.
-    """
+    """Element matrices by coordinates, D^T A D, from constraints D and matrices A by deformations, or none."""
     return [
-        (columns, columns, d.mT @ own @ d)
-        for (_, columns, d), (*_, own) in zip(constraints, pieces, strict=bool(pieces))
+        (columns, columns, d.mT @ a @ d) for (_, columns, d), (*_, a) in zip(constraints, pieces, strict=bool(pieces))
     ]
 
 
 def between(pieces: Pieces, left: Any, right: Any) -> Any:
-    """What a matrix in pieces is between vectors, (n, a) and (m, b): left^T A right, (a, b)."""
+    """Quadratic form left^T A right, (a, b), of a matrix in pieces."""
     return left.T @ times(pieces, right, size=left.shape[0])
 
 
 class SparseMatrices(NamedTuple):
-    """Equations of the coordinates that move, sparse, on the host: M v'' + C v' + K v + D^T m = f, D v = 0.
-
-    Attributes:
-        K, C, M: Stiffness, damping and mass, (n, n) [SI].
-        D: Constraints, (h, n).
-    """
+    """Sparse equations of the free coordinates by NumPy: M v'' + C v' + K v + D^T m = f, D v = 0 [SI]."""
 
     K: Any
     C: Any
@@ -150,19 +130,15 @@ class SparseMatrices(NamedTuple):
 
 
 class Whole:
-    """Equations of the coordinates that move and the multipliers, all matrices with the places of all others.
+    """Sparse equations of the free coordinates and the multipliers, in one pattern for all matrices.
 
     Attributes:
-        n: Coordinates that move.
-        elements: The elements' matrices.
+        n: Number of free coordinates.
+        elements: Element matrices.
     """
 
     def __init__(self, elements: ElementMatrices):
-        """Add up the elements' matrices.
-
-        Args:
-            elements: With arrays of NumPy.
-        """
+        """Add up element matrices, arrays of NumPy."""
         self.n, h = elements.unknowns
         self.elements = elements
         self._size = self.n + h
@@ -193,16 +169,11 @@ class Whole:
         return self._matrix(self._k + s * self._c + s**2 * self._m + 1j * self._l + self._d)
 
     def factors(self, matrix: Any) -> SparseFactors:
-        """Factors of such a matrix, in the order of elimination that the first of them found."""
+        """Factors of a matrix of this pattern, in the order of elimination that the first factors found."""
         return self._pattern.factors(matrix)
 
     def bordered(self, matrix: Any, border: np.ndarray) -> Any:
-        """Such a matrix with motions to which the solution is to be orthogonal.
-
-        Args:
-            matrix: As of :meth:`at`.
-            border: Of the coordinates that move, one a column, (n, k).
-        """
+        """Matrix of :meth:`at` with free motions, (n, k), to which the solution is to be orthogonal."""
         import scipy.sparse
 
         rest = np.zeros((self._size - self.n, border.shape[1]))
@@ -216,16 +187,16 @@ class Whole:
 
     @property
     def curved(self) -> Any:
-        """Stiffness of stress resultants and loads, of the coordinates that move, (n, n)."""
+        """Stiffness of the free coordinates from stress resultants and loads, (n, n)."""
         return self._matrix(self._g)[: self.n, : self.n]
 
     @property
     def constraints(self) -> Any:
-        """D of the coordinates that move, (h, n)."""
+        """D of the free coordinates, (h, n)."""
         return self._matrix(self._d)[self.n :, : self.n]
 
     def independent(self) -> bool:
-        """Whether the held deformations constrain independently, so that the multipliers are determined."""
+        """Whether the held deformations are independent, so that the multipliers are determined."""
         import scipy.sparse
 
         ones = (np.arange(self._size) < self.n).astype(float)
@@ -233,16 +204,16 @@ class Whole:
 
     @property
     def mass(self) -> Any:
-        """M of the coordinates that move, (n, n)."""
+        """M of the free coordinates, (n, n)."""
         return self._matrix(self._m)[: self.n, : self.n]
 
     @property
     def damping(self) -> Any:
-        """C of the coordinates that move, (n, n)."""
+        """C of the free coordinates, (n, n)."""
         return self._matrix(self._c)[: self.n, : self.n]
 
     def apart(self) -> SparseMatrices:
-        """The matrices one by one."""
+        """All four matrices, without stored zeros."""
         k, c, m, d = (self._matrix(data) for data in (self._k, self._c, self._m, self._d))
         found = [own[: self.n, : self.n] for own in (k, c, m)] + [d[self.n :, : self.n]]
         for own in found:
@@ -259,12 +230,12 @@ _known: OrderedDict[bytes, SparsePattern] = OrderedDict()
 
 
 def _pattern_of(elements: ElementMatrices) -> SparsePattern:
-    """Places of all entries, kept for others whose elements join the same nodes in the same roles."""
+    """Places of all entries, kept for other models whose elements join the same nodes in the same roles."""
     told, seen = hashlib.blake2b(digest_size=16), []
     groups = _groups(elements)
     places = [[(rows, columns) for rows, columns, _ in pieces] for pieces in groups]
     for array in (elements.free, elements.held, *(index for group in places for pair in group for index in pair)):
-        # Most stand several times, which is seen at once.
+        # Most index arrays occur several times.
         same = next((i for i, own in enumerate(seen) if np.array_equal(own, array)), None)
         told.update(repr((array.shape, array.dtype, same)).encode())
         if same is None:
@@ -274,7 +245,7 @@ def _pattern_of(elements: ElementMatrices) -> SparsePattern:
     key = told.digest()
     pattern = _known.pop(key, None) or _found(elements, places)
     _known[key] = pattern
-    if len(_known) > MOST:
+    if len(_known) > MOST_PATTERNS:
         _known.popitem(last=False)
     return pattern
 

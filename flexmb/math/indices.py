@@ -1,7 +1,4 @@
-"""Writing and adding at index arrays without a negative or a repeated entry, which JAX would otherwise provide for.
-
-Of arrays of NumPy, which are known numbers, by NumPy.
-"""
+"""Writing and adding at index arrays, fast because no index is negative; by NumPy for NumPy's arrays."""
 
 from typing import Any
 
@@ -14,7 +11,7 @@ TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 
 
 def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
-    """Copy of an array with rows replaced. Returns an array of the shape of ``whole``."""
+    """Copy of an array with rows replaced; no index repeats."""
     if _known(whole, values):
         found = np.array(whole)
         found[indices] = values
@@ -23,7 +20,7 @@ def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
 
 
 def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
-    """Copy of an array with values added; an index may repeat. Returns an array of the shape of ``whole``."""
+    """Copy of an array with values added; indices may repeat."""
     if _known(whole, values):
         found = np.array(whole)
         np.add.at(found, indices, values)

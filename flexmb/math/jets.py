@@ -1,8 +1,7 @@
-"""A function evaluated on truncated polynomials in place of numbers: its rates along a motion, all in one pass.
+"""Truncated polynomials (jets): a function's rates along a motion and their derivatives, in one pass.
 
-Differentiated twice along a motion and once more in every direction, a function becomes some fifteen times as many
-operations: each rate and each derivative has its own. Here every number is one array of all of them: what is linear in
-the function stays one operation then, and a product becomes a few.
+Nested differentiation writes each rate and each derivative as operations of its own, some fifteen times as many. A jet
+is one array of all of them, so that a linear operation stays one operation and a product becomes a few.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from ..compilation.program import is_literal, needed
 if TYPE_CHECKING:
     from jax.extend.core import Jaxpr
 
-# Operations that are linear in all their operands together, those that are in one while the others are constant, and
-# programs within programs.
+# Operations that are linear in all operands together; operations that are linear in one operand with the others
+# constant; programs within programs.
 TOGETHER = {"add", "add_any", "concatenate", "pad", "select_n", "stack", "sub"}
 ALONE = {"broadcast_in_dim", "convert_element_type", "copy", "cumsum", "div", "dot_general", "dynamic_slice", "gather"}
 ALONE |= {"mul", "neg", "reduce_sum", "reshape", "rev", "slice", "split", "squeeze", "transpose"}
 INLINE = {"jit", "pjit", "closed_call"}
-# Operations that take an argument apart, by NumPy.
+# Operations that take an argument apart, by NumPy, for index arrays.
 APART: dict[str, Callable[..., list[np.ndarray]]] = {
     "split": lambda x, sizes, axis: np.split(x, np.cumsum(sizes)[:-1], axis),
     "squeeze": lambda x, dimensions: [np.squeeze(x, dimensions)],
@@ -38,10 +37,10 @@ class Jet(NamedTuple):
     """A number as a polynomial.
 
     Attributes:
-        parts: Its value, its rate, half its second rate, and its rate along another motion, as many as are asked for;
-            of each first itself, then its derivatives in some directions, (parts, 1 + directions, ...).
-        directions: Which these are; in all others the derivatives are zero.
-        chosen: Which entries of the argument it consists of, if it does.
+        parts: Value, rate, half the second rate, and rate along another motion, as many as are asked for; of each part
+            first itself, then its derivatives in some directions, (parts, 1 + directions, ...).
+        directions: The directions of ``parts``; derivatives in all others are zero.
+        chosen: Entries of the argument of which the number consists, or None.
     """
 
     parts: Any
@@ -55,14 +54,10 @@ class Jet(NamedTuple):
 
 
 def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array | None, directed: bool) -> Any:
-    """Rates of a function of one array along a motion.
+    """Rates of a function of one array along a motion and along another one ``aside``.
 
-    Args:
-        directed: Whether the derivatives of all of them by x are asked for, at constant rates of x.
-
-    Returns:
-        For each array of the result its value, its rates, and its rate along the other motion: (rates, 1 + n, ...),
-        each followed by its derivatives by the entries of x; without these (rates, 1, ...).
+    Each array of the result becomes (rates, 1 + n, ...) if ``directed``: value and rates, each followed by its
+    derivatives by the n entries of x at constant rates of x; else (rates, 1, ...).
     """
     x = motion[0]
     jaxpr, constants, like = _traced(function, x)
@@ -72,19 +67,19 @@ def jets(function: Callable[..., Any], motion: tuple[Array, ...], aside: Array |
     found = algebra.evaluated(jaxpr, constants, [algebra.chosen(np.arange(n))])
     factors = np.array([2.0 if 2 <= k < len(motion) else 1.0 for k in range(len(parts))])
     leaves = []
-    for one in found:
-        whole = algebra.expanded(algebra.lifted(one), tuple(algebra.directions)).parts
-        leaves.append(whole * factors.reshape(-1, *[1] * (whole.ndim - 1)) if len(motion) > 2 else whole)
+    for jet in found:
+        parts = algebra.expanded(algebra.lifted(jet), tuple(algebra.directions)).parts
+        leaves.append(parts * factors.reshape(-1, *[1] * (parts.ndim - 1)) if len(motion) > 2 else parts)
     return jax.tree.unflatten(jax.tree.structure(like), leaves)
 
 
 def length(function: Callable[..., Any], x: Array) -> int:
-    """Number of operations of a function of one array, those of programs within it included."""
+    """Number of operations of a function of one array, inner programs included."""
     return _length(_traced(function, x)[0])
 
 
 def _traced(function: Callable[..., Any], x: Array) -> tuple[Jaxpr, Any, Any]:
-    """Program of a function, without what no result needs; its constants; what its results are like."""
+    """Program of a function without unused operations, its constants, and the structure of its results."""
     program, like = jax.make_jaxpr(function, return_shape=True)(jax.typeof(x))
     jaxpr = program.jaxpr
     return jaxpr.replace(eqns=needed(jaxpr.eqns, jaxpr.outvars)[0]), program.consts, like
@@ -96,10 +91,10 @@ def _length(jaxpr: Jaxpr) -> int:
 
 
 class Algebra:
-    """How polynomials are computed with.
+    """Arithmetic of jets.
 
     Attributes:
-        orders: Number of parts along the motion: the value, its rate, and half its second rate if that is asked for.
+        orders: Number of parts along the motion: value, rate, and half the second rate if asked for.
         argument: Parts of the argument, (parts, n).
         directions: Directions of derivatives.
     """
@@ -114,7 +109,7 @@ class Algebra:
                 table[i + j, i, j] = 1.0
         for k in range(orders, self.count):
             table[k, 0, k] = table[k, k, 0] = 1.0
-        # Before the parts of one factor, as a matrix, that those of the other are multiplied with.
+        # A matrix that multiplies the parts of one factor; the result multiplies the parts of the other.
         self.table = table.reshape(-1, self.count)
 
     def chosen(self, entries: np.ndarray) -> Jet:
@@ -125,7 +120,7 @@ class Algebra:
         return Jet(jnp.concatenate([self.argument[:, entries][:, None], own], axis=1), known, entries)
 
     def evaluated(self, jaxpr: Jaxpr, constants: Any, arguments: list) -> list:
-        """Results of a program; those that do not depend on the argument are numbers."""
+        """Results of a program; those independent of the argument are plain numbers."""
         known: dict = dict(zip([*jaxpr.constvars, *jaxpr.invars], [*constants, *arguments], strict=True))
         used = [v for equation in jaxpr.eqns for v in equation.invars] + list(jaxpr.outvars)
         sums = {e.invars[0] for e in jaxpr.eqns if e.primitive.name == "reduce_sum"}
@@ -135,7 +130,7 @@ class Algebra:
             taken: Any = [atom.val if is_literal(atom) else known.get(atom) for atom in equation.invars]
             name, read = equation.primitive.name, [v for v in equation.invars if not is_literal(v)]
             if name == "mul" and equation.outvars[0] in sums and all(isinstance(one, Jet) for one in taken):
-                # A product of matrices, together with the sum.
+                # Product and sum together are a product of matrices.
                 factors[equation.outvars[0]] = tuple(taken)
             elif read and read[0] in factors:
                 a, b = factors.pop(read[0])
@@ -180,7 +175,7 @@ class Algebra:
         return [next(found) if of else one for of, one in zip(real, whole, strict=True)]
 
     def linear(self, function: Callable[..., Any], taken: list) -> list:
-        """Results of an operation that is linear in all polynomials that it takes, which have the same directions."""
+        """Results of an operation that is linear in all its jets together, which have the same directions."""
         axes = [0 if isinstance(one, Jet) else None for one in taken]
         (shape, directions), *_ = [(one.parts.shape[:2], one.directions) for one in taken if isinstance(one, Jet)]
         count = shape[0] * shape[1]
@@ -188,20 +183,20 @@ class Algebra:
         return [Jet(one.reshape(*shape, *one.shape[1:]), directions) for one in jax.vmap(function, axes)(*flat)]
 
     def together(self, taken: list, first: int) -> list:
-        """Operands, from the first that is to be one, as polynomials with the same directions."""
+        """Operands from number ``first`` on as jets with the same directions."""
         own = [self.lifted(one) for one in taken[first:]]
         every = tuple(sorted(set().union(*[one.directions for one in own])))
         return [*taken[:first], *[self.expanded(one, every) for one in own]]
 
     def lifted(self, one: Any) -> Jet:
-        """A constant as a polynomial."""
+        """A constant as a jet."""
         if isinstance(one, Jet):
             return one
         one = jnp.asarray(one)
         return Jet(_padded(one[None, None], 0, 0, self.count - 1), ())
 
     def expanded(self, one: Jet, directions: tuple[int, ...]) -> Jet:
-        """A polynomial with more directions, in order."""
+        """A jet with more directions, in order."""
         if one.directions == directions:
             return one
         places = np.array([directions.index(d) for d in one.directions], int)
@@ -218,7 +213,7 @@ class Algebra:
         return Jet(jnp.concatenate([itself, rest], axis=1), directions)
 
     def product(self, a: Jet, b: Jet, axes: tuple[int, ...] = ()) -> Jet:
-        """Product number by number, summed over axes."""
+        """Product entry by entry, summed over axes."""
         rank = max(a.parts.ndim, b.parts.ndim)
         one, other = _of_rank(a.parts, rank), _of_rank(b.parts, rank)
         found = Jet(self._contracted(one, other, axes), b.directions)
@@ -227,7 +222,7 @@ class Algebra:
         if a is b:
             twice = np.array([1.0] + [2.0] * len(a.directions)).reshape(1, -1, *[1] * (found.parts.ndim - 2))
             return Jet(found.parts * twice, a.directions)
-        # Of its derivatives alone: the value is counted already.
+        # Only its derivatives: the value is counted already.
         more = self._contracted(other, one[:, 1:], axes)
         if set(a.directions).isdisjoint(b.directions):
             return Jet(jnp.concatenate([found.parts, more], axis=1), (*b.directions, *a.directions))
@@ -236,12 +231,12 @@ class Algebra:
         return Jet(self.expanded(found, every).parts + changed.parts, every)
 
     def _contracted(self, factor: Array, parts: Array, axes: tuple[int, ...]) -> Array:
-        """Products of the parts with the value and rates of another factor, summed over axes."""
+        """Products of parts with value and rates of another factor, summed over axes."""
         value = factor[:, 0]
         matrix = (self.table @ value.reshape(self.count, -1)).reshape(self.count, self.count, *value.shape[1:])
         if not axes:
             return jnp.sum(matrix[:, :, None] * parts[None], axis=1)
-        # The product of matrices that it is: axes along which a factor is one are left out of it.
+        # As a product of matrices, without the axes along which a factor has size one.
         shapes = value.shape[1:], parts.shape[2:]
         sizes = [max(pair) for pair in zip(*shapes, strict=True)]
         own, theirs = ([i for i, size in enumerate(shape) if size == sizes[i]] for shape in shapes)
@@ -293,12 +288,12 @@ def _padded(array: Array, axis: int, before: int, after: int) -> Array:
 
 
 def _of_rank(parts: Array, rank: int) -> Array:
-    """Parts of a number, for products with those of a number of higher rank."""
+    """Parts of a number with axes of size one, for products with numbers of higher rank."""
     return parts.reshape(*parts.shape[:2], *[1] * (rank - parts.ndim), *parts.shape[2:])
 
 
 def _alone(jaxpr: Jaxpr, equation: Any) -> Jaxpr:
-    """One equation of a program as a program of all its operands."""
+    """One equation of a program, as a program of all its operands."""
     from jax.extend.core import Var
 
     inputs, outputs = [Var(atom.aval) for atom in equation.invars], [Var(v.aval) for v in equation.outvars]

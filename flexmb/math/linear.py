@@ -8,72 +8,52 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
+from ..numerical_limits import (
+    EIGENVALUES_REPEATED,
+    EIGENVECTOR_DIGITS,
+    EIGENVECTORS_APART,
+    SEMIDEFINITE,
+    SMALLEST_PIVOT,
+)
 from .indices import TRUSTED, put
 
-# An eigenvalue is negative that is below minus this, where a diagonal is one: far above round-off.
-SEMIDEFINITE = 1e-9
-# Eigenvectors are told apart whose inverse is no larger than this.
-TOLD = 1e6
-# A product of matrices costs a call of a library, as long as so many multiplications.
+# Products of matrices with fewer multiplications than a call of BLAS costs are fused sums.
 SMALL = 700
 
 
 def uneven(n: int, first: int = 0, xp: Any = np) -> Any:
-    """Numbers to begin iterations with: cos(k²), which no mode of a symmetric mechanism is orthogonal to.
-
-    Args:
-        n: How many.
-        first: The first k.
-        xp: NumPy, or its like in JAX.
-
-    Returns:
-        (n,) [-].
-    """
+    """Numbers to start iterations with: cos(k^2), to which no mode of a symmetric mechanism is orthogonal."""
     return xp.cos(xp.arange(float(first), first + n) ** 2)
 
 
 def multiplied(a: Float[Array, "*#n i j"], b: Float[Array, "*#n j k"]) -> Float[Array, "*#n i k"]:
-    """Matrix products; of small matrices as sums of products, which the compiler fuses with what is around them."""
+    """Matrix products; small ones as sums of products, which the compiler fuses with neighbouring operations."""
     if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:
         return a @ b
     return jnp.sum(a[..., :, :, None] * b[..., None, :, :], axis=-2)
 
 
 class Factors(NamedTuple):
-    """LU factors of a square matrix, to solve with it and with its transpose.
-
-    Attributes:
-        matrix: The matrix, of which derivatives are taken, (n, n).
-        lu: Factors in one matrix, (n, n).
-        permutation: Row order, (n,).
-    """
+    """LU factors of a square matrix, to solve with it and with its transpose; derivatives are taken of ``matrix``."""
 
     matrix: Float[Array, "n n"]
     lu: Float[Array, "n n"]
     permutation: Array
 
     def solve(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
-        """Solve A X = right.
-
-        Args:
-            right: Right-hand side, (n,) or (n, k).
-        """
+        """Solution of A X = right."""
         return _solution(self, right, False)
 
     def solve_transposed(self, right: Float[Array, "n *k"]) -> Float[Array, "n *k"]:
-        """Solve A^T X = right.
-
-        Args:
-            right: Right-hand side, (n,) or (n, k).
-        """
+        """Solution of A^T X = right."""
         return _solution(self, right, True)
 
     def regular(self) -> Bool[Array, ""]:
-        """Whether all pivots are finite and none is below 1e-13 of the largest."""
+        """Whether all pivots are finite and none is negligible beside the largest."""
         pivots = jnp.abs(diagonal_of(self.lu))
         if pivots.shape[0] == 0:
             return jnp.array(True)
-        return jnp.all(jnp.isfinite(self.lu)) & (jnp.min(pivots) > 1e-13 * jnp.max(pivots))
+        return jnp.all(jnp.isfinite(self.lu)) & (jnp.min(pivots) > SMALLEST_PIVOT * jnp.max(pivots))
 
 
 def factorise(matrix: Float[Array, "n n"]) -> Factors:
@@ -83,10 +63,10 @@ def factorise(matrix: Float[Array, "n n"]) -> Factors:
 
 
 def _solution(factors: Factors, right: Float[Array, "n *k"], transposed: bool) -> Float[Array, "n *k"]:
-    """Solution with a matrix or with its transpose, whose derivatives cost a solve and no new factors.
+    """Solution with a matrix or its transpose; derivatives cost a solve and no new factors.
 
-    It is told as the solution of its equation. By factors alone, those of a tangent that is solved for, as in a rule of
-    derivatives, would be numbers that know nothing of the matrix, and its further derivatives would be lost.
+    ``custom_linear_solve`` keeps the dependence on the matrix, so that a tangent that is solved for in a rule of
+    derivatives can be differentiated again.
     """
     own = factors.matrix.T if transposed else factors.matrix
 
@@ -113,38 +93,23 @@ def _triangular(matrix: Float[Array, "n n"], right: Float[Array, "n *k"], **opti
 
 
 def diagonal_of(matrix: Float[Array, "n n"]) -> Float[Array, "n"]:
-    """Diagonal of a square matrix, by one gather where ``jnp.diagonal`` provides for more."""
+    """Diagonal of a square matrix by one gather; ``jnp.diagonal`` compiles to more operations."""
     every = np.arange(matrix.shape[0])
     return matrix.at[every, every].get(**TRUSTED)
 
 
 def cholesky(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    """Lower Cholesky factor of a symmetric matrix; NaN where it is not positive definite.
-
-    Args:
-        matrix: (n, n), symmetric.
-    """
+    """Lower Cholesky factor of a symmetric matrix; NaN if it is not positive definite."""
     return jax.lax.linalg.cholesky(matrix, symmetrize_input=False)
 
 
 def solved_by_factor(factor: Float[Array, "n n"], right: Float[Array, "n k"]) -> Float[Array, "n k"]:
-    """Solution X of L X = right.
-
-    Args:
-        factor: L, lower triangular, (n, n).
-        right: (n, k).
-    """
+    """Solution X of L X = right, L lower triangular."""
     return _triangular(factor, right, lower=True)
 
 
 def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
-    """Whether a symmetric matrix is positive definite to working precision.
-
-    The pivots of its Cholesky factor, with the matrix scaled to unit diagonal, must exceed round-off.
-
-    Args:
-        matrix: (n, n), symmetric.
-    """
+    """Whether a symmetric matrix is positive definite: its pivots, scaled to unit diagonal, exceed round-off."""
     n = matrix.shape[0]
     if n == 0:
         return jnp.array(True)
@@ -155,11 +120,7 @@ def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
 
 
 def is_positive_semidefinite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
-    """Whether a symmetric matrix has no negative eigenvalue, in units that make its diagonal one.
-
-    Args:
-        matrix: (n, n), symmetric.
-    """
+    """Whether a symmetric matrix, scaled to unit diagonal, has no negative eigenvalue beyond round-off."""
     diagonal = jnp.abs(diagonal_of(matrix))
     scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
     return is_positive_definite(matrix * scale[:, None] * scale + SEMIDEFINITE * np.eye(matrix.shape[0]))
@@ -167,21 +128,13 @@ def is_positive_semidefinite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
 
 @jax.custom_jvp
 def pencil(a: Float[Array, "n n"], b: Float[Array, "n n"]) -> tuple[Float[Array, "n"], Float[Array, "n n"]]:
-    """Eigenvalues mu and vectors W of A w = mu B w, with B positive definite and W^T B W = I.
+    """Eigenvalues mu, ascending, and vectors W of A w = mu B w, with A symmetric and W^T B W = I.
 
-    Derivatives: those of simple eigenvalues and vectors, with the contribution of pairs closer than 1e-10 left out,
-    so that nothing becomes NaN at repeated eigenvalues; sums over a cluster of equal ones are right to first order.
-
-    Args:
-        a: Symmetric, (n, n).
-        b: Symmetric positive definite, (n, n); otherwise the result is NaN.
-
-    Returns:
-        mu ascending, (n,), and W, (n, n), one vector a column.
+    NaN if B is not positive definite. Derivatives are those of simple eigenvalues and vectors. They leave out pairs of
+    close eigenvalues, so that they stay finite; sums over a cluster of equal eigenvalues are right to first order.
 
     Source:
-        Reduction by the Cholesky factor of B; derivatives from differentiating both equations (Nelson 1976 for
-        simple eigenvalues).
+        Reduction by the Cholesky factor of B; Nelson (1976) for derivatives of simple eigenvalues.
     """
     factor = cholesky(b)
     reduced = _triangular(factor, _triangular(factor, a, lower=True).T, lower=True)
@@ -195,8 +148,8 @@ def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     da, db = (w.T @ t @ w for t in tangents)
     change = da - mu[None, :] * db
     gap = mu[None, :] - mu[:, None]
-    apart = jnp.abs(gap) > 1e-10 * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
-    # Within a cluster the vectors follow no rotation of their own, only the change of their norm.
+    apart = jnp.abs(gap) > EIGENVALUES_REPEATED * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
+    # Within a cluster only the norm of the vectors changes.
     coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), -db / 2)
     return (mu, w), (diagonal_of(change), w @ coefficients)
 
@@ -204,42 +157,32 @@ def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
 def general_eigen(
     a: Float[Array, "n n"],
 ) -> tuple[Complex[Array, "n"], Complex[Array, "n n"], Float[Array, "n"]]:
-    """Eigenvalues and vectors of a matrix that need not be symmetric.
+    """Eigenvalues, vectors and condition numbers of a matrix that need not be symmetric.
 
-    Returns:
-        Values, (n,), of which the derivatives are those of simple ones, and zero where vectors are not told apart;
-        vectors as columns, (n, n), without derivatives; by how much each value is more sensitive to round-off than
-        those of a symmetric matrix, (n,), the norms of its left and its right vector over their product.
+    Eigenvalues have the derivatives of simple ones, or zero if vectors are not separable. Vectors, as columns, have no
+    derivatives. The condition of an eigenvalue is the norm of its left times its right vector over their product.
     """
     still = jax.lax.stop_gradient(a)
     values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
     inverse = jnp.linalg.inv(vectors)
     conditions = jnp.linalg.norm(vectors, axis=0) * jnp.linalg.norm(inverse, axis=1)
-    told = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < TOLD)
-    moved = jnp.where(told, inverse, 0.0) @ (a - still).astype(complex)
+    apart = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < EIGENVECTORS_APART)
+    moved = jnp.where(apart, inverse, 0.0) @ (a - still).astype(complex)
     return values + jnp.sum(moved * vectors.T, axis=1), vectors, conditions
 
 
-# Vectors are iterated together with as many more, so that the last one wanted converges too.
+# At least so many vectors are iterated beyond the wanted ones, so that the last wanted one converges too.
 MORE = 6
 MOST_ITERATIONS = 40
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(2,))
 def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
-    """The largest eigenvalues mu of A w = mu B w and their vectors, with B positive definite and W^T B W = I.
+    """Largest eigenvalues mu, descending, of A w = mu B w, and their vectors W, (n, count), with W^T B W = I.
 
-    Costs a Cholesky factor and some solves with it where :func:`pencil` takes tens of times as many operations. Few
-    eigenvalues are found by iteration, all of them where they do not separate. Derivatives as of :func:`pencil`; second
-    ones cost as much as it.
-
-    Args:
-        a: Symmetric, (n, n).
-        b: Symmetric positive definite, (n, n); otherwise the result is NaN.
-        count: How many.
-
-    Returns:
-        mu descending, (count,), and W, (n, count), one vector a column.
+    A is symmetric; NaN if B is not positive definite. Iterates for few eigenvalues, and computes all of them if the
+    iteration does not converge. :func:`pencil` takes tens of times as many operations. First derivatives are as in
+    :func:`pencil`; second derivatives cost as much as it.
 
     Source:
         Subspace iteration with Rayleigh-Ritz projection: Bathe (1996), Finite Element Procedures, section 11.6.
@@ -265,8 +208,8 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
         order = np.arange(block)[::-1]
         x, z, values = (x @ vectors)[:, order], (z @ vectors)[:, order], values[order]
         off = jnp.sqrt(jnp.sum((z - x * values)[:, :count] ** 2, axis=0))
-        # Round-off is that of the largest; beyond it a vector is to be right to eleven digits.
-        allowed = 1e-11 * jnp.abs(values[:count]) + 10 * jnp.finfo(a.dtype).eps * jnp.abs(values[0])
+        # Beside round-off of the largest eigenvalue.
+        allowed = EIGENVECTOR_DIGITS * jnp.abs(values[:count]) + 10 * jnp.finfo(a.dtype).eps * jnp.abs(values[0])
         found = (values[:count], x[:, :count])
         return jnp.linalg.qr(z)[0], found, jnp.max(off / allowed), tries + 1
 
@@ -278,7 +221,7 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
 
 
 def _all(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
-    """As :func:`leading`, by all eigenvalues."""
+    """As :func:`leading`, from all eigenvalues."""
     values, vectors = pencil(a, b)
     return values[::-1][:count], vectors[:, ::-1][:, :count]
 
@@ -289,6 +232,6 @@ def _leading_jvp(count: int, primals: tuple[Array, ...], tangents: tuple[Array, 
     da, db = tangents
     mu, w = leading(a, b, count)
     change = jnp.sum(w * (da @ w - db @ w * mu), axis=0)
-    # Where vectors are not differentiated, compilation leaves this out.
+    # Compilation drops this part if vectors are not differentiated.
     same, turned = jax.jvp(lambda a, b: _all(a, b, count)[1], (a, b), (da, db))
     return (mu, w), (change, turned * jnp.sign(jnp.sum(w * (b @ same), axis=0)))

@@ -1,6 +1,6 @@
-"""What a question asks of the linear equations of a mechanism: factors with a shift, solutions, inertia, regularity.
+"""Linear equations of a mechanism: the interface of a solver (factors with a shift, solutions, inertia), two solvers.
 
-A new solver is one class with the methods of :class:`LinearSolver`, and is given to a question by ``solver=``.
+A new solver is one class with the methods of :class:`LinearSolver`; a question takes it by ``solver=``.
 """
 
 import dataclasses
@@ -9,11 +9,9 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..arguments import check_flag, shown
+from ..numerical_limits import ZERO_SINGULAR_VALUE
 from .element_matrices import ElementMatrices, Whole
 from .sparse import negative_where_held
-
-# Directions whose singular value is below this share of the largest are free.
-ROUND_OFF = 1e-12
 
 
 class FactoredEquations(Protocol):
@@ -112,12 +110,12 @@ class DenseFactored:
         rows = matrix[n:, :n] * sizes
         self._scale = 1 / np.maximum(np.max(np.abs(rows), axis=1, initial=0.0), np.finfo(float).tiny)
         left, values, right = np.linalg.svd(rows * self._scale[:, None], full_matrices=True)
-        rank = int(np.sum(values > ROUND_OFF * np.max(values, initial=0.0)))
+        rank = int(np.sum(values > ZERO_SINGULAR_VALUE * np.max(values, initial=0.0)))
         self._inverse = right[:rank].T @ (left[:, :rank].T / values[:rank, None])
         self._allowed = right[rank:].T
         self._reduced = self._allowed.T @ self._a @ self._allowed
         pivots = np.linalg.svd(self._reduced, compute_uv=False)
-        some = pivots.size == 0 or bool(np.all(np.isfinite(pivots)) and pivots[-1] > ROUND_OFF * pivots[0])
+        some = pivots.size == 0 or bool(np.all(np.isfinite(pivots)) and pivots[-1] > ZERO_SINGULAR_VALUE * pivots[0])
         self.regular = rank == len(rows) and some
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:

@@ -9,15 +9,15 @@ from jaxtyping import Array, Complex, Float
 def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "s n n"]:
     """Solutions P of A P + P A^T + W = 0: covariances of the states under white noise.
 
-    Derivatives solve the same equation, and the adjoint one in reverse, with the factors that are there. Returns P, (s,
-    n, n). Source: Bartels, Stewart (1972), Communications of the ACM 15, 820, with a complex Schur form.
+    Derivatives solve the same equation, in reverse the adjoint one, with the same factors. Source: Bartels, Stewart
+    (1972), Communications of the ACM 15, 820, with a complex Schur form.
     """
     t, u = jax.scipy.linalg.schur(jax.lax.stop_gradient(a).astype(complex), output="complex")
     n = a.shape[0]
     eye = jnp.eye(n, dtype=complex)
 
     def solved(matrix: Float[Array, "s n n"], adjoint: bool):
-        # With A = U T U^H: T Y + Y T^H = F, the last column first; of the adjoint T^H Y + Y T = F, the first one.
+        # With A = U T U^H: T Y + Y T^H = F, last column first; adjoint: T^H Y + Y T = F, first column first.
         own, around = (t.conj().T, t) if adjoint else (t, t.conj().T)
         right = u.conj().T @ matrix.astype(complex) @ u
 

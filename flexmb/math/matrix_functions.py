@@ -15,12 +15,9 @@ from .linear import pencil
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def spectral(function: Callable[..., Any], matrix: Float[Array, "n n"], *arguments: Any) -> Float[Array, "n n"]:
-    """The matrix U diag(f(mu)) U^T of a symmetric matrix U diag(mu) U^T.
+    """The matrix U diag(f(mu)) U^T of a symmetric matrix U diag(mu) U^T; f acts on each eigenvalue, ascending.
 
-    Source: Its derivative is that of Daleckii and Krein, THEORY.md 10, eq. (10.3).
-
-    Args:
-        function: ``f(mu, *arguments)`` of the eigenvalues, ascending, each value by its own eigenvalue, (n,).
+    Source: Daleckii and Krein for the derivative, THEORY.md 10, eq. (10.3).
     """
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
     return (u * function(mu, *arguments)) @ u.T
@@ -37,7 +34,7 @@ def _spectral_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
 
 
 def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any) -> Float[Array, "n n"]:
-    """Divided differences (f_i - f_j)/(mu_i - mu_j) of a function's values; its slope where both are near."""
+    """Divided differences (f_i - f_j)/(mu_i - mu_j); the mean slope for eigenvalues close together."""
     values, slopes = jax.jvp(lambda own: function(own, *arguments), (mu,), (jnp.ones_like(mu),))
     gap = mu[:, None] - mu[None, :]
     apart = jnp.abs(gap) > EIGENVALUES_ALIKE * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
@@ -49,10 +46,9 @@ def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any
 def harmonic(
     function: Callable[..., Any], matrix: Float[Array, "n n"], middle: Float[Array, "n n"], *arguments: Any
 ) -> Float[Array, "n n"]:
-    """Solution X of P X + X P = 2 P N P, where P is a function of a symmetric matrix that is not negative.
+    """Solution X of P X + X P = 2 P N P, where P is a non-negative function of a symmetric matrix.
 
-    In the eigenvectors of the matrix X_ij is N_ij times the harmonic mean of p_i and p_j. Source: THEORY.md 7, eq.
-    (7.13); its derivative is that of the equation.
+    In its eigenvectors X_ij is N_ij times the harmonic mean of p_i and p_j. Source: THEORY.md 7, eq. (7.13).
     """
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
     p = function(mu, *arguments)
@@ -70,7 +66,7 @@ def _harmonic_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
     change, moved, *others = tangents
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
     p, by_arguments = jax.jvp(lambda *own: function(mu, *own), tuple(arguments), tuple(others))
-    n, dn = (u.T @ of @ u for of in (middle, moved))
+    n, dn = (u.T @ matrix @ u for matrix in (middle, moved))
     dp = divided(function, mu, *arguments) * (u.T @ change @ u) + by_arguments * np.eye(len(mu))
     total = p[:, None] + p[None, :]
     total = jnp.where(total > 0, total, 1.0)

@@ -1,4 +1,4 @@
-"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes; constants on the host but for ``_at``."""
+"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes: NumPy constants, except ``.._at``."""
 
 import functools
 
@@ -9,37 +9,25 @@ from numpy.polynomial import legendre
 
 
 def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
-    """Values of the Legendre polynomials P_k(2 s - 1), k < order.
-
-    Returns (n, order) [-]; the integral of P_k^2 over [0, 1] is 1/(2 k + 1).
-    """
+    """Values of the Legendre polynomials P_k(2 s - 1), k < order, (n, order); P_k^2 integrates to 1/(2 k + 1)."""
     return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
 
 
 def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
-    """Derivatives by s of the Legendre polynomials P_k(2 s - 1), k < order.
-
-    Returns (n, order) [-]. Source: Derivatives of Legendre series, as NumPy has them.
-    """
+    """Derivatives by s of the Legendre polynomials P_k(2 s - 1), k < order, (n, order)."""
     slopes = legendre.legder(np.eye(order), axis=0)
     return 2 * legendre.legval(2 * np.asarray(s) - 1, slopes).T if order > 1 else np.zeros((len(s), 1))
 
 
 def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
-    """Integrals of P_k(2 s - 1) from 0 to s, k < order.
-
-    Returns (n, order) [-]; at s = 1 they are 1, 0, 0, ... Source: (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx.
-    """
+    """Integrals of P_k(2 s - 1) from 0 to s, (n, order), by (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx."""
     values = legendre_values(order + 1, s)
     below = np.concatenate([-np.ones((len(s), 1)), values[:, :-2]], axis=1)
     return (values[:, 1:] - below) / (2 * (2 * np.arange(order) + 1))
 
 
 def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
-    """As :func:`legendre_values`, at places that are traced.
-
-    Returns one more axis than ``s``, (*n, order) [-]. Source: (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}.
-    """
+    """As :func:`legendre_values`, at traced places, by (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}."""
     x = 2 * s - 1
     values = [jnp.ones_like(x), x]
     for k in range(1, order - 1):
@@ -48,29 +36,20 @@ def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n or
 
 
 def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
-    """As :func:`legendre_integrals`, at places that are traced.
-
-    Returns one more axis than ``s``, (*n, order) [-]. Source: See :func:`legendre_integrals`.
-    """
+    """As :func:`legendre_integrals`, at traced places."""
     values = legendre_values_at(order + 1, s)
     below = jnp.concatenate([-jnp.ones_like(values[..., :1]), values[..., :-2]], axis=-1)
     return (values[..., 1:] - below) / (4.0 * np.arange(order) + 2)
 
 
 def legendre_coefficients(nodes: np.ndarray) -> np.ndarray:
-    """Coefficients of P_k(2 s - 1), k < n, of the polynomial through what is known at the nodes.
-
-    Returns (n, n), to be multiplied with the values at the nodes.
-    """
+    """Matrix (n, n) from values at n nodes to coefficients of the Legendre series through them."""
     return np.linalg.inv(legendre_values(len(nodes), nodes))
 
 
 @functools.cache
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1.
-
-    Returns the nodes, (n,), and weights, (n,), not to be written to.
-    """
+    """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2 n - 1; read-only arrays."""
     nodes, weights = legendre.leggauss(n)
     nodes, weights = (nodes + 1) / 2, weights / 2
     for array in (nodes, weights):
@@ -81,8 +60,7 @@ def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
 def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Lobatto nodes and weights on [0, 1], both ends included, exact to degree 2 n - 3.
 
-    Returns the nodes, (n,), and weights, (n,). Source: Inner nodes are the roots of P_{n-1}', weights 2/(n (n-1)
-    P_{n-1}(x)^2) on [-1, 1].
+    Source: inner nodes are the roots of P_{n-1}'; the weights are 2/(n (n-1) P_{n-1}(x)^2) on [-1, 1].
     """
     last = np.zeros(n)
     last[-1] = 1
@@ -91,9 +69,5 @@ def lobatto(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def integration_matrix(nodes: np.ndarray) -> np.ndarray:
-    """Integrals from 0 to each node of what is known at all of them.
-
-    Returns (n, n), exact for polynomials of degree n - 1. Source: :func:`legendre_coefficients`, then
-    :func:`legendre_integrals`.
-    """
+    """Matrix (n, n) from values at n nodes to integrals from 0 to each node, exact to degree n - 1."""
     return legendre_integrals(len(nodes), nodes) @ legendre_coefficients(nodes)

@@ -1,6 +1,6 @@
 """Rigid motions along a line: poses from strains by exponentials of six-vectors (rotation first, then translation).
 
-A pose is a homogeneous matrix [[R, r], [0, 1]]; along a rod dH/ds = H A(s) with A the matrix of the six-vector
+A pose is a homogeneous matrix [[R, r], [0, 1]]. Along a rod dH/ds = H A(s), where A is the matrix of the six-vector
 (curvatures, stretches) in axes of the section.
 """
 
@@ -37,7 +37,7 @@ def _terms(derivative: int) -> np.ndarray:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def _series(z: Float[Array, "n 1"], derivative: int) -> Float[Array, "n 2"]:
-    """A derivative of both series: from the powers of z, in few operations, of which none is differentiated."""
+    """A derivative of both series, from powers of z in few operations; its tangent is the next derivative."""
     square = z * z
     four = square * square
     two = jnp.concatenate([jnp.ones_like(z), z], axis=1)
@@ -52,13 +52,9 @@ def _series_jvp(derivative: int, primals: tuple[Array, ...], tangents: tuple[Arr
 
 
 def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
-    """Poses of screw motions, exp(matrix(v)).
+    """Poses of screw motions, exp(matrix(v)), for rotations up to 2 rad; differentiable at zero rotation.
 
-    Returns (n, 4, 4): polynomials of v, differentiable at zero rotation. Source: exp(V) = I + V + (1 - cos t)/t^2 V^2 +
-    (t - sin t)/t^3 V^3 with t the angle, as V^4 = -t^2 V^2.
-
-    Args:
-        v: Rotation vectors and translations, rotations up to 2 rad, (n, 6) [rad, m].
+    Source: exp(V) = I + V + (1 - cos t)/t^2 V^2 + (t - sin t)/t^3 V^3 with t the angle, as V^4 = -t^2 V^2.
     """
     matrix = v @ np.moveaxis(HAT, 2, 0).reshape(6, 16)
     matrix = matrix.reshape(-1, 4, 4)
@@ -69,34 +65,25 @@ def exponential(v: Float[Array, "n 6"]) -> Float[Array, "n 4 4"]:
 
 
 def turn_parameters(v: Float[Array, "n 6"]) -> Float[Array, "n 4"]:
-    """Euler parameters of the rotations of screw motions.
+    """Euler parameters of the rotations of screw motions, up to 4 rad; differentiable at zero rotation.
 
-    Returns (n, 4) [-], scalar first, differentiable at zero rotation.
-
-    Args:
-        v: Rotation vectors and translations, rotations up to 4 rad, (n, 6) [rad, m].
-
-    Source:
-        (cos t, sin t h/t) with h half the rotation vector and t its length: 1 - t^2 (1 - cos t)/t^2 and
-        1 - t^2 (t - sin t)/t^3.
+    Source: (cos t, sin t h/t), where h is half the rotation vector and t its length: 1 - t^2 (1 - cos t)/t^2 and
+    1 - t^2 (t - sin t)/t^3.
     """
     half = v[:, :3] / 2
     z = -jnp.sum(half**2, axis=1)[:, None]
-    found = 1.0 + z * _series(z, 0)
-    return jnp.concatenate([found[:, :1], found[:, 1:] * half], axis=1)
+    scalar_and_scale = 1.0 + z * _series(z, 0)
+    return jnp.concatenate([scalar_and_scale[:, :1], scalar_and_scale[:, 1:] * half], axis=1)
 
 
 def compose_turns(a: Float[Array, "*#n 4"], b: Float[Array, "*#n 4"]) -> Float[Array, "*#n 4"]:
-    """Euler parameters of a rotation after which another is made about axes that turn along.
-
-    Source: Quaternion product.
-    """
+    """Euler parameters of rotation a, then b about axes that turn with a: quaternion products."""
     both = a[..., :, None] * b[..., None, :]
     return both.reshape(*both.shape[:-2], 16) @ TURNS
 
 
 def turn_product(turns: Float[Array, "n 4"]) -> Float[Array, "4"]:
-    """Product of rotations in order, n a power of two, as :func:`product`."""
+    """Product of n rotations in order, n a power of two; see :func:`product`."""
     while turns.shape[0] > 1:
         turns = compose_turns(turns[0::2], turns[1::2])
     return turns[0]
@@ -108,16 +95,11 @@ def _bracket(a: Array, b: Array) -> Array:
 
 
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:
-    """Screw motions over steps along a line, of order six in the length of a step.
+    """Screw motions v over steps along a line, H(s + h) = H(s) exp(matrix(v)), of order six in h.
 
-    Returns v with H(s + h) = H(s) exp(matrix(v)), (n, 6); exact where the strains are constant.
-
-    Args:
-        strains: Curvatures and stretches in axes of the section at the three Gauss nodes of each step, (n, 3, 6).
-
-    Source:
-        Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470, section 5.4, with
-        brackets reversed since here the strains stand to the right of the pose.
+    Strains are curvatures and stretches in axes of the section, at three Gauss nodes per step. Constant strains give
+    exact results. Source: Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470,
+    section 5.4, with reversed brackets because here the strains stand to the right of the pose.
     """
     first, middle, last = (strains[:, i] * steps[:, None] for i in range(3))
     a1 = middle
@@ -136,7 +118,7 @@ def product(poses: Float[Array, "n 4 4"]) -> Float[Array, "4 4"]:
 
 
 def products(poses: Float[Array, "n 4 4"]) -> Float[Array, "n 4 4"]:
-    """Products of the first 1, 2, .. n poses, n a power of two; the last is computed as :func:`product` does."""
+    """Products of the first 1, 2, .. n poses, n a power of two; the last one as :func:`product` computes it."""
     if poses.shape[0] == 1:
         return poses
     pairs = products(multiplied(poses[0::2], poses[1::2]))

@@ -1,8 +1,8 @@
 """Rotations in the plane by an angle, in space by Euler parameters (scalar first, unit norm).
 
-What turns vectors by Euler parameters is polynomial in its arguments, so its derivatives are finite everywhere, zero
-rotation included. Equations: Jonker, Aarts and van Dijk (2009), Multibody System Dynamics 21, 99-122, and the relation
-``omega = 2 Lbar d(lambda)/dt`` that defines the dual of a moment.
+Functions that turn vectors by Euler parameters are polynomials, with finite derivatives everywhere. Equations: Jonker,
+Aarts and van Dijk (2009), Multibody System Dynamics 21, 99-122, and ``omega = 2 Lbar d(lambda)/dt``, which defines the
+dual of a moment.
 """
 
 from typing import Any
@@ -14,17 +14,16 @@ from jaxtyping import Array, Float
 
 from ..numerical_limits import SMALLEST_TURN
 
-# vector @ QUARTER is the vector of the plane turned counter-clockwise by a right angle, QUARTER @ vector clockwise.
+# vector @ QUARTER turns a vector of the plane counter-clockwise by a right angle, QUARTER @ vector clockwise.
 QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 @jax.custom_jvp
 def cosine_and_sine(angles: Float[Array, "n"]) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
-    """Cosines and sines, computed once however often they and their derivatives are used.
+    """Cosines and sines, computed once for all their uses and derivatives.
 
-    Left to itself the compiler puts them into every operation that needs them, and there computes them for each number
-    of the result anew: half the time of a motion of planar beams. It does so with no result of a matrix product.
-    Returns both, (n,) [-]. Source: Definition.
+    Without the product by an identity, XLA fuses them into every operation that needs them and computes them anew for
+    each number there: half the time of a motion of planar beams.
     """
     c, s = jnp.stack([jnp.cos(angles), jnp.sin(angles)]) @ np.eye(angles.shape[0])
     return c, s
@@ -37,26 +36,19 @@ def _cosine_and_sine_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]
 
 
 def rotation_plane(angle: Float[Array, ""]) -> Float[Array, "2 2"]:
-    """Rotation matrix in the plane. Returns the matrix that turns a vector, (2, 2) [-]. Source: Definition."""
+    """Matrix that turns a vector in the plane."""
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.array([[c, -s], [s, c]])
 
 
 def angle_between(start: Float[Array, "2"], end: Float[Array, "2"]) -> Float[Array, ""]:
-    """Angle from one vector in the plane to another.
-
-    Returns the counter-clockwise angle between -pi and pi, () [rad]. Source: Definition.
-    """
+    """Counter-clockwise angle from one vector in the plane to another, between -pi and pi."""
     return polar_angle(jnp.stack([start @ end, start[0] * end[1] - start[1] * end[0]]))
 
 
 @jax.custom_jvp
 def polar_angle(vector: Float[Array, "2"]) -> Float[Array, ""]:
-    """Angle from the first axis of the plane to a vector.
-
-    Returns the counter-clockwise angle between -pi and pi, () [rad]. Source: Definition; its derivative in fewer
-    operations than JAX has for it.
-    """
+    """Counter-clockwise angle from the first axis to a vector, between -pi and pi; with a short derivative."""
     return jnp.arctan2(vector[1], vector[0])
 
 
@@ -67,10 +59,7 @@ def _polar_angle_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
 
 
 def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
-    """Angle plus the number of turns that brings it nearest to another.
-
-    Returns () [rad]. Source: Definition; the number of turns is constant, so that it does not enter a derivative.
-    """
+    """Angle plus the number of turns that brings it nearest to another angle; the number has no derivative."""
     return angle + turn * jnp.round((near - angle) / turn)
 
 
@@ -85,50 +74,39 @@ for _i, (_j, _k) in enumerate([(2, 3), (3, 1), (1, 2)]):
 ROTATION = np.einsum("iak,jal->ijkl", LBAR, LBODY)
 # (a x b)_i = CROSS[i, j, k] a_j b_k
 CROSS = np.moveaxis(np.cross(np.eye(3)[:, None], np.eye(3)), 2, 0)
-# Times Euler parameters those of the rotation back.
+# Times Euler parameters: the parameters of the inverse rotation.
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 # (conjugate(p) q)_i = RELATIVE[j, i, k] p_j q_k, the product of quaternions.
 RELATIVE = np.concatenate([np.eye(4)[:, None], np.transpose(LBODY, (2, 0, 1))], axis=1)
-# R from the products of two parameters, the same for both orders.
+# R from the 16 products of two parameters, equal for both orders.
 SQUARES = np.transpose(ROTATION + np.swapaxes(ROTATION, 2, 3), (2, 3, 0, 1)).reshape(16, 9) / 2
 
 
 def lbar(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
-    """Matrix of the global angular velocity, ``omega = 2 lbar(lam) lam_dot``.
+    """Matrix of the global angular velocity, ``omega = 2 lbar(lam) lam_dot``; ``2 lbar.T @ moment`` is dual to ``lam``.
 
-    Source: ``R = lbar @ lbody.T`` for the matrices of global and body-fixed rates; derived from quaternion products.
-
-    Returns:
-        [[-l1, l0, -l3, l2], [-l2, l3, l0, -l1], [-l3, -l2, l1, l0]], (3, 4) [-]. ``2 lbar.T @ moment`` is the
-        force dual to ``lam``.
+    [[-l1, l0, -l3, l2], [-l2, l3, l0, -l1], [-l3, -l2, l1, l0]]. Source: quaternion products; ``R = lbar @ lbody.T``.
     """
-    found: Any = LBAR @ lam
-    return found
+    matrix: Any = LBAR @ lam
+    return matrix
 
 
 def lbody(lam: Float[Array, "4"]) -> Float[Array, "3 4"]:
     """Matrix of the body-fixed angular velocity, ``omega_body = 2 lbody(lam) lam_dot``.
 
-    Returns [[-l1, l0, l3, -l2], [-l2, -l3, l0, l1], [-l3, l2, -l1, l0]], (3, 4) [-]. Source: See :func:`lbar`.
+    [[-l1, l0, l3, -l2], [-l2, -l3, l0, l1], [-l3, l2, -l1, l0]]. Source: as :func:`lbar`.
     """
-    found: Any = LBODY @ lam
-    return found
+    matrix: Any = LBODY @ lam
+    return matrix
 
 
 def rotation_matrix(lam: Float[Array, "4"]) -> Float[Array, "3 3"]:
-    """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``.
-
-    Returns the matrix whose columns are the turned axes, (3, 3) [-]. Source: See :func:`lbar`; homogeneous of degree
-    two, so a norm that is off by d scales R by 1 + 2 d.
-    """
+    """Rotation matrix of Euler parameters, ``R = lbar(lam) @ lbody(lam).T``; a norm off by d scales R by 1 + 2 d."""
     return ((lam[:, None] * lam).reshape(16) @ SQUARES).reshape(3, 3)
 
 
 def turned(rot: Float[Array, "4"], ref_rot: Float[Array, "4"], vectors: Float[Array, "3 n"]) -> Float[Array, "3 n"]:
-    """Columns that turn with a triad, as they lie now.
-
-    Returns (3, n). Source: R(rot) R(ref_rot)^T; quadratic in ``rot``, with coefficients that do not change as it turns.
-    """
+    """Columns that turn with a triad, as they lie now, R(rot) R(ref_rot)^T; coefficients of ``rot`` are constant."""
     coefficients = SQUARES.reshape(48, 3) @ (rotation_matrix(ref_rot).T @ vectors)
     return ((rot[:, None] * rot).reshape(16) @ coefficients.reshape(16, -1)).reshape(3, -1)
 
@@ -142,14 +120,9 @@ def relative_turn(
 ) -> Float[Array, "n+1"]:
     """Euler parameters of the rotation of triad q relative to triad p since the undeformed state.
 
-    Returns (1 + n,) [-], scalar first; of unit norm with three orthonormal axes.
-
-    Args:
-        axes: Columns, as they lay in the undeformed state and turn with p, along which the vector part is given.
-
-    Source:
-        Quaternion product of p conjugate(ref_p), conjugated, and q conjugate(ref_q); bilinear in p and q, with
-        coefficients that do not change as they turn.
+    The vector part is along columns ``axes``, given in the undeformed state and turning with p. The norm is one for
+    three orthonormal axes. Source: quaternion product of p conjugate(ref_p), conjugated, and q conjugate(ref_q). It is
+    bilinear in p and q with constant coefficients.
     """
     since_p, since_q = (jnp.concatenate([ref[None], lbar(ref)]) for ref in (ref_p, ref_q))
     products = since_p.T @ (RELATIVE.reshape(16, 4) @ since_q).reshape(4, 16)
@@ -159,11 +132,7 @@ def relative_turn(
 
 
 def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:
-    """Rotation vector of Euler parameters: the axis times the angle.
-
-    Returns (3,) [rad], differentiable at zero rotation too; within a full turn to either side. Source: Definition of
-    Euler parameters: l0 = cos a/2, the rest sin a/2 along the axis.
-    """
+    """Rotation vector, axis times angle, within a full turn to either side; differentiable at zero rotation."""
     square = lam[1:] @ lam[1:]
     turned = square > SMALLEST_TURN
     sine = jnp.sqrt(jnp.where(turned, square, 1.0))
@@ -171,24 +140,18 @@ def rotation_vector(lam: Float[Array, "4"]) -> Float[Array, "3"]:
 
 
 def rotation_since(start: Float[Array, "4"], lam: Float[Array, "4"], local: bool = False) -> Float[Array, "3"]:
-    """Rotation vector from one orientation to another, about global axes or about those of the body.
+    """Rotation vector between two orientations, about global axes or axes of the body: lam * conj(start), or reversed.
 
-    Returns (3,) [rad]; for a small change ``2 lbar(lam) dlam``, or ``2 lbody(lam) dlam``. Source: Vector part of the
-    quaternion product lam * conj(start), or conj(start) * lam.
+    A small change is ``2 lbar(lam) dlam``, or ``2 lbody(lam) dlam``.
     """
     matrix = lbody if local else lbar
     return rotation_vector(jnp.concatenate([(start @ lam)[None], matrix(start) @ lam]))
 
 
 def initial_frame(p: Float[Array, "3"], q: Float[Array, "3"], y: Float[Array, "3"] | None) -> Float[Array, "3 3"]:
-    """Initial frame of a spatial element: local x along p to q, local y as near to ``y`` as can be.
+    """Local axes of a spatial element as columns: x along p to q, y as near to vector ``y`` as possible.
 
-    Returns the local x, y and z axes as columns, (3, 3) [-]. Source: Rule of the predecessor's 2015 edition;
-    Gram-Schmidt.
-
-    Args:
-        y: Vector that fixes the local y axis, need not be normal to x, (3,); by default the global axis along
-            which the direction p to q has its smallest component.
+    Without ``y``, it is the global axis along which p to q has its smallest component (SPACAR, edition of 2015).
     """
     ex = (q - p) / jnp.sqrt(jnp.sum((q - p) ** 2))
     if y is None:

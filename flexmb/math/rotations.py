@@ -1,8 +1,8 @@
-"""Rotations in space by Euler parameters, to write elements with and to read results: ``fm.rotations``.
+"""Rotations in space by Euler parameters, to write elements and read results: ``fm.rotations``.
 
-Euler parameters (scalar first, unit norm) say how a node is turned: cos(a/2), then sin(a/2) along the axis, for a turn
-by the angle a, counter-clockwise seen against the axis. All axes are global and vectors are turned actively. Every
-function is differentiable everywhere, at zero rotation too.
+Euler parameters (scalar first, unit norm) are cos(a/2), then sin(a/2) along the axis, for a turn by the angle a,
+counter-clockwise seen against the axis. All axes are global. Every function is differentiable everywhere, at zero
+rotation too.
 """
 
 import jax.numpy as jnp
@@ -37,10 +37,10 @@ def from_vector(vector: Float[ArrayLike, "3"]) -> Float[Array, "4"]:
 
 
 def from_axis_angle(axis: Float[ArrayLike, "3"], angle: Float[ArrayLike, ""]) -> Float[Array, "4"]:
-    """Euler parameters of a turn about an axis.
+    """Euler parameters of a rotation about an axis.
 
     Args:
-        axis: Of any length but zero, (3,).
+        axis: Of any nonzero length, (3,).
         angle: Counter-clockwise seen against the axis, () [rad].
 
     Returns:
@@ -84,7 +84,7 @@ def to_matrix(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3 3"]:
 
 
 def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Float[Array, "3"]:
-    """A vector, turned.
+    """Vector turned by a rotation.
 
     Args:
         rotation: Euler parameters, (4,) [-].
@@ -94,13 +94,13 @@ def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Fl
         (3,), of the unit of the vector.
 
     Source:
-        Its rotation matrix times the vector.
+        Rotation matrix times vector.
     """
     return to_matrix(rotation) @ as_reals("Argument `vector`", vector)
 
 
 def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
-    """Euler parameters of two rotations one after the other, both about global axes: ``first``, then ``second``.
+    """Euler parameters of two successive rotations about global axes: ``first``, then ``second``.
 
     Args:
         second: Euler parameters, (4,) [-].
@@ -120,7 +120,7 @@ def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Floa
 
 
 def inverse(rotation: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
-    """Euler parameters of the rotation back.
+    """Euler parameters of the inverse rotation.
 
     Args:
         rotation: Euler parameters, (4,) [-].

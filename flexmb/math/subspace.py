@@ -1,6 +1,6 @@
-"""Rank, null spaces and independent rows, on the host: decisions about a model are made from concrete numbers.
+"""Rank, null spaces and independent rows by NumPy, since decisions about a model need concrete numbers.
 
-Of a dense matrix they are dense, of a sparse one sparse: what hangs together by its entries is a dense matrix each.
+Results are dense for a dense matrix and sparse for a sparse one. Each connected part of a sparse matrix is dense.
 """
 
 from typing import Any, NamedTuple
@@ -9,22 +9,20 @@ import numpy as np
 
 from ..compilation.threads import one_thread
 from ..errors import MechanismError
+from ..numerical_limits import EQUAL_ROWS, RANK_TOLERANCE, REPROJECTED
 from .linear import uneven
 from .sparse import SparseFactors
 
-# Singular values below this share of the largest count as zero: the predecessor's choice, square root of round-off.
-RANK_TOLERANCE = float(np.sqrt(np.finfo(float).eps))
-# Rows are projected for so many directions at once, or as soon as their squares are below this share of what they were:
-# differences have lost so many digits then.
-TOGETHER, REFRESHED = 32, 1e-6
-# So many rows or columns of a sparse matrix may hang together: of 3000 the singular values take a minute.
-MOST_TOGETHER = 3000
-# Numbers of a dense matrix, of 1 GB.
+# Rows are projected for so many directions at once.
+DIRECTIONS_AT_ONCE = 32
+# Most rows or columns in a connected part of a sparse matrix: singular values of 3000 take a minute.
+MOST_CONNECTED = 3000
+# Most numbers in a dense matrix, 1 GB.
 MOST_NUMBERS = 2**27
 
 
 class _Together(NamedTuple):
-    """Rows and columns that hang together, (m,) and (n,), and their entries, (m, n)."""
+    """Rows and columns that are connected, (m,) and (n,), and their entries, (m, n)."""
 
     rows: np.ndarray
     columns: np.ndarray
@@ -33,13 +31,9 @@ class _Together(NamedTuple):
 
 @one_thread()
 def null_spaces(matrix: Any) -> tuple[int, Any, Any]:
-    """Rank and orthonormal bases of the left and right null space.
+    """Rank, and orthonormal bases of the left and right null space as columns; sparse for a sparse matrix.
 
-    Raises MechanismError: too_large, of a sparse matrix of which too many rows hang together.
-
-    Returns:
-        Rank, left null vectors as columns (m, m - rank), right null vectors as columns (n, n - rank); sparse where the
-        matrix is.
+    Raises MechanismError: too_large: too many rows of a sparse matrix are connected.
     """
     if isinstance(matrix, np.ndarray):
         return _null_spaces([matrix])[0]
@@ -52,7 +46,7 @@ def null_spaces(matrix: Any) -> tuple[int, Any, Any]:
 
 
 def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.ndarray]]:
-    """Of several matrices that are parts of one, the largest singular value of which says what counts as zero."""
+    """Rank and null spaces of matrices that are parts of one; its largest singular value sets the tolerance."""
     found = [
         np.linalg.svd(own) if own.size else (np.eye(own.shape[0]), np.zeros(0), np.eye(own.shape[1]))
         for own in matrices
@@ -64,13 +58,9 @@ def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.n
 
 @one_thread()
 def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[list[int], Any]:
-    """Choose rows that are as independent as can be, by pivoted Gram-Schmidt.
+    """Indices of the most independent rows, by pivoted Gram-Schmidt, and the projector onto what they do not span.
 
-    Raises MechanismError: too_large, of a sparse matrix of which too many rows hang together.
-
-    Returns:
-        Indices of the chosen rows, the first chosen first, and the projector (n, n) onto what they do not span; sparse
-        where the candidates are.
+    Raises MechanismError: too_large: too many rows of sparse candidates are connected.
     """
     if isinstance(candidates, np.ndarray):
         chosen, directions, _ = _pivoted(candidates, wanted, threshold)
@@ -83,7 +73,7 @@ def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[li
         chosen += part.rows[own].tolist()
         sizes += left
         taken += [(part.columns, direction[:, None]) for direction in directions]
-    # What is left of a row does not depend on the rows of other parts.
+    # Rows of different parts are independent of each other.
     best = np.argsort(-np.array(sizes), kind="stable")[: max(wanted, 0)]
     n = candidates.shape[1]
     span = _beside([taken[i] for i in best], n)
@@ -91,25 +81,25 @@ def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[li
 
 
 def _pivoted(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[list[int], np.ndarray, list[float]]:
-    """Indices of chosen rows, the directions that each of them adds, as rows, and what was left of it."""
+    """Indices of chosen rows, the unit directions that they add, as rows, and the sizes of these additions."""
     rest = np.array(candidates, float)
     count = max(min(wanted, *rest.shape), 0)
     directions = np.zeros((count, rest.shape[1]))
     chosen: list[int] = []
     sizes: list[float] = []
-    # What chosen directions take out is taken out of all rows for several at once; in between, of their sizes alone.
+    # Chosen directions are removed from all rows, several at once; meanwhile only the squares of the rows follow.
     first, squares = 0, np.sum(rest**2, axis=1)
     before = np.max(squares, initial=0.0)
     while len(chosen) < count:
         largest = np.max(squares)
-        if first < len(chosen) and (largest < REFRESHED * before or len(chosen) - first == TOGETHER):
+        if first < len(chosen) and (largest < REPROJECTED * before or len(chosen) - first == DIRECTIONS_AT_ONCE):
             own = directions[first : len(chosen)]
             rest -= (rest @ own.T) @ own
             rest[chosen] = 0.0
             first, squares = len(chosen), np.sum(rest**2, axis=1)
             before = largest = np.max(squares)
-        # Among equals the first: a rounding difference must not decide.
-        best = int(np.argmax(squares > (1 - 1e-6) ** 2 * largest))
+        # The first among equals, so that round-off does not decide.
+        best = int(np.argmax(squares > EQUAL_ROWS**2 * largest))
         own = directions[first : len(chosen)]
         direction = rest[best] - (rest[best] @ own.T) @ own
         size = float(np.linalg.norm(direction))
@@ -124,7 +114,7 @@ def _pivoted(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[lis
 
 
 def determines(matrix: Any) -> bool:
-    """Whether a square sparse matrix, its rows and columns of about unit size, is regular; by sparse factors."""
+    """Whether a square sparse matrix with entries of about one is regular."""
     import scipy.sparse
 
     if not matrix.shape[0]:
@@ -132,19 +122,19 @@ def determines(matrix: Any) -> bool:
     factored = SparseFactors(scipy.sparse.csc_array(matrix))
     if not factored.regular:
         return False
-    # What it makes of a vector, and back again: round-off says how near to singular it is.
+    # Error of a product and solution by the factors: a measure of singularity.
     v = uneven(matrix.shape[0])
     found = factored.solve(matrix @ v)
     return bool(np.max(np.abs(found - v)) < RANK_TOLERANCE)
 
 
 def row_sizes(matrix: Any) -> np.ndarray:
-    """Euclidean norm of each row of a dense or sparse matrix (m, n), (m,)."""
+    """Euclidean norms of the rows of a dense or sparse matrix."""
     return np.sqrt(np.asarray((matrix * matrix).sum(axis=1)))
 
 
 def spread(matrix: Any, rows: np.ndarray, size: int) -> Any:
-    """Rows of a dense or sparse matrix among others that are zero, (size, n)."""
+    """A dense or sparse matrix with its rows among rows of zeros, (size, n)."""
     if isinstance(matrix, np.ndarray):
         full = np.zeros((size, matrix.shape[1]))
         full[rows] = matrix
@@ -156,7 +146,7 @@ def spread(matrix: Any, rows: np.ndarray, size: int) -> Any:
 
 
 def above(*matrices: Any) -> Any:
-    """Matrices of as many columns one above the other, sparse where one is."""
+    """Matrices with equally many columns, stacked; sparse if one is."""
     if all(isinstance(matrix, np.ndarray) for matrix in matrices):
         return np.concatenate(matrices)
     import scipy.sparse
@@ -165,7 +155,7 @@ def above(*matrices: Any) -> Any:
 
 
 def dense(matrix: Any) -> np.ndarray:
-    """A dense or sparse matrix as a dense one. Raises MechanismError: too_large."""
+    """Any matrix as a dense one. Raises MechanismError: too_large."""
     if isinstance(matrix, np.ndarray):
         return matrix
     if matrix.shape[0] * matrix.shape[1] > MOST_NUMBERS:
@@ -175,7 +165,7 @@ def dense(matrix: Any) -> np.ndarray:
 
 
 def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
-    """What hangs together by the entries of a sparse matrix, and rows and columns without an entry."""
+    """Connected parts of a sparse matrix, and its rows and columns without entries."""
     import scipy.sparse
     from scipy.sparse.csgraph import connected_components
 
@@ -194,12 +184,12 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
         if not len(entries):
             continue
         m_own = of_row[labels[part[0]]]
-        if max(m_own, len(part) - m_own) > MOST_TOGETHER:
+        if max(m_own, len(part) - m_own) > MOST_CONNECTED:
             raise MechanismError(
                 "too_large",
-                f"{m_own} deformations and {len(part) - m_own} coordinates hang together, and which motions are left"
-                f" is found of {MOST_TOGETHER} at most. Leave that out with build(check=False), after which"
-                " sparse factors need no degrees of freedom.",
+                f"{m_own} deformations and {len(part) - m_own} coordinates are connected, too many to find the"
+                f" remaining motions: {MOST_CONNECTED} at most. Leave that out with build(check=False): sparse"
+                " solvers need no degrees of freedom.",
             )
         own = np.zeros((m_own, len(part) - m_own))
         own[place[rows[entries]], place[m + columns[entries]] - m_own] = matrix.data[entries]
@@ -209,13 +199,13 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
 
 
 def _split(things: np.ndarray, labels: np.ndarray, count: int) -> list[np.ndarray]:
-    """Things of each label, in their order."""
+    """Things of each label, in order."""
     order = np.argsort(labels, kind="stable")
     return np.split(things[order], np.searchsorted(labels[order], np.arange(1, count)))
 
 
 def _beside(blocks: list[tuple[np.ndarray, np.ndarray]], size: int, alone: Any = ()) -> Any:
-    """Columns beside each other, (size, all), sparse: of each block, with the rows where it stands; then unit ones."""
+    """Sparse matrix of blocks of columns side by side, each in its rows, and then unit columns at rows ``alone``."""
     import scipy.sparse
 
     rows, columns, entries, count = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)], 0

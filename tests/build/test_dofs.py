@@ -90,8 +90,8 @@ def test_repeated_among_many(model):
 
 
 def test_too_many_that_hang_together(monkeypatch):
-    monkeypatch.setattr(subspace, "MOST_TOGETHER", 100)
-    with pytest.raises(fm.MechanismError, match=r"360 deformations and 360 coordinates hang together.*check=False"):
+    monkeypatch.setattr(subspace, "MOST_CONNECTED", 100)
+    with pytest.raises(fm.MechanismError, match=r"360 deformations and 360 coordinates are connected.*check=False"):
         rack(released=(2, 3)).build()
 
 

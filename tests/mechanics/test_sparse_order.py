@@ -75,6 +75,6 @@ def test_a_solution_that_does_not_fit_lets_rows_change_places(monkeypatch):
     # Round-off.
     np.testing.assert_allclose(places.solution(entries, np.ones(count)), 1 / np.arange(1.0, count + 1), rtol=1e-15)
     assert not places._known(entries).by_rows
-    monkeypatch.setattr("flexmb.math.sparse.BACKWARD", -1.0)
+    monkeypatch.setattr("flexmb.math.sparse.BACKWARD_ERROR", -1.0)
     np.testing.assert_allclose(places.solution(entries, np.ones(count)), 1 / np.arange(1.0, count + 1), rtol=1e-15)
     assert places._known(entries).by_rows
