@@ -1852,7 +1852,7 @@ FAULTS = [
         "control/test_signals.py -k sensors",
     ),
     Fault(
-        "mechanics/inertia.py", "found - jax.jvp(rate", "found + jax.jvp(rate", "linear/test_stress.py -k falls_about"
+        "mechanics/inertia.py", "total - jax.jvp(rate", "total + jax.jvp(rate", "linear/test_stress.py -k falls_about"
     ),
     Fault(
         "mechanics/loads.py",
@@ -1893,8 +1893,8 @@ FAULTS = [
     ),
     Fault(
         "mechanics/transfer.py",
-        "found.at[first:].add(of_dof[:, dependent] @ follow)",
-        "found.at[first:].add(of_dependent[:, dof].T @ follow)",
+        "product.at[first:].add(of_dof[:, dependent] @ follow)",
+        "product.at[first:].add(of_dependent[:, dof].T @ follow)",
         "mechanics/test_transfer.py",
     ),
     Fault("checks/releases.py", "round(-least[k], 9)", "round(least[k], 9)", "checks/test_mobility.py"),

@@ -25,20 +25,20 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .staged import Staged
 
-# Before the name of a companion: traced numbers that it refers to, among the properties.
+# Prefix of a companion's name: traced numbers that the companion refers to, stored among the properties.
 NUMBERS = "numbers of "
 # Companions of series elements that a kernel calls several times.
 REPEATED = ("deformation", "stiffness", "inertia", "energy")
-# Those that take coordinates of nodes.
+# Companions that take coordinates of nodes.
 OF_NODES = ("deformation", "inertia")
 
 
 class Prepared(Record):
-    """Companions of a block, with what they make of the reference and the properties alone worked out.
+    """Companions of a block after the part that depends on the reference and the properties alone.
 
     Attributes:
-        functions: Of each companion, ``f(x_el, *numbers_el)`` of one element, without x_el where it depends on none.
-        numbers: What was worked out, stacked over the elements.
+        functions: For each companion, ``f(x_el, *numbers_el)`` of one element; without x_el if it needs none.
+        numbers: Results of that part, stacked over the elements.
     """
 
     functions: tuple[tuple[str, Callable[..., Any]], ...] = static()
@@ -46,22 +46,21 @@ class Prepared(Record):
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """As :func:`flexmb.jit`, of a function of a topology, its parameters, and more.
+    """As :func:`flexmb.jit`, for a function of a topology, its parameters, and more.
 
-    What the functions of elements with strain series make of reference and properties alone, such as the quadrature
-    along a section that varies, is worked out once: a kernel calls them in many places, and each would be compiled.
-
+    What elements with strain series compute from reference and properties alone, such as the quadrature along a varying
+    section, is computed once. A kernel calls it in many places and would compile each.
     """
 
     @functools.wraps(function)
-    def whole(topology: Topology, parameters: Parameters, *arguments: Any, **options: Any):
+    def prepared(topology: Topology, parameters: Parameters, *arguments: Any, **options: Any):
         return function(topology, _prepared(topology, parameters), *arguments, **options)
 
-    return jit(whole)
+    return jit(prepared)
 
 
 def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
-    """Parameters with the :class:`Prepared` companions of the blocks whose elements have strain series."""
+    """Parameters with :class:`Prepared` companions for blocks with strain series."""
     if parameters.prepared is not None:
         return parameters
     found = []
@@ -91,7 +90,7 @@ def _apart(
     structure: Any,
     shapes: tuple[tuple[tuple[int, ...], Any], ...],
 ):
-    """Companions of one element taken apart into what follows from reference and properties, and the rest of each."""
+    """Companions of one element, split into what needs reference and properties alone, and the rest of each."""
     ref, own = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
     x: Any = np.zeros((1, 0), int)
     e: Any = np.zeros((1, n_e), int)
@@ -104,7 +103,7 @@ def _apart(
     early, late = split_together(taken, (ref, own))
     found = dict(zip(names, late, strict=True))
     kinds = list(element.nodes.values())
-    # In the plane it takes too few operations to gain by that.
+    # Planar elements have too few operations to gain by stages.
     if all(kind.dimension == 3 for kind in kinds):
         is_inner = [kind.part not in ("position", "rotation") for kind in kinds]
         numbers = jax.eval_shape(early, ref, own)
@@ -113,8 +112,8 @@ def _apart(
 
 
 def _alone(block: Block, like: dict[str, Any], name: str):
-    """A companion of one element of the arguments that it depends on, and of its reference and properties."""
-    # It is taken apart operation by operation anyway.
+    """A companion of one element as a function of its arguments, its reference and its properties."""
+    # Unwrapped, since it is split operation by operation anyway.
     function: Any = inspect.unwrap(companion_of(block, like, name)[0])
     chosen = deforming if name == "deformation" else lambda block, own: own
     if name == "stiffness":
@@ -123,16 +122,14 @@ def _alone(block: Block, like: dict[str, Any], name: str):
 
 
 def element_function(block: Block, companion: Callable[..., Any] | None, properties: dict[str, Any]):
-    """One element's function of its coordinates alone but for ``ref`` and the properties, or None if it has none.
+    """One element's function ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped; None if the element has none.
+
+    The coordinates x_el may be a list by node. Companions without nodes take their own arguments in place of x_el:
+    deformations, and their rates; changes of temperature; or nothing.
 
     Args:
-        companion: The deformation function or a companion of the block's element, or None.
-        properties: Stacked properties of the block; only which of them are None is looked at.
-
-    Returns:
-        ``f(x_el, ref_el, properties_el, **extra)``, to be vmapped, or None. The coordinates x_el may be a list of those
-        of each node. Where a companion takes no nodes, x_el are the arguments that it takes in their place:
-        deformations, and their rates; changes of temperature; or nothing that matters.
+        companion: Deformation function or a companion of the block's element, or None.
+        properties: Stacked properties of the block, to see which of them are None.
     """
     element = block.element
     chosen = element.arguments(companion, {**dict(block.options), **properties})
@@ -150,11 +147,7 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
 
 
 def each_block(topology: Topology, parameters: Parameters, companion: str) -> Iterator[tuple[Block, Any, Any, Any]]:
-    """Blocks that have a companion, with the function of one element and the stacked arguments it is mapped over.
-
-    Yields:
-        Block, function of one element, stacked reference coordinates, stacked properties.
-    """
+    """Blocks with a companion: block, function of one element, stacked reference coordinates, stacked properties."""
     known = parameters.prepared or [None] * len(topology.blocks)
     for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
         rest = dict(prepared.functions).get(companion) if prepared else None
@@ -167,7 +160,7 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
 
 
 def _called(rest: Callable[..., Any], companion: str, splits: tuple[int, ...]):
-    """What is left of a companion, called as the companion is."""
+    """The remaining part of a companion, with the signature of the companion."""
     if isinstance(rest, Staged):
         return rest
 
@@ -180,10 +173,7 @@ def _called(rest: Callable[..., Any], companion: str, splits: tuple[int, ...]):
 
 
 def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tuple[Any, dict[str, Any]]:
-    """Function of one element of a block, or None if it has none, and the stacked properties to map it over.
-
-    Returns the function, which takes what :func:`element_function` says, and the properties.
-    """
+    """Function of one element, as :func:`element_function`, or None, and the stacked properties it is mapped over."""
     if companion not in block.companions:
         return None, properties
     properties = with_rigidities(deforming(block, properties) if companion == "deformation" else properties)
@@ -203,7 +193,7 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
 
 
 def _damped(stiffness: Any):
-    """Damping of one element by its material, from its stiffness; THEORY.md 2, eq. (2.41)."""
+    """Damping of one element by its material, THEORY.md 2, eq. (2.41)."""
 
     def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         return own["damping"].time * stiffness(x, ref, own, **extra)
@@ -212,10 +202,10 @@ def _damped(stiffness: Any):
 
 
 def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
-    """Properties of a block that its deformations may depend on.
+    """Properties of a block on which its deformations may depend.
 
-    How strains are spread along a spectral beam its section says, but only one that varies, along a leaf spring any:
-    others are left out, so that beams with all kinds of them are the same program.
+    A section matters if it varies, and for leaf springs. Otherwise it is left out, so that beams of all sections share
+    one program.
     """
     if block.element.series is None or "clamped" in properties or isinstance(properties.get("section"), Profile):
         return properties
@@ -223,10 +213,9 @@ def deforming(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[str, Any]]:
-    """A block that knows what functions of a user's own do now, so that none is taken for what it did before.
+    """A block with digests of its user-defined functions, which show later changes, and its properties.
 
-    Traced numbers that such a function refers to become properties, so that derivatives and batches go through them.
-    Returns the two with the values found.
+    Traced numbers that such a function refers to become properties, so that derivatives and batches pass through.
     """
     if _of_package(block.element) or not _compiles():
         return block, properties
@@ -244,7 +233,7 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
 
 
 def _with_numbers(code: Code, companion: str):
-    """A function of one element whose numbers from outside are among its properties."""
+    """A function of one element that takes captured numbers from its properties."""
 
     def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
         known = {name: value for name, value in own.items() if not name.startswith(NUMBERS)}
@@ -256,7 +245,7 @@ def _with_numbers(code: Code, companion: str):
 
 @functools.lru_cache(1000)
 def _of_package(element: Element) -> bool:
-    """Whether no function of a user's own takes part in an element."""
+    """Whether an element uses functions of the package alone."""
     try:
         described(element)
     except (TypeError, ValueError, AttributeError, RecursionError):
@@ -265,19 +254,19 @@ def _of_package(element: Element) -> bool:
 
 
 def _compiles() -> bool:
-    """False under ``jax.disable_jit``, where a program has other parts."""
+    """False under ``jax.disable_jit``, where traces differ."""
     config: Any = jax.config
     return not config.jax_disable_jit
 
 
 def _taken(block: Block, companion: str, function: Any, properties: dict[str, Any]) -> Captured:
-    """A function of one element as a program and the numbers in it."""
+    """A function of one element as a program and its captured numbers."""
     n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
     own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
     heat = tuple(jax.ShapeDtypeStruct((k,), float) for k in heat_sizes(block.element))
-    of = {"energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}
-    taken: Any = of.get(companion, coordinates)
+    own_arguments = {"energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}
+    taken: Any = own_arguments.get(companion, coordinates)
     wrench = jax.ShapeDtypeStruct((6,), float)
     along = {"resultants": {"place": place, "sigma": e}, "surface": {"place": place, "resultants": wrench}}
     extra: dict[str, Any] = dict(along.get(companion, {}))
@@ -287,21 +276,21 @@ def _taken(block: Block, companion: str, function: Any, properties: dict[str, An
 
 
 def heat_sizes(element: Element) -> tuple[int, ...]:
-    """How many numbers each argument of an element's thermal deformations has: the change, and the gradient."""
+    """Sizes of the arguments of an element's thermal deformations: temperature change, and its gradient."""
     axes = next(iter(element.nodes.values())).dimension
     return (2, axes - 1) if element.bends_by_heat else (2,)
 
 
 def with_rigidities(properties: dict[str, Any]) -> dict[str, Any]:
-    """Stacked properties with one stack of sections, where they are of several kinds."""
+    """Stacked properties with sections of several kinds converted to one stack."""
     sections = properties.get("section")
     return {**properties, "section": _rigidities(sections)} if isinstance(sections, tuple) else properties
 
 
 @traced_once
 def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
-    """Numbers of stacked sections of several kinds, one after the other, as one stack."""
-    # What does not state how it expands takes no temperature.
+    """One stack of rigidities from stacks of sections of several kinds."""
+    # Sections without an expansion take none.
     like = Rigidity(alpha=0.0)
 
     def numbers(section: Section):
@@ -314,33 +303,25 @@ def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
 
 
 def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array]]) -> Float[Array, "rows columns"]:
-    """Sum of element matrices in a matrix of the whole.
-
-    Args:
-        pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
-    """
+    """Matrix assembled from element matrices: row indices (elements, r), column indices (elements, c), matrices."""
     return scatter_matrices(size, [(rows, columns, (matrices,)) for rows, columns, matrices in pieces], 1)[0]
 
 
 def scatter_matrices(
     size: tuple[int, int], pieces: list[tuple[Array, Array, tuple[Array, ...]]], count: int
 ) -> list[Float[Array, "rows columns"]]:
-    """Sums of element matrices in several matrices of the whole.
-
-    Args:
-        pieces: Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c), one a whole.
-    """
+    """Several matrices assembled from element matrices with the same places; see :func:`scatter_matrix`."""
     flat = [(rows[:, :, None] * size[1] + columns[:, None, :], matrices) for rows, columns, matrices in pieces]
     return [whole.reshape(size) for whole in scatter_vectors(size[0] * size[1], flat, count)]
 
 
 def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
-    """Sum of element vectors in a vector of the whole."""
+    """Vector assembled from element vectors."""
     return scatter_vectors(size, [(indices, (vectors,)) for indices, vectors in pieces], 1)[0]
 
 
 def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], count: int) -> list[Float[Array, "size"]]:
-    """Sums of element vectors in several vectors of the whole, in one loop: each costs one to compile."""
+    """Several vectors assembled in one loop, since each loop takes time to compile."""
     if not pieces:
         return [jnp.zeros(size)] * count
     indices = jnp.concatenate([indices.reshape(-1) for indices, _ in pieces])

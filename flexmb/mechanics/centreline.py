@@ -1,4 +1,4 @@
-"""Where the points along elements are, from node kinds and the companion ``shape`` alone."""
+"""Points along elements, computed by node kinds and the companion ``shape``."""
 
 from typing import Any
 
@@ -16,11 +16,7 @@ from .blocks import element_function
 def curves_of(
     block: Block, properties: dict[str, Any], reference: np.ndarray, x: np.ndarray, places: np.ndarray
 ) -> Float[np.ndarray, "elements places d"]:
-    """Points along each element of a block, by its ``shape``, or else by cubics or straight lines between its nodes.
-
-    Args:
-        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
-    """
+    """Points along each element of a block: its ``shape``, or cubics or straight lines between its nodes."""
     index = np.asarray(block.x)
     at, ref = x[index], reference[index]
     kinds = list(block.element.nodes.values())
@@ -59,13 +55,13 @@ def _shapes(
 
 
 def parts_of(kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str) -> list[np.ndarray]:
-    """Coordinates of the nodes of one kind. Returns an array for each such node, (elements, size)."""
+    """Coordinates of the nodes of one kind, an array (elements, size) for each."""
     pieces = np.split(values, splits, axis=1)
     return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
 
 
 def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:
-    """Rotation matrices since the undeformed state. Returns (elements, d, d) [-]."""
+    """Rotation matrices since the undeformed state."""
     if now.shape[1] == 1:
         c, s = np.cos(now - before)[:, 0], np.sin(now - before)[:, 0]
         return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=1)
@@ -83,10 +79,7 @@ def cubic(
     slope_q: Float[np.ndarray, "elements d"],
     places: Float[np.ndarray, "places"],
 ) -> Float[np.ndarray, "elements places d"]:
-    """Cubics through end positions with end slopes, the interpolation of the beams' inertia.
-
-    Returns (elements, places, d) [m]. Source: Hermite's cubics.
-    """
+    """Hermite's cubics through end positions with end slopes, as in the inertia of beams."""
     s = places
     weights = np.stack([1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2], axis=1)
     return np.einsum("sk,ked->esd", weights, np.stack([p, slope_p, q, slope_q]))
@@ -95,7 +88,7 @@ def cubic(
 def _polyline(
     corners: Float[np.ndarray, "elements n d"], places: Float[np.ndarray, "places"]
 ) -> Float[np.ndarray, "elements #places d"]:
-    """Straight lines from point to point; of one point it alone."""
+    """Straight lines from point to point; a single point stays."""
     count = corners.shape[1]
     if count == 1:
         return corners

@@ -14,19 +14,15 @@ from ..model.topology import Block, Topology
 from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
 from .staged import curvature, derivative
 
-# Of more coordinates, what is found on the host of the undeformed mechanism is sparse: dense, 600 beams take ten
-# seconds, and 10 000 seven gigabytes a matrix.
+# With more coordinates, matrices on the host are sparse. Dense ones take ten seconds for 600 beams and seven gigabytes
+# for 10 000.
 MANY = 600
 
 
 def deformation_functions(
     topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]
 ) -> Iterator[tuple[Block, Callable[..., Any], tuple[Any, ...]]]:
-    """Blocks that deform, with the deformation function of one element and what it is mapped over beside x.
-
-    Yields:
-        Block, ``f(x_el, *arguments_el) -> (n_el,)``, stacked arguments.
-    """
+    """Blocks that deform, ``f(x_el, *arguments_el) -> (n_el,)`` of one element, and its stacked arguments."""
     for block, function, ref, properties in each_block(topology, parameters, "deformation"):
         if block.e.shape[1] == 0:
             continue
@@ -51,12 +47,9 @@ def deformation_functions(
 def deformations(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
-    """Deformations of all elements, unit norms included.
+    """Deformations of all elements, unit norms included [m, rad].
 
-    Returns e, (n_e,) [m, rad]. Source: Each element's own function.
-
-    Args:
-        near: Deformations at the last accepted state, (n_e,) [m, rad]: which turn an angle is counted in.
+    ``near``: deformations at the last accepted state, so that angles count turns.
     """
     pieces = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
@@ -67,10 +60,7 @@ def deformations(
 def jacobian_pieces(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]]]:
-    """Deformations of each block's elements with their indices, and their derivatives with row and column indices.
-
-    Arguments as for :func:`deformations`.
-    """
+    """Deformations of each block with their indices, and derivatives with row and column indices."""
     values, matrices = [], []
     for block, function, arguments in deformation_functions(topology, parameters, near):
         jacobian, e = jax.vmap(derivative(function))(x[block.x], *arguments)
@@ -83,10 +73,7 @@ def jacobian_pieces(
 def deformation_jacobian(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_x"]]:
-    """As :func:`deformations`, with their derivatives by the nodal coordinates, element by element.
-
-    Returns e, (n_e,), and D_x, (n_e, n_x). Source: Derivative of :func:`deformations`.
-    """
+    """Deformations, and their derivatives by the nodal coordinates."""
     values, matrices = jacobian_pieces(topology, parameters, x, near)
     size = (topology.n_e, topology.n_x)
     return scatter_vector(topology.n_e, values), scatter_matrix(size, matrices)
@@ -110,33 +97,29 @@ def _jacobians(
 
 
 def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
-    """Properties of a block that deformations depend on in the undeformed mechanism.
+    """Properties of a block on which deformations in the undeformed mechanism depend.
 
-    How strains are spread along a spectral beam its section says, but not which motions they allow: it is left out.
+    The section of a spectral beam is left out: it has no effect on which motions the strains allow.
     """
-    found = block.element.of_deformation(properties)
-    return found | {"section": None} if block.element.series and "section" in found else found
+    chosen = block.element.of_deformation(properties)
+    return chosen | {"section": None} if block.element.series and "section" in chosen else chosen
 
 
 def _padded(rows: np.ndarray) -> np.ndarray:
-    """Rows whose last is repeated up to a power of two, so that one element more is seldom another program."""
+    """Rows with the last one repeated up to a power of two, so that numbers of elements share programs."""
     more = 2 ** (len(rows) - 1).bit_length() - len(rows)
     return np.concatenate([rows, np.repeat(rows[-1:], more, axis=0)]) if more else rows
 
 
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
-    """Deformations in the undeformed mechanism, where they should vanish, and their derivatives; concrete numbers.
-
-    Returns e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
-    """
+    """Deformations in the undeformed mechanism, which should vanish, and their derivatives; see :func:`on_host`."""
     return on_host(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
 
 
 def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, Any]:
-    """Deformations of concrete coordinates, and their derivatives.
+    """Deformations of concrete coordinates and their derivatives, sparse above MANY coordinates.
 
-    Compiled for each type of element and every power of two of their number, whatever else there is in the mechanism.
-    Returns e, (n_e,) [m, rad], and D_x, (n_e, n_x), sparse where there are more than MANY coordinates.
+    Compiles one program for each type of element and power of two of their number, whatever else the mechanism has.
     """
     alike: dict[Any, list[Any]] = {}
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
@@ -166,8 +149,8 @@ def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np
 def _sparse(pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]) -> Any:
     import scipy.sparse
 
-    whole = [[one.ravel() for one in np.broadcast_arrays(*piece)] for piece in pieces]
-    rows, columns, entries = (np.concatenate(side) for side in zip(*whole, strict=True))
+    flat = [[array.ravel() for array in np.broadcast_arrays(*piece)] for piece in pieces]
+    rows, columns, entries = (np.concatenate(side) for side in zip(*flat, strict=True))
     return scipy.sparse.coo_array((entries, (rows, columns)), shape=shape).tocsr()
 
 
@@ -178,10 +161,7 @@ def curvature_pieces(
     near: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ) -> list[tuple[Array, Array, Array]]:
-    """Second derivatives of each block's elements, with row and column indices.
-
-    Arguments as for :func:`deformation_curvature`.
-    """
+    """Second derivatives of each block for :func:`deformation_curvature`, with row and column indices."""
     pieces = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
         hessian = jax.vmap(curvature(function))(x[block.x], sigma[block.e], *arguments)
@@ -197,18 +177,14 @@ def deformation_curvature(
     near: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ) -> Float[Array, "n_x n_x"]:
-    """Second derivative of ``sigma . D(x)`` at constant sigma: the stiffness of the stress resultants.
+    """Stiffness of the stress resultants: second derivative of ``sigma . D(x)`` at constant sigma, symmetric.
 
-    Returns (n_x, n_x) [N/m, N, N m], symmetric. Source: THEORY.md 6, eq. (6.3): Hessian of the Lagrangian, element by
-    element.
-
-    Args:
-        sigma: Stress resultants, multipliers of FIXED deformations and unit norms included, (n_e,) [N, N m].
+    Multipliers of FIXED deformations and unit norms are included. Source: THEORY.md 6, eq. (6.3).
     """
     pieces = curvature_pieces(topology, parameters, x, near, sigma)
     return scatter_matrix((topology.n_x, topology.n_x), pieces)
 
 
 def zero_near(topology: Topology) -> Float[Array, "n_e"]:
-    """``near`` of the undeformed mechanism, (n_e,) [m, rad]."""
+    """``near`` of the undeformed mechanism."""
     return jnp.zeros(topology.n_e)

@@ -1,4 +1,4 @@
-"""How large positions and rotations of a mechanism are, with which changes of coordinates are compared."""
+"""Sizes of positions and rotations of a mechanism, used to scale changes of coordinates."""
 
 from typing import Any
 
@@ -11,20 +11,16 @@ from ..model.topology import Topology
 
 
 def extent_of(topology: Topology, parameters: Parameters) -> float:
-    """Largest distance of the nodes along any axis, 1 where there is none, () [m]; of concrete numbers."""
+    """Largest distance of nodes along any axis, or 1 if zero [m]; of concrete numbers."""
     points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
     return (float(np.max(np.ptp(points, axis=1))) if points.size else 0.0) or 1.0
 
 
 def sizes_of(topology: Topology, parameters: Parameters) -> Any:
-    """What a change of each coordinate is divided by, so that displacements and rotations can be compared.
+    """Scales of all coordinates [m, -, 1/m]: the extent to the power of length in the unit of each coordinate.
 
-    A displacement counts as a share of the mechanism's extent, and so does an elongation of a beam with strain series;
-    a rotation counts in radians, an Euler parameter as it is, a warping in radians over the extent.
-
-    Returns:
-        The extent to the power of length in the unit of each coordinate, (n_x,) [m, -, 1/m]; outside a trace by NumPy,
-        for which nothing is compiled.
+    A displacement or an elongation of a beam with strain series counts as a share of the extent, a rotation in radians,
+    a warping in radians over the extent. Computed by NumPy outside a trace, without compiling.
     """
     if is_concrete((topology.axes, topology.powers, parameters.reference)):
         return extent_of(topology, parameters) ** np.asarray(topology.powers, float)

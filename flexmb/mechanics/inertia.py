@@ -16,12 +16,12 @@ from .staged import derivative
 
 
 class Felt(NamedTuple):
-    """What mass feels in a state: gravity, and the motion of the nodes.
+    """What acts on mass in a state.
 
     Attributes:
-        gravity: Acceleration of free fall, (axes,) [m/s^2]; None without gravity.
-        v: Nodal velocities, (n_x,) [1/s]; None at rest.
-        a: Nodal accelerations, (n_x,) [1/s^2]; None at rest.
+        gravity: Acceleration of free fall [m/s^2]; None without gravity.
+        v: Nodal velocities [1/s]; None at rest.
+        a: Nodal accelerations [1/s^2]; None at rest.
     """
 
     gravity: Float[Array, "axes"] | None = None
@@ -30,10 +30,7 @@ class Felt(NamedTuple):
 
 
 def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> list[tuple[Array, Array, Array]]:
-    """Mass matrices of each block's elements, with row and column indices.
-
-    Arguments as for :func:`mass_matrix`.
-    """
+    """Mass matrices of each block, with row and column indices."""
     pieces = []
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
@@ -47,17 +44,14 @@ def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x
 
 @traced_once
 def mass_matrix(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> Float[Array, "n_x n_x"]:
-    """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx.
-
-    Returns M, (n_x, n_x) [kg, kg m, kg m^2]. Source: THEORY.md 3, eq. (3.2).
-    """
+    """Mass matrix of the nodal coordinates, M = J^T H J with J = ds/dx; THEORY.md 3, eq. (3.2)."""
     return scatter_matrix((topology.n_x, topology.n_x), mass_pieces(topology, parameters, x))
 
 
 def kinetic_energy(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], v: Float[Array, "n_x"]
 ) -> Float[Array, ""]:
-    """Kinetic energy of nodal velocities, element by element. Returns () [J]. Source: THEORY.md 3, eq. (3.1)."""
+    """Kinetic energy of nodal velocities [J]; THEORY.md 3, eq. (3.1)."""
     total = jnp.array(0.0)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
@@ -76,16 +70,13 @@ def kinetic_energy(
 
 
 def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Float[Array, "n_x"]:
-    """Nodal acceleration of a mechanism that translates as a whole. Returns (n_x,), zero at rotations [m/s^2]."""
+    """Nodal acceleration of a mechanism in uniform translation, zero at rotations."""
     columns = jnp.broadcast_to(acceleration[:, None], topology.axes.shape)
     return put(jnp.zeros(topology.n_x), topology.axes, columns)
 
 
 def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
-    """Mass of the whole mechanism, distributed mass included.
-
-    Returns () [kg]. Source: Twice the kinetic energy of a uniform unit velocity.
-    """
+    """Mass of the mechanism [kg], distributed mass included: twice the kinetic energy of a uniform unit velocity."""
     along = uniform_motion(topology, jnp.eye(len(topology.axes))[0])
     return along @ mass_matrix(topology, parameters, parameters.reference) @ along
 
@@ -99,14 +90,13 @@ def fall(
     ref: Float[Array, "elements c"],
     properties: Any,
 ) -> Any:
-    """What acts on the mass of each element of a block: acceleration of free fall less that of its vectors s.
+    """Free fall less acceleration of the vectors s of each element, (elements, k, d) [m/s^2]; None without both.
 
-    Returns (elements, k, d) [m/s^2], or None where there is neither gravity nor motion. Source: Equivalence of gravity
-    and uniform acceleration; s_ddot = J a + (dJ/dt) v.
+    Gravity acts as a uniform acceleration; s_ddot = J a + (dJ/dt) v.
     """
     falling = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
-    along = [None if of is None else of[block.x] for of in (falling, felt.v, felt.a)]
-    if all(of is None for of in along):
+    along = [None if rate is None else rate[block.x] for rate in (falling, felt.v, felt.a)]
+    if all(rate is None for rate in along):
         return None
 
     def one(x: Float[Array, "c"], along: list[Float[Array, "c"] | None], ref: Float[Array, "c"], own: Any):
@@ -115,14 +105,14 @@ def fall(
         def rate(x: Float[Array, "c"], v: Float[Array, "c"]):
             return jax.jvp(lambda x: function(x, ref, own)[0], (x,), (v,))[1]
 
-        found: Any = 0.0 if falling is None else rate(x, falling)
-        return found if v is None else found - jax.jvp(rate, (x, v), (v, a))[1]
+        total: Any = 0.0 if falling is None else rate(x, falling)
+        return total if v is None else total - jax.jvp(rate, (x, v), (v, a))[1]
 
     return jax.vmap(one)(x[block.x], along, ref, properties)
 
 
 def _weight_potential(topology: Topology, parameters: Parameters, gravity: Float[Array, "axes"]):
-    """Function whose gradient is an element's weight: s(x) . H (ds in the uniform motion)."""
+    """Function whose gradient is an element's weight: s(x) . H ds, with ds of the uniform motion."""
     motion = uniform_motion(topology, gravity)
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
@@ -149,7 +139,7 @@ def work_of_weight(
     x: Float[Array, "n_x"],
     gravity: Float[Array, "axes"],
 ) -> Float[Array, ""]:
-    """Work of gravity on the way from the undeformed mechanism. Returns () [J]. Source: Potential of :func:`weight`."""
+    """Work of gravity from the undeformed mechanism on [J]."""
     total = jnp.array(0.0)
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
         at, start = x[block.x], parameters.reference[block.x]
@@ -164,11 +154,9 @@ def weight(
     x: Float[Array, "n_x"],
     gravity: Float[Array, "axes"],
 ) -> Float[Array, "n_x"]:
-    """Nodal forces of gravity on all mass, distributed mass included.
+    """Nodal forces of gravity on all mass, distributed mass included: f = M(x) t, t the translation at g.
 
-    A uniform field acts as the inertia of a uniform acceleration: f = M(x) t with t the translation at g. Returns
-    (n_x,) [N, N m]. Source: Equivalence of gravity and uniform acceleration; the kinetic energy is unchanged by
-    translation.
+    A uniform field acts as the inertia of a uniform acceleration, and translation does not change kinetic energy.
     """
     pieces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
@@ -180,10 +168,7 @@ def weight(
 def weight_pieces(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
 ) -> list[tuple[Array, Array, Array]]:
-    """Derivatives of the weight of each block's elements, with row and column indices.
-
-    Arguments as for :func:`weight`.
-    """
+    """Derivatives of the weight of each block, with row and column indices."""
     pieces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
         at = x[block.x]
@@ -198,9 +183,5 @@ def weight_stiffness(
     x: Float[Array, "n_x"],
     gravity: Float[Array, "axes"],
 ) -> Float[Array, "n_x n_x"]:
-    """Derivative of :func:`weight` by the nodal coordinates, symmetric; the same arguments.
-
-    Returns (n_x, n_x) [N/m, N, N m]. Source: Hessian of the potential s(x) . H s_dot of the uniform motion, whose s_dot
-    does not depend on x.
-    """
+    """Derivative of :func:`weight`, symmetric: Hessian of s(x) . H s_dot, whose s_dot does not depend on x."""
     return scatter_matrix((topology.n_x, topology.n_x), weight_pieces(topology, parameters, x, gravity))

@@ -16,11 +16,11 @@ from .inertia import weight, weight_stiffness
 
 
 class LoadFactors(NamedTuple):
-    """By what the two sets of loads are multiplied.
+    """Factors of the two sets of loads.
 
     Attributes:
-        initial: Factor of ``Parameters.loads`` and of load elements.
-        increment: Factor of ``Parameters.increment`` and of load elements with the option ``incremental``.
+        initial: For ``Parameters.loads`` and load elements.
+        increment: For ``Parameters.increment`` and load elements with the option ``incremental``.
     """
 
     initial: Float[Array, ""] | float
@@ -28,16 +28,14 @@ class LoadFactors(NamedTuple):
 
 
 def load_factors(load_factor: float = 1.0, increment: float = 0.0) -> LoadFactors:
-    """Load factors as the strongly typed scalars that compiled kernels take."""
+    """Load factors as strongly typed scalars for compiled kernels."""
     return LoadFactors(as_floats(load_factor), as_floats(increment))
 
 
 def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
-    """Sum of the two sets of loads, each times its factor.
+    """Sum of the two sets of loads, each times its factor; None where neither set has the load.
 
-    Prescribed coordinates and deformations are values, not loads that ramp from zero: they start from the undeformed
-    mechanism, which the caller supplies by scaling differences (see statics). Returns the loads; None stays None where
-    neither set has the load.
+    Prescribed values do not ramp from zero but from the undeformed mechanism: the caller scales differences.
     """
     first = jax.tree.map(lambda a: factors.initial * a, parameters.loads)
     if parameters.increment is None:
@@ -51,21 +49,21 @@ def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:
 
 
 def without_gravity(parameters: Parameters, *, increment: bool = False) -> Parameters:
-    """The same numbers without the gravity of the constant loads; that of the incremental loads stays unless said."""
-    found = dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
-    if not increment or found.increment is None:
-        return found
-    return dataclasses.replace(found, increment=dataclasses.replace(found.increment, gravity=None))
+    """Parameters without the gravity of the constant loads, and of the incremental loads if ``increment``."""
+    changed = dataclasses.replace(parameters, loads=dataclasses.replace(parameters.loads, gravity=None))
+    if not increment or changed.increment is None:
+        return changed
+    return dataclasses.replace(changed, increment=dataclasses.replace(changed.increment, gravity=None))
 
 
 def has_loads(topology: Topology, parameters: Parameters) -> bool:
-    """Whether there are loads or strains, which move the mechanism from its undeformed state; known before tracing."""
+    """Whether the mechanism has loads or initial strains; known before tracing."""
     sets = (parameters.loads, parameters.increment, parameters.strain)
     return bool(jax.tree.leaves(sets)) or any(block.element.force is not None for block in topology.blocks)
 
 
 def is_idle(topology: Topology, parameters: Parameters, factors: LoadFactors) -> Bool[Array, ""] | bool:
-    """Whether all loads and strains that there are happen to be zero, () [-]."""
+    """Whether all loads and initial strains are zero."""
     if any(block.element.force is not None for block in topology.blocks):
         return False
     numbers = jax.tree.leaves((scaled_loads(parameters, factors), parameters.strain))
@@ -73,9 +71,9 @@ def is_idle(topology: Topology, parameters: Parameters, factors: LoadFactors) ->
 
 
 def lacks_potential(topology: Topology) -> bool:
-    """Whether some load or law has no potential, so that tangents are not symmetric; known before tracing.
+    """Whether a load or law has no potential, so that tangents are not symmetric; known before tracing.
 
-    The law of a single deformation has one, for what it is at rest.
+    At rest, the law of a single deformation has a potential.
     """
     laws = any("law" in block.companions and block.e.shape[1] > 1 for block in topology.blocks)
     return laws or any(block.element.force is not None for block in topology.blocks)
@@ -101,10 +99,7 @@ def _load_elements(topology: Topology, parameters: Parameters, factors: LoadFact
 def nodal_forces(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> Float[Array, "n_x"]:
-    """Nodal forces of all constant loads at a configuration.
-
-    Returns f dual to x, (n_x,) [N, N m]. Source: THEORY.md 5, loads.
-    """
+    """Nodal forces of all constant loads, dual to x; THEORY.md 5."""
     loads = scaled_loads(parameters, factors)
     force = jnp.zeros(topology.n_x) if loads.force is None else loads.force
     if loads.gravity is not None:
@@ -118,10 +113,7 @@ def nodal_forces(
 def load_pieces(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> list[tuple[Array, Array, Array]]:
-    """Derivatives of the forces of each block's load elements, with row and column indices.
-
-    Arguments as for :func:`nodal_forces`.
-    """
+    """Derivatives of the forces of each block's load elements, with row and column indices."""
     pieces = []
     for block, function, arguments in _load_elements(topology, parameters, factors):
         pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
@@ -131,11 +123,7 @@ def load_pieces(
 def load_stiffness(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> Float[Array, "n_x n_x"]:
-    """Derivative of :func:`nodal_forces` by the nodal coordinates, with the same arguments.
-
-    Returns df/dx, (n_x, n_x) [N/m, N, N m]; not symmetric for moments about fixed axes. Source: Derivative of
-    :func:`nodal_forces`.
-    """
+    """Derivative of :func:`nodal_forces`; not symmetric for moments about fixed axes."""
     loads = scaled_loads(parameters, factors)
     matrix = scatter_matrix((topology.n_x, topology.n_x), load_pieces(topology, parameters, factors, x))
     if loads.gravity is not None:

@@ -1,4 +1,4 @@
-"""The reduced static equation at a configuration: residual, stiffnesses, and one Newton step."""
+"""Reduced static equation at a configuration: residual, stiffnesses, and a Newton step."""
 
 from typing import NamedTuple
 
@@ -16,18 +16,15 @@ from .transfer import Transfer, correction, multipliers, transfer
 
 
 class State(NamedTuple):
-    """All first-order quantities of the static equations at a configuration.
+    """First-order quantities of the static equations at a configuration [SI].
 
     Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        e: Deformations, (n_e,) [m, rad].
-        sigma: Stress resultants, multipliers included, (n_e,) [N, N m].
-        force: Nodal forces of the loads, (n_x,) [N, N m].
-        jacobian: D_x, (n_e, n_x).
-        transfer: DFx, DFe and the factors behind them.
-        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e) [N/m, N m/rad].
-        curvature: Stiffness of stress resultants and loads in the coordinates, (n_x, n_x), or None without loads.
-        gravity: Acceleration of free fall, (axes,) [m/s^2], or None.
+        sigma: Stress resultants, multipliers included.
+        force: Nodal forces of the loads.
+        jacobian: D_x.
+        S: Stiffness of the elements, or their tangent stiffness.
+        curvature: Stiffness of stress resultants and loads in the coordinates, or None without loads.
+        gravity: Acceleration of free fall, or None.
     """
 
     x: Float[Array, "n_x"]
@@ -47,14 +44,14 @@ class State(NamedTuple):
 
     @property
     def G0(self) -> Float[Array, "n_q n_q"]:
-        """Geometric stiffness of stress resultants, multipliers and loads."""
+        """Geometric stiffness from stress resultants, multipliers and loads."""
         if self.curvature is None:
             return jnp.zeros_like(self.K0)
         return self.transfer.DFx.T @ self.curvature @ self.transfer.DFx
 
     @property
     def residual(self) -> Float[Array, "n_q"]:
-        """Force that is out of balance along each degree of freedom: DFe^T sigma - DFx^T f."""
+        """Imbalance along each degree of freedom: DFe^T sigma - DFx^T f."""
         return self.transfer.DFe.T @ self.sigma - self.transfer.DFx.T @ self.force
 
 
@@ -67,13 +64,11 @@ def state(
     loaded: bool = True,
     strained: Float[Array, "n_e"] | None = None,
 ) -> State:
-    """Evaluate the static equations at a configuration.
-
-    Source: THEORY.md 5 and 6, eq. (5.1), (5.5), (6.2) and (6.3).
+    """State at a configuration; THEORY.md 5 and 6, eq. (5.1), (5.5), (6.2) and (6.3).
 
     Args:
-        strained: Deformations whose stress to take in place of that of D(x), (n_e,) [m, rad]; None: D(x).
-        loaded: False for the undeformed mechanism without loads: nothing is stressed, nothing of it is traced.
+        loaded: False for the undeformed mechanism without loads, which has no stress to trace.
+        strained: Deformations that cause stress, in place of D(x); None: D(x).
     """
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
     tangent = transfer(topology, jacobian)
@@ -100,18 +95,15 @@ def iterate(
     strained: Float[Array, "n_e"],
     wanted: tuple[Float[Array, "n_x"], Float[Array, "n_e"]],
 ) -> tuple[State, Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """State of an iterate whose deformations are numbers of their own, and what is out of balance there.
+    """State of an iterate with deformations of its own, its change of x onto the constraints, and the residual.
 
-    A step that bends a leaf spring is straight in x and feigns an elongation, second order in the step. The stress of
-    what stiff deformations measure in x, and the constraint forces that balance it, would spoil the tangent. Source:
-    Newton's method on D(x) = e and the equilibrium with x and e as unknowns; e is eliminated.
+    A step that bends a leaf spring is straight in x and causes a false elongation, second order in the step. The stress
+    of this elongation and its constraint forces would spoil the tangent. So Newton's method takes x and e as unknowns
+    of D(x) = e and the equilibrium, and eliminates e. The residual r belongs to K dq = -r.
 
     Args:
-        strained: Deformations of the iterate: e + D_x dx of the step that led to it, (n_e,) [m, rad].
-        wanted: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
-
-    Returns:
-        State; change of x onto the constraints, (n_x,) [m, rad, -]; residual r of K dq = -r after it, (n_q,) [N, N m].
+        strained: Deformations of the iterate: e + D_x dx of the step to it.
+        wanted: Coordinates and deformations with PRESCRIBED ones at their values.
     """
     at = state(topology, parameters, factors, x, near, strained=strained)
     wanted_x, wanted_e = wanted
@@ -133,18 +125,15 @@ def reduced_response(
     shift: Float[Array, "n_x"],
     imbalance: Float[Array, "n_x"],
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """Change of x at constant q, and the force out of balance along q that is left after it, to first order.
-
-    Returns the change of x, (n_x,) [m, rad, -], and residual r of K dq = -r, (n_q,) [N, N m]. Source: THEORY.md 6, eq.
-    (6.3): the Hessian of the Lagrangian, projected with Z = DFx.
+    """Change of x at constant q, and the residual r of K dq = -r after it, to first order; THEORY.md 6, eq. (6.3).
 
     Args:
-        excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, the effect of ``shift`` included,
-            (n_e,) [m, rad].
-        shift: Change already decided of coordinates that are not DEPENDENT, (n_x,) [m, rad, -].
+        excess: FIXED, PRESCRIBED and DOF deformations minus their wanted values, with the effect of ``shift``.
+        shift: Change already decided of coordinates that are not DEPENDENT.
+        imbalance: Forces out of balance at the coordinates.
     """
     onto_constraints = correction(topology, at.transfer, excess, shift)
-    # The stress of DOF deformations is that of their wanted values already.
+    # DOF deformations already have the stress of their wanted values.
     strain = put(at.jacobian @ onto_constraints, topology.e.dof, 0.0)
     imbalance = imbalance + at.jacobian.T @ (at.S @ strain)
     if at.curvature is not None:
@@ -159,12 +148,9 @@ def linear_response(
     shift: Float[Array, "n_x"],
     imbalance: Float[Array, "n_x"],
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """Change of x that answers, to first order, an excess of held deformations and forces out of balance.
+    """Changes of x, and of q from its wanted value, to first order; arguments as for :func:`reduced_response`.
 
-    The same linear system serves Newton's step and the derivative of the equilibrium by any parameter.
-
-    Arguments as for :func:`reduced_response`. Returns the change of x, (n_x,) [m, rad, -], and of q from its wanted
-    value, (n_q,) [m, rad]. Source: See :func:`reduced_response`.
+    This linear system serves Newton's step and the derivative of the equilibrium by any parameter.
     """
     onto_constraints, residual = reduced_response(topology, at, excess, shift, imbalance)
     dq = factorise(at.K0 + at.G0).solve(-residual)

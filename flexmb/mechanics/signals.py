@@ -1,4 +1,4 @@
-"""What inputs do and what outputs measure: rows in the coordinates, and rotations about axes in space."""
+"""Inputs and outputs: their rows in the coordinates, and rotations about axes in space."""
 
 from typing import Any
 
@@ -12,32 +12,31 @@ from ..math.indices import put
 from ..math.rotation import lbar, lbody, rotation_since
 from ..model.model import Signal
 
-# How often what an output measures is differentiated by time, of coordinates and of deformations.
+# Order of the time derivative that an output measures, of coordinates and of deformations.
 ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
 DEFORMATION_ORDERS = {"deformation": 0, "deformation rate": 1, "deformation acceleration": 2}
 
 
 def rotation_row(lam: Float[Array, "4"], axis: Any, local: bool) -> Float[Array, "4"]:
-    """Infinitesimal rotation, or angular velocity, about an axis, by the change of Euler parameters.
+    """Rotation rate about an axis per change of Euler parameters; its transpose is the force of a unit moment.
 
-    Its transpose is the force dual to them of a unit moment about that axis. Returns (4,) [rad]. Source: omega = 2 Lbar
-    d(lambda)/dt, f = 2 Lbar^T M (THEORY.md 5, eq. (5.7)); with L for axes of the body.
+    Source: omega = 2 Lbar d(lambda)/dt, f = 2 Lbar^T M (THEORY.md 5, eq. (5.7)), with L for axes of the body.
     """
     return 2 * (lbody if local else lbar)(lam)[axis]
 
 
 def along_coordinates(signal: Signal, x: Float[Array, "n_x"]) -> tuple[Any, Any]:
-    """Coordinates that a signal is about, and its derivative by them. Returns indices, (k,), and row, (k,)."""
+    """Indices of the coordinates of a signal, and its derivatives by them."""
     if signal.axis is None:
         return np.array([signal.index]), np.ones(1)
-    own = signal.index + np.arange(4)
-    return own, rotation_row(x[own], signal.axis, signal.local)
+    parameters = signal.index + np.arange(4)
+    return parameters, rotation_row(x[parameters], signal.axis, signal.local)
 
 
 def input_row(
     signal: Signal, x: Float[Array, "n_x"], dfx: Float[Array, "n_x n_q"], dfe: Float[Array, "n_e n_q"]
 ) -> Float[Array, "n_q"]:
-    """Generalised force of a unit input. Source: THEORY.md 6 and 7: forces by DFx^T, a stress adds to sigma: -DFe^T."""
+    """Generalised force of a unit input: DFx^T of a force, -DFe^T of a stress added to sigma; THEORY.md 6 and 7."""
     if signal.quantity == "stress":
         return -dfe[signal.index]
     own, row = along_coordinates(signal, x)
@@ -45,7 +44,7 @@ def input_row(
 
 
 def terms_of(signals: tuple[Signal, ...]) -> tuple[Signal, ...]:
-    """What inputs or outputs are made of, those of each after those of the one before."""
+    """Terms of all inputs or outputs, in order."""
     return tuple(term for s in signals for term in s.terms)
 
 
@@ -57,19 +56,18 @@ def combined(signals: tuple[Signal, ...], weights: Any) -> Float[Array, "n terms
     places = rows, np.arange(len(rows))
     if not is_concrete(ones):
         return put(jnp.zeros((len(counts), len(rows))), places, ones)
-    whole: Any = np.zeros((len(counts), len(rows)))
-    whole[places] = ones
-    return whole
+    weight: Any = np.zeros((len(counts), len(rows)))
+    weight[places] = ones
+    return weight
 
 
 def rotation_measured(
     lam: Float[Array, "4"], start: Float[Array, "4"], reference: Float[Array, "4"], axis: Any, local: bool
 ) -> tuple[Float[Array, ""], Float[Array, "4"]]:
-    """Rotation about an axis as a sensor gives it, and its derivative by the Euler parameters.
+    """Rotation about an axis as a sensor measures it [rad], and its derivative by the Euler parameters.
 
-    It is a component of the rotation vector from the undeformed mechanism to the start, plus that from the start to
-    now: about a fixed axis the angle itself, about the start to first order that of the linearised equations. Returns
-    () [rad] and (4,) [rad].
+    This is a component of the rotation vector from the undeformed mechanism to the start, plus one from the start to
+    now. It is the angle about a fixed axis, and the linearised rotation to first order about the start.
     """
 
     def since(lam: Float[Array, "4"]):

@@ -13,14 +13,13 @@ from ..compilation.program import split_in_stages
 
 
 class Staged:
-    """A function of the coordinates of one element: what follows from inner coordinates alone, and the rest.
+    """A function of the coordinates of one element: a stage that needs inner coordinates alone, and the rest.
 
-    Inner coordinates are coefficients of strains and warpings. What a beam in space makes of them, the poses along it
-    seen from its first end, takes nearly all operations of its deformations and of its places of inertia, and depends
-    on about half of the coordinates. Left to itself JAX carries the directions of all coordinates through it.
+    Inner coordinates are coefficients of strains and warpings. From about half of the coordinates they determine the
+    poses along a spatial beam, seen from its first end: nearly all operations of its deformations and inertia. Two
+    stages keep the directions of the other coordinates out of these operations.
 
-    It is called as functions of elements are, ``f(x_el, ref_el, numbers_el)``; what depends on the reference stands
-    among the numbers. Between the stages are floats alone.
+    Called as functions of elements, ``f(x_el, ref_el, numbers_el)``; what depends on the reference is in the numbers.
     """
 
     def __init__(
@@ -30,7 +29,7 @@ class Staged:
         is_inner: Sequence[bool],
         numbers: tuple[Any, ...],
     ):
-        """Take a function apart."""
+        """Split a function."""
 
         def every(numbers: tuple[Any, ...], *coordinates: tuple[Array, ...]):
             inner, outer = map(iter, coordinates)
@@ -43,18 +42,20 @@ class Staged:
         self._splits = [np.cumsum([node.shape[0] for node in group])[:-1] for group in groups]
         order = np.concatenate([np.flatnonzero(self._is_inner), np.flatnonzero(~self._is_inner)])
         self._place = np.argsort(order)
-        self._shape = jax.eval_shape(lambda own, *of: self._bent(*own, *self._known(*of)[1])[1], groups[0], *numbers)
+        self._shape = jax.eval_shape(
+            lambda own, *every: self._bent(*own, *self._known(*every)[1])[1], groups[0], *numbers
+        )
         if not all(np.issubdtype(one.dtype, np.floating) for one in self._shape):
-            raise TypeError("What follows from inner coordinates must be numbers that may be differentiated.")
+            raise TypeError("Results of the inner coordinates must be differentiable numbers.")
 
     def __call__(self, x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> Any:
-        """Value of the function; coordinates may be a list of those of each node."""
+        """Value of the function; coordinates may be a list by node."""
         x = jnp.concatenate(x) if isinstance(x, list) else x
         bent, closed = self._stages(numbers)
         return closed(x[~self._is_inner], bent(x[self._is_inner]))
 
     def derivative(self, x: Float[Array, "c"], ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> tuple[Any, Any]:
-        """Derivatives by the coordinates, which are the last axis of each array, and the value."""
+        """Derivatives by the coordinates, on the last axis of each array, and the value."""
         bent, closed = self._stages(numbers)
         inner, outer = x[self._is_inner], x[~self._is_inner]
         slopes, shape = derivative(bent)(inner)
@@ -64,7 +65,7 @@ class Staged:
     def curvature(
         self, x: Float[Array, "c"], sigma: Float[Array, "n"], ref: Float[Array, "c"], numbers: tuple[Array, ...]
     ) -> Float[Array, "c c"]:
-        """Second derivatives of sigma . e by the coordinates, where e are the deformations that the function gives."""
+        """Second derivatives of sigma . e by the coordinates, for deformations e of the function."""
         bent, closed = self._stages(numbers)
         inner, outer = x[self._is_inner], x[~self._is_inner]
         shape = bent(inner)
@@ -77,18 +78,18 @@ class Staged:
 
         slopes, of_inner = jax.jacfwd(with_pull)(inner)
         _, (of_outer, of_shape) = _along(gradient, (outer, shape), slopes)
-        found = jnp.concatenate([slopes.T @ of_shape, of_outer])
-        found = found.at[: inner.size, : inner.size].add(of_inner)
-        return found[self._place][:, self._place]
+        hessian = jnp.concatenate([slopes.T @ of_shape, of_outer])
+        hessian = hessian.at[: inner.size, : inner.size].add(of_inner)
+        return hessian[self._place][:, self._place]
 
     def _stages(self, numbers: tuple[Array, ...]) -> tuple[Callable[..., Any], Callable[..., Any]]:
-        """Both stages, with what follows from inner coordinates side by side."""
+        """Both stages as functions of flat arrays."""
         _, known = self._known(*numbers)
         of_inner, of_outer = self._splits
 
         def bent(inner: Float[Array, "k"]):
-            found = self._bent(*jnp.split(inner, of_inner), *known)[1]
-            return jnp.concatenate([jnp.ravel(one) for one in found])
+            results = self._bent(*jnp.split(inner, of_inner), *known)[1]
+            return jnp.concatenate([jnp.ravel(result) for result in results])
 
         def closed(outer: Float[Array, "m"], shape: Float[Array, "s"]):
             parts = jnp.split(shape, np.cumsum([one.size for one in self._shape])[:-1])
@@ -99,7 +100,7 @@ class Staged:
 
 
 def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[Array, "s k"]) -> tuple[Any, Any]:
-    """Value of a function of outer coordinates and of a shape, and its derivatives by inner and outer coordinates."""
+    """Value of a function of outer coordinates and a shape, and its derivatives by inner and outer coordinates."""
     outer, shape = at
     changes = jnp.concatenate([jnp.zeros((outer.size, slopes.shape[1])), jnp.eye(outer.size)], axis=1)
     along = jnp.concatenate([slopes, jnp.zeros((shape.size, outer.size))], axis=1)
@@ -107,14 +108,7 @@ def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[
 
 
 def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
-    """Derivatives of a function of one element by its coordinates, and its value.
-
-    Returns A function of the same arguments: derivatives by the coordinates, the last axis of each array, and the
-    value.
-
-    Args:
-        function: ``f(x_el, *arguments_el)``, :class:`Staged` or not, to an array or a tree of them.
-    """
+    """Function of the same arguments: derivatives by the coordinates, on the last axis of each array, and the value."""
     if isinstance(function, Staged):
         return function.derivative
 
@@ -126,10 +120,7 @@ def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
 
 
 def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
-    """Second derivatives of sigma . e of one element by its coordinates.
-
-    Returns ``(x_el, sigma_el, *arguments_el) -> (c, c)``, symmetric.
-    """
+    """Function ``(x_el, sigma_el, *arguments_el) -> (c, c)``: second derivatives of sigma . e of one element."""
     if isinstance(function, Staged):
         return function.curvature
 

@@ -27,15 +27,12 @@ def stiffness_pieces(
 
 @jit
 def known_stiffness_pieces(topology: Topology, parameters: Parameters) -> list[tuple[Array, Array, Array]]:
-    """Stiffness of each block's elements where it is asked for by itself: one program, not one for each operation."""
+    """As :func:`stiffness_pieces`, compiled as one program."""
     return stiffness_pieces(topology, parameters)
 
 
 def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
-    """Stiffness times deformations, block by block.
-
-    Returns S strain, (n_e,) [N, N m]. Source: Each element's stiffness companion.
-    """
+    """Stiffness times deformations, block by block."""
     pieces = [
         (rows, jnp.einsum("eij,ej->ei", matrices, strain[columns]))
         for rows, columns, matrices in stiffness_pieces(topology, parameters)
@@ -49,48 +46,42 @@ def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Flo
 
 @traced_once
 def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
-    """Stiffness S between deformations and stress resultants, block diagonal.
-
-    Returns S, (n_e, n_e) [N/m, N m/rad]. Source: Each element's stiffness companion.
-    """
+    """Block-diagonal stiffness S between deformations and stress resultants."""
     return _assemble(topology, parameters, "stiffness")
 
 
 @traced_once
 def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
-    """Damping S_d between deformation rates and stress resultants, block diagonal.
-
-    Returns S_d, (n_e, n_e) [N s/m, N m s/rad]. Source: Each element's damping companion.
-    """
+    """Block-diagonal damping S_d between deformation rates and stress resultants."""
     return _assemble(topology, parameters, "damping")
 
 
 def is_nonlinear(topology: Topology) -> bool:
-    """Whether some element states an energy, a dissipation or a law; known before tracing."""
+    """Whether an element has an energy, a dissipation or a law; known before tracing."""
     return any(not set(NONLINEAR).isdisjoint(block.companions) for block in topology.blocks)
 
 
 def is_nonlinear_at_rest(topology: Topology) -> bool:
-    """The same, of the undeformed mechanism at rest, where an energy of third order is not felt."""
+    """As :func:`is_nonlinear`, at rest in the undeformed mechanism, where an energy of third order has no effect."""
     return any(map(has_law, topology.blocks))
 
 
 def has_law(block: Block) -> bool:
-    """Whether elements of a block state a dissipation, a law, or an energy that is not of third order."""
+    """Whether elements of a block have a dissipation, a law, or an energy that is not of third order."""
     return not {"dissipation", "law"}.isdisjoint(block.companions) or (
         "energy" in block.companions and not block.element.third_order
     )
 
 
 def depends_on_rates(topology: Topology) -> bool:
-    """Whether some element states a dissipation or a law; known before tracing."""
+    """Whether an element has a dissipation or a law; known before tracing."""
     return any(not {"dissipation", "law"}.isdisjoint(block.companions) for block in topology.blocks)
 
 
 def _nonlinear_stress(topology: Topology, parameters: Parameters):
-    """Blocks with a nonlinear companion, its stress ``f(e_el, ed_el, *arguments_el)``, what it depends on, arguments.
+    """Blocks with a nonlinear companion, its stress ``f(e_el, ed_el, *arguments_el)``, and the stacked arguments.
 
-    An energy's stress depends on the deformations alone, argument 0, others on their rates too, argument 1.
+    In between: numbers of the arguments that the stress depends on: (0,) for an energy, else (0, 1).
     """
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
 
@@ -118,10 +109,7 @@ def _nonlinear_stress(topology: Topology, parameters: Parameters):
 def nonlinear_stress(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
-    """Stress resultants of the elements' energies, dissipations and laws.
-
-    Returns sigma, (n_e,) [N, N m]. Source: Each element's own companions: dE/de + dR/ded + law.
-    """
+    """Stress resultants of energies, dissipations and laws: dE/de + dR/ded + law."""
     pieces = []
     for block, function, _, arguments in _nonlinear_stress(topology, parameters):
         pieces.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
@@ -131,21 +119,18 @@ def nonlinear_stress(
 def nonlinear_tangent_pieces(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array, Array]], list[tuple[Array, Array, Array]]]:
-    """:func:`nonlinear_stress` of each block's elements with its indices, and its derivatives by e and by ed.
-
-    Arguments as for :func:`nonlinear_stress`.
-    """
+    """:func:`nonlinear_stress` of each block with its indices, and its derivatives by e and by ed."""
     stress, tangents = [], ([], [])
     for block, function, counts, arguments in _nonlinear_stress(topology, parameters):
 
         def twice(*arguments: Any, function: Callable[..., Any] = function):
-            found = function(*arguments)
-            return found, found
+            sigma = function(*arguments)
+            return sigma, sigma
 
         derivative = jax.vmap(jax.jacfwd(twice, argnums=counts, has_aux=True))
-        found, sigma = derivative(e[block.e], ed[block.e], *arguments)
+        matrices_by, sigma = derivative(e[block.e], ed[block.e], *arguments)
         stress.append((block.e, sigma))
-        for pieces, matrices in zip(tangents, found, strict=False):
+        for pieces, matrices in zip(tangents, matrices_by, strict=False):
             pieces.append((block.e, block.e, matrices))
     return stress, *tangents
 
@@ -154,13 +139,9 @@ def nonlinear_tangent_pieces(
 def nonlinear_tangents(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"], Float[Array, "n_e n_e"] | None]:
-    """:func:`nonlinear_stress` with its derivatives by its arguments, the deformations and their rates.
+    """:func:`nonlinear_stress`, and its block-diagonal derivatives by e and by ed; None for ed without rates.
 
-    Source: Derivative of :func:`nonlinear_stress`.
-
-    Returns:
-        sigma, (n_e,) [N, N m], and two block diagonal matrices, (n_e, n_e) [N/m, N m/rad; N s/m, N m s/rad], symmetric
-        but for laws; None for the last where nothing depends on rates.
+    Matrices are symmetric unless an element has a law.
     """
     stress, *tangents = nonlinear_tangent_pieces(topology, parameters, e, ed)
     by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), pieces) for pieces in tangents)
@@ -169,7 +150,7 @@ def nonlinear_tangents(
 
 @traced_once
 def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array, "n_e"]) -> Float[Array, ""]:
-    """Elastic energy of the elements that state one. Returns () [J]. Source: Each element's energy companion."""
+    """Elastic energy of elements with a nonlinear energy [J]."""
     total = jnp.array(0.0)
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
         total = total + jnp.sum(jax.vmap(lambda e, *rest, energy=energy: energy((e,), *rest))(e[block.e], *arguments))
@@ -180,13 +161,9 @@ def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array,
 def thermal_deformations(
     topology: Topology, parameters: Parameters, temperature: Float[Array, "n_e _t"]
 ) -> Float[Array, "n_e"]:
-    """Deformations that a change of temperature gives to free elements; those that are FIXED are held there.
+    """Deformations of free elements under a change of temperature; FIXED deformations are held at these values.
 
-    Returns (n_e,) [m, rad], linear in the temperature. Source: Each element's thermal companion; THEORY.md 2, eq.
-    (2.31) to (2.33).
-
-    Args:
-        temperature: As :class:`flexmb.model.parameters.Loads` has it, (n_e, 3 or 4) [K, K/m].
+    Source: THEORY.md 2, eq. (2.31) to (2.33); temperature as in :class:`flexmb.model.parameters.Loads`.
     """
     pieces = []
     for block, function, *arguments in each_block(topology, parameters, "thermal"):
@@ -197,10 +174,7 @@ def thermal_deformations(
 
 
 def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) -> Float[Array, "n_e"] | None:
-    """Deformations at which the elements are free of stress: initial strains, and those of temperature.
-
-    Returns (n_e,) [m, rad], or None: zero.
-    """
+    """Deformations without stress, from initial strains and temperature; None: zero."""
     if loads.temperature is None:
         return parameters.strain
     warm = thermal_deformations(topology, parameters, loads.temperature)
@@ -208,7 +182,7 @@ def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) 
 
 
 def strain_of(topology: Topology, parameters: Parameters, loads: Loads, e: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
-    """Deformations less those at which the elements are free of stress."""
+    """Deformations minus the stress-free ones."""
     free = free_deformations(topology, parameters, loads)
     return e if free is None else e - free
 
@@ -216,12 +190,9 @@ def strain_of(topology: Topology, parameters: Parameters, loads: Loads, e: Float
 def stress_of_loads(
     topology: Topology, parameters: Parameters, loads: Loads, stiffness: Float[Array, "n_e n_e"]
 ) -> Float[Array, "n_e"] | None:
-    """Stress resultants that loads add where no deformation changes: prestress, less what temperature relieves.
+    """Stress resultants of loads at constant deformations: prestress, less relief by temperature; None: zero.
 
-    Returns (n_e,) [N, N m], or None: zero. Source: Derivative of THEORY.md 5, eq. (5.4) by the loads.
-
-    Args:
-        stiffness: S, the tangent of what is not linear included, (n_e, n_e) [N/m, N m/rad].
+    Source: derivative of THEORY.md 5, eq. (5.4) by the loads. ``stiffness`` is the tangent.
     """
     if loads.temperature is None:
         return loads.prestress
@@ -237,12 +208,9 @@ def stress_resultants(
     e: Float[Array, "n_e"],
     ed: Float[Array, "n_e"] | None = None,
 ) -> Float[Array, "n_e"]:
-    """Stress resultants of the elements, sigma = S (e - free) + nonlinear ones + prestress.
+    """Stress resultants S (e - free) + nonlinear ones + prestress, without constant damping; ``ed`` None: at rest.
 
-    Returns sigma without that of constant damping, (n_e,) [N, N m]. Source: THEORY.md 5, eq. (5.4).
-
-    Args:
-        ed: Their rates, (n_e,) [m/s, rad/s], for nonlinear elements; None: at rest.
+    Source: THEORY.md 5, eq. (5.4).
     """
     strain = strain_of(topology, parameters, loads, e)
     sigma = stiffness @ strain
@@ -264,11 +232,7 @@ def stress_tangents(
     e: Float[Array, "n_e"],
     ed: Float[Array, "n_e"] | None = None,
 ) -> tuple[Float[Array, "n_e n_e"], Any]:
-    """Derivatives of the stress resultants by the deformations and by their rates.
-
-    Returns S and S_d with the share of nonlinear elements; S_d is None where nothing depends on rates. Source:
-    Derivative of :func:`stress_resultants`.
-    """
+    """Derivatives S and S_d of the stress resultants by deformations and rates; S_d None without damping."""
     if not is_nonlinear(topology):
         return stiffness, damping
     at_rest = jnp.zeros_like(e) if ed is None else ed
@@ -285,11 +249,7 @@ def stress_and_tangent(
     stiffness: Float[Array, "n_e n_e"],
     e: Float[Array, "n_e"],
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_e n_e"]]:
-    """At rest, :func:`stress_resultants` and their derivatives by the deformations, in one.
-
-    Returns sigma, (n_e,) [N, N m], and S with the share of nonlinear elements, (n_e, n_e) [N/m, N m/rad]. Source:
-    THEORY.md 5, eq. (5.4).
-    """
+    """Stress resultants at rest, and the tangent stiffness; THEORY.md 5, eq. (5.4)."""
     strain = strain_of(topology, parameters, loads, e)
     sigma = stiffness @ strain
     if is_nonlinear(topology):
@@ -306,21 +266,11 @@ def section_resultants(
     felt: Felt,
     places: Float[Array, "places"],
 ) -> list[Float[Array, "elements places 6"]]:
-    """Forces and moments in the cross-sections of the elements, block by block.
+    """Forces and moments in cross-sections, (elements, places, 6) [N, N m] per block with the companion ``resultants``.
 
-    Args:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        sigma: Stress resultants, multipliers of FIXED deformations included, (n_e,) [N, N m].
-        felt: Gravity and motion, which act along the elements.
-        places: From 0 at the first end of an element to 1 at its last, (places,) [-].
-
-    Returns:
-        For each block with the companion ``resultants``, in order, (elements, places, 6) [N, N m].
-
-    Source:
-        Each element's resultants companion.
+    ``sigma`` includes multipliers of FIXED deformations; places go from 0 at the first end of an element to 1.
     """
-    found = []
+    resultants = []
     inertias = {id(block): rest for block, *rest in each_block(topology, parameters, "inertia")}
     for block, function, ref, properties in each_block(topology, parameters, "resultants"):
         extra: dict[str, Any] = {"sigma": sigma[block.e]}
@@ -339,5 +289,5 @@ def section_resultants(
             return function(x, ref, own, place=place, **extra)
 
         everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))
-        found.append(everywhere(x[block.x], ref, properties, extra, places))
-    return found
+        resultants.append(everywhere(x[block.x], ref, properties, extra, places))
+    return resultants

@@ -10,20 +10,19 @@ from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology
 
-# From so many entries of DFe on it pays to tell rows apart that are zero or those of the identity.
+# Least size of DFe for which skipping its rows of zeros and of the identity pays.
 MANY = 1000
 
 
 class Transfer(NamedTuple):
-    """First-order transfer functions at a configuration, and the factors of A = dD^{o,m}/dx_dep.
+    """First-order transfer functions at a configuration, and factors of A = dD^{o,m}/dx_dep.
 
     Attributes:
-        DFx: Derivative of the nodal coordinates by q, (n_x, n_q).
-        DFe: Derivative of the deformations by q, (n_e, n_q).
+        DFx: Derivative of the nodal coordinates by q.
+        DFe: Derivative of the deformations by q.
         factors: LU factors of A. Rows: FIXED, PRESCRIBED and DOF deformations; columns: DEPENDENT coordinates.
         regular: Whether A can be trusted.
-        rows: DOF and DEPENDENT deformations, where most are DOF: rows of DFe are zero or those of the identity but for
-            the DEPENDENT ones. None elsewhere.
+        rows: DOF and DEPENDENT deformations if most are DOF: all other rows of DFe are zero. Otherwise None.
     """
 
     DFx: Float[Array, "n_x n_q"]
@@ -39,17 +38,16 @@ class Transfer(NamedTuple):
         dof, dependent = self.rows
         first, follow = self.DFe.shape[1] - dof.shape[0], self.DFe[dependent]
         of_dof, of_dependent = stiffness[dof], stiffness[dependent]
-        found = follow.T @ (of_dependent[:, dependent] @ follow)
-        found = found.at[:, first:].add(follow.T @ of_dependent[:, dof])
-        return found.at[first:].add(of_dof[:, dependent] @ follow).at[first:, first:].add(of_dof[:, dof])
+        product = follow.T @ (of_dependent[:, dependent] @ follow)
+        product = product.at[:, first:].add(follow.T @ of_dependent[:, dof])
+        return product.at[first:].add(of_dof[:, dependent] @ follow).at[first:, first:].add(of_dof[:, dof])
 
 
 @traced_once
 def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
-    """First-order transfer functions by implicit differentiation of D(x) = e.
+    """Transfer functions by implicit differentiation of D(x) = e: DFx = -A^-1 dD/dq-part, DFe = D_x DFx.
 
-    Returns DFx = -A^-1 dD/dq-part, DFe = D_x DFx. Source: THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and
-    reference [10] there.
+    Source: THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and reference [10] there.
     """
     rows, dependent = topology.e.given, topology.x.dependent
     held = jacobian[rows]
@@ -76,14 +74,10 @@ def multipliers(
     sigma: Float[Array, "n_e"],
     force: Float[Array, "n_x"],
 ) -> Float[Array, "n_e"]:
-    """Stress resultants with the multipliers of FIXED and PRESCRIBED deformations filled in.
+    """Stress resultants with multipliers at FIXED and PRESCRIBED deformations, whose entries in ``sigma`` are ignored.
 
     They balance the forces on the DEPENDENT coordinates, A^T s = f - D_x^T sigma there. At an equilibrium the part of s
-    that belongs to DOF deformations vanishes. Returns sigma, (n_e,) [N, N m]. Source: THEORY.md 5, eq. (5.5):
-    multipliers of the FIXED deformations are their stress resultants.
-
-    Args:
-        sigma: Stress resultants of the elastic elements; entries of held deformations are ignored, (n_e,) [N, N m].
+    of DOF deformations vanishes. Source: THEORY.md 5, eq. (5.5).
     """
     fixed = topology.e.held
     sigma = put(sigma, fixed, 0.0)
@@ -95,13 +89,11 @@ def multipliers(
 def correction(
     topology: Topology, tangent: Transfer, excess: Float[Array, "n_e"], shift: Float[Array, "n_x"]
 ) -> Float[Array, "n_x"]:
-    """Change of the DEPENDENT coordinates that removes, to first order, an excess of the held deformations.
-
-    Returns the change of x, (n_x,) [m, rad, -]. Source: Newton's corrector of THEORY.md 4, eq. (4.2).
+    """Change of x that removes, to first order, an excess of held deformations; THEORY.md 4, eq. (4.2).
 
     Args:
-        excess: Deformations minus their wanted values; DEPENDENT entries are ignored, (n_e,) [m, rad].
-        shift: Change of the other coordinates already decided on, whose effect ``excess`` includes, (n_x,).
+        excess: Deformations minus their wanted values; DEPENDENT entries are ignored.
+        shift: Change already decided of other coordinates, whose effect ``excess`` includes.
     """
     right = -excess[topology.e.given]
     return accumulate(shift, topology.x.dependent, tangent.factors.solve(right))
