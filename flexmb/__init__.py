@@ -21,6 +21,7 @@ __getattr__, __dir__ = names(
         "trajectory",
         "spacar",
         "design",
+        "identification",
         "blocks",
         "viewer",
         "workbench",

@@ -3,6 +3,7 @@
 from . import blocks as blocks
 from . import control as control
 from . import design as design
+from . import identification as identification
 from . import linear as linear
 from . import motion as motion
 from . import plot as plot
@@ -44,6 +45,7 @@ from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError
 from .fmu.save import save_fmu as save_fmu
+from .identification.fit import fit as fit
 from .linear.buckling import buckling as buckling
 from .linear.buckling import buckling_loads as buckling_loads
 from .linear.compliance import compliance as compliance

@@ -160,6 +160,11 @@ class RESULTS(enum.IntEnum):
         "A target is missed where no small change of the dimensions brings the design nearer, although no bound and no"
         " limit holds it: a local minimum, or targets that contradict each other. Start elsewhere (starts).",
     )
+    poor_fit = (
+        34,
+        "The model does not fit the data: its differences are larger than the stated scatter explains. Look at the"
+        " residuals, state a larger scatter, fit more parameters, or start elsewhere (starts).",
+    )
     event_not_found = (
         23,
         "An event has ended the motion, but the root finder of `event` did not find when. Give it larger tolerances or"

@@ -5,6 +5,7 @@ matplotlib is loaded when the first picture is drawn.
 
 from ..lazy import only
 from .bode import bode as bode
+from .fit import fit as fit
 from .frequencies import frequencies as frequencies
 from .history import history as history
 from .mechanism import mechanism as mechanism

@@ -1,0 +1,258 @@
+"""Parameters of a mechanism from measurements, by least squares with exact derivatives."""
+
+import inspect
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from ..arguments import check_by_name, check_choice, check_whole
+from ..compilation.compile import unguarded
+from ..design.designs import numbers
+from ..design.evaluate import Build, Layout, check_dimensions, check_names, layout_of
+from ..design.scaling import Scaling
+from ..errors import AnalysisError, clean, warn
+from ..results import RESULTS
+from .fitted import Fit, scaled_covariance, weighted_slopes
+from .measurement import Measured, check_start, measurements
+from .problem import AT_BOUND, FitProblem, Prior, Solution
+from .undetermined import TAKES_PART, combinations_of
+
+LOSSES = ("linear", "huber", "soft_l1", "cauchy")
+# A chi-squared that scatter alone exceeds this rarely is no scatter.
+IMPLAUSIBLE = 1e-3
+# Minima are the same where scaled parameters are this near.
+SAME_MINIMUM = 1e-3
+
+
+@unguarded
+def fit(
+    build: Build,
+    data: Measured | Sequence[Measured] | Mapping[str, Any],
+    parameters: Mapping[str, Any],
+    bounds: Mapping[str, Any],
+    *,
+    priors: Mapping[str, Any] | None = None,
+    scales: Mapping[str, Literal["log", "linear"]] | None = None,
+    loss: str = "linear",
+    starts: int = 1,
+    seed: int = 0,
+    max_evaluations: int = 200,
+    throw: bool = True,
+) -> Fit:
+    """Find parameters of a mechanism from measurements, and how well the measurements determine them.
+
+    Args:
+        build: Function of the parameters, by name, that returns a model.
+        data: Measurements, as :func:`flexmb.measured`, :func:`flexmb.measured_modes` and
+            :func:`flexmb.measured_response` make them; or a dictionary of pairs of value and standard deviation by
+            question, such as ``{"frequency 1": (41.2, 0.1)}``.
+        parameters: Where to start, numbers or arrays by name [SI]. ``build`` takes them by name, and so do measurements
+            with parameters of their own, such as the offset of a sensor.
+        bounds: Lower and upper value of each by name [SI].
+        priors: Mean and standard deviation of parameters that are known roughly, by name [SI].
+        scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
+        loss: "linear" for least squares; "huber", "soft_l1" or "cauchy" for less weight of outliers, beyond one
+            standard deviation.
+        starts: Number of starts: the given one, and others spread over the bounds. The lowest minimum is returned.
+        seed: Of their places.
+        max_evaluations: Of the model and its derivatives, for each start.
+        throw: Raise if the search does not converge; otherwise the code is in ``result``.
+
+    Returns:
+        Fit with parameters, standard deviations, confidence intervals, and combinations that are not determined.
+
+    Raises:
+        ValueError: More parameters than values and priors, an unknown name, values whose unit is mistaken, a measured
+            mode without partner, or a parameter on which no value depends.
+        AnalysisError: The start has no answer, or no start converged (not_optimal).
+
+    Warns:
+        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit), a parameter is at a bound, or the data
+            do not determine a combination of parameters.
+
+    Source:
+        Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, with the
+        slopes J of the differences in standard deviations.
+    """
+    for name, given in (("parameters", parameters), ("bounds", bounds), ("priors", priors or {})):
+        check_by_name(name, given)
+    check_choice("loss", loss, LOSSES)
+    check_whole("starts", starts, 1)
+    items = measurements(data)
+    values = {name: numbers(f"Parameter '{name}'", v) for name, v in parameters.items()}
+    layout = layout_of(values)
+    of_build = _taken_by_build(build, items, layout.names)
+    check_names(layout.names, (), ())
+    scaling = Scaling(layout, bounds, scales or {})
+    first = layout.join(values)
+    scaling.check_inside(first)
+    known = _priors(priors or {}, layout)
+    count, wanted = sum(len(item.values) for item in items) + len(known), len(first)
+    if count < wanted:
+        raise ValueError(
+            f"{wanted} parameters cannot follow from {count} values and priors: measure more, add priors, or fix"
+            " parameters in `build`."
+        )
+    problem = FitProblem(
+        build, of_build, items, scaling, known, first, loss, check_whole("max_evaluations", max_evaluations, 1)
+    )
+    _check_start(problem)
+    solutions = [problem.solve(unit) for unit in _starts(scaling.to_unit(first), starts, check_whole("seed", seed, 0))]
+    best = min(solutions, key=lambda one: (not one.converged, one.cost))
+    found = _fit_of(problem, solutions, best, values)
+    if throw and found.result is RESULTS.not_optimal:
+        raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
+    _warn(found)
+    return found
+
+
+def _taken_by_build(build: Build, items: list[Measured], names: Sequence[str]) -> tuple[str, ...]:
+    """Names of the parameters that ``build`` takes; the others are for measurements."""
+    of_data = {name for item in items for name in item.parameters}
+    missing = [(item.name, name) for item in items for name in item.parameters if name not in names]
+    if missing:
+        raise ValueError(f"Measurement '{missing[0][0]}' takes the parameter '{missing[0][1]}', which has no start.")
+    accepted = set()
+    if callable(build):
+        try:
+            accepted = set(inspect.signature(build).parameters)
+        except (TypeError, ValueError):
+            accepted = set(names) - of_data
+    taken = tuple(name for name in names if name not in of_data or name in accepted)
+    check_dimensions(build, taken)
+    return taken
+
+
+def _priors(priors: Mapping[str, Any], layout: Layout) -> dict[int, Prior]:
+    found = {}
+    for name, given in priors.items():
+        if name not in layout.names and name not in layout.labels:
+            raise ValueError(f"Prior of '{clean(name)}': there is no such parameter ({', '.join(layout.names)}).")
+        try:
+            mean, deviation = (numbers(f"Prior of '{name}'", part) for part in given)
+        except (TypeError, ValueError):
+            raise ValueError(f"The prior of '{clean(name)}' must be a pair of mean and standard deviation.") from None
+        places = [i for i, label in enumerate(layout.labels) if label == name or label.startswith(f"{name}[")]
+        means, deviations = (np.broadcast_to(part, (len(places),)) for part in (mean, deviation))
+        if not (np.all(np.isfinite(means)) and np.all(np.isfinite(deviations) & (deviations > 0))):
+            raise ValueError(f"The prior of '{clean(name)}' must be finite, with a positive standard deviation.")
+        found |= {i: Prior(float(m), float(d)) for i, m, d in zip(places, means, deviations, strict=True)}
+    return dict(sorted(found.items()))
+
+
+def _starts(first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
+    from scipy.stats import qmc
+
+    others = qmc.LatinHypercube(len(first), rng=np.random.default_rng(seed)).random(count - 1) if count > 1 else []
+    return [first, *others]
+
+
+def _check_start(problem: FitProblem) -> None:
+    """Refuse a start without answer, values of a mistaken unit, and parameters on which nothing depends."""
+    model = problem.models[0] if problem.models else None
+    unit = problem.scaling.to_unit(problem.first)
+    computed, slopes, code = problem.function(unit)
+    for item, part in zip(problem.items, problem.parts, strict=True):
+        if np.all(np.isfinite(computed[part])):
+            check_start(item, computed[part])
+    if code not in (RESULTS.successful, RESULTS.unstable_state):
+        raise AnalysisError(RESULTS(code).name, f"The start has no answer. {RESULTS(code).message}")
+    if not (np.all(np.isfinite(computed)) and np.all(np.isfinite(slopes))):
+        names = [item.name for item, part in zip(problem.items, problem.parts, strict=True)]
+        bad = [n for n, part in zip(names, problem.parts, strict=True) if not np.all(np.isfinite(slopes[part]))]
+        text = f"Measurement '{bad[0]}' has no finite value or derivative at the start. Start elsewhere."
+        raise AnalysisError(RESULTS.not_finite.name, text)
+    if model is not None:
+        for item in problem.items:
+            if item.check is not None:
+                item.check(model)
+    ignored = ~np.any(slopes != 0, axis=0)
+    ignored[list(problem.priors)] = False
+    if np.any(ignored):
+        labels = [f"'{problem.layout.labels[i]}'" for i in np.flatnonzero(ignored)]
+        raise ValueError(f"No measured value depends on parameter {', '.join(labels)}. Fix it in `build`.")
+
+
+def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, start: dict[str, Any]) -> Fit:
+    from scipy.stats import chi2
+
+    unit, layout, scaling = best.unit, problem.layout, problem.scaling
+    rows, slopes, _ = problem.residuals(unit)
+    slopes = weighted_slopes(rows, slopes, problem.loss)
+    known = all(item.scatter is not None for item in problem.items)
+    noise = 1.0 if known else float(np.sqrt(np.sum(rows**2) / max(len(rows) - len(unit), 1)))
+    exact = noise == 0
+    undetermined = combinations_of(problem, unit, slopes, noise or np.finfo(float).tiny)
+    freedom = len(rows) - len(unit) + len(undetermined)
+    finite, infinite = scaled_covariance(slopes, noise or np.finfo(float).tiny)
+    change = problem.change(unit)
+    deviations = np.sqrt(np.diag(finite)) * change
+    deviations[np.any(np.abs(infinite) > TAKES_PART, axis=1)] = np.inf
+    flat = scaling.to_dimensions(unit)
+    square = float(np.sum(rows**2)) if known else np.nan
+    probability = float(chi2.sf(square, freedom)) if known and freedom > 0 else np.nan
+    differs = problem.weighted(problem.function(unit)[0] - problem.measured)
+    active = tuple(
+        f"{name} is at its {'lower' if u < 0.5 else 'upper'} bound {bound:g}"
+        for name, u, bound in zip(layout.labels, unit, np.where(unit < 0.5, scaling.lower, scaling.upper), strict=True)
+        if min(u, 1 - u) < AT_BOUND
+    )
+    minima = _minima(problem, solutions)
+    result, reason = _outcome(best, probability, minima, len(solutions), exact)
+    return Fit(
+        layout.split(flat),
+        start,
+        layout.split(deviations),
+        finite * np.outer(change, change),
+        tuple(layout.labels),
+        {item.name: problem.function(unit)[0][p] for item, p in zip(problem.items, problem.parts, strict=True)},
+        {item.name: differs[p] for item, p in zip(problem.items, problem.parts, strict=True)},
+        square,
+        freedom,
+        probability,
+        noise,
+        undetermined,
+        active,
+        minima,
+        result,
+        reason,
+        sum(one.evaluations for one in solutions),
+        tuple(problem.items),
+        problem,
+        unit,
+    )
+
+
+def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[str, Any], float], ...]:
+    """Different minima, the lowest first."""
+    kept: list[Solution] = []
+    for one in sorted(solutions, key=lambda solution: solution.cost):
+        if one.converged and not any(abs(one.cost - other.cost) <= SAME_MINIMUM * (1 + other.cost) for other in kept):
+            kept.append(one)
+    return tuple((problem.layout.split(problem.scaling.to_dimensions(one.unit)), one.cost) for one in kept)
+
+
+def _outcome(
+    best: Solution, probability: float, minima: Sequence[Any], starts: int, exact: bool
+) -> tuple[RESULTS, str]:
+    if not best.converged:
+        return RESULTS.not_optimal, "the search did not converge from any start"
+    others = f"; {len(minima)} different minima from {starts} starts" if len(minima) > 1 else ""
+    if probability < IMPLAUSIBLE:
+        why = "another start may fit better (starts)" if starts == 1 else f"the best of {starts} starts"
+        return RESULTS.poor_fit, f"chi-squared is this large by scatter with a probability of {probability:.1g}; {why}"
+    text = "the values are met exactly" if exact else "the values are met within their scatter"
+    return RESULTS.successful, (text if np.isfinite(probability) or exact else "least squares converged") + others
+
+
+def _warn(found: Fit) -> None:
+    if found.result is RESULTS.poor_fit:
+        far = [f"{name} {number} ({size:+.1f})" for name, number, size in found.largest_residuals()[:4]]
+        named = f" Furthest, in standard deviations: {', '.join(far)}." if far else ""
+        warn(f"The model does not fit the data: {found.reason}.{named} The intervals hold for a model that fits.")
+    if found.active:
+        warn(f"The fit is at a bound: {', '.join(found.active)}. The scatter of the parameters does not count it.")
+    if found.undetermined:
+        texts = "; ".join(str(combination) for combination in found.undetermined)
+        warn(f"The data do not determine {texts}. Measure something else, add a prior, or fix a parameter.")

@@ -1,0 +1,388 @@
+"""What a fit found: parameters with their scatter, and what the data tell of each."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arguments import check_number
+from ..design.evaluate import Answers, named_answers
+from ..display import Result, Summary
+from ..errors import clean
+from ..results import RESULTS
+from .measurement import Measured, in_deviations, measurements, predicted
+from .problem import FitProblem, robust
+from .undetermined import Undetermined
+
+# Weighted differences beyond this are named.
+OUTLIER = 3.0
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Fit(Result):
+    """Fitted parameters of a mechanism.
+
+    Attributes:
+        parameters: By name [SI].
+        start: Where the search began, by name [SI].
+        deviation: Standard deviation of each, by name [SI]; infinite where the data do not determine it.
+        covariance: Of all parameters in the order of ``labels``, (n, n) [SI]; of the determined directions alone.
+        labels: Names of all parameters, "height[3]" for an entry of an array.
+        computed: Values of each measurement by the fitted model, by name.
+        residuals: Differences computed less measured in standard deviations, decorrelated, by name.
+        chi_squared: Their sum of squares, with those of the priors [-]; NaN if the scatter is not known.
+        freedom: Number of values and priors less number of determined parameters.
+        probability: Of a chi-squared as large by scatter alone [-]; NaN if the scatter is not known.
+        noise: Factor of the standard deviations: 1, or the common deviation of the values if it was not given.
+        undetermined: Undetermineds of parameters that the data do not determine.
+        active: Parameters at a bound.
+        minima: Parameters and chi-squared of each different minimum that the starts found, the lowest first.
+        result: Code of RESULTS: successful, not_optimal, poor_fit.
+        reason: In words.
+        evaluations: Number of computed designs.
+        data: The measurements.
+        problem: The least-squares problem, from which predictions follow.
+        unit: Parameters as numbers from 0 to 1 between their bounds, (n,).
+    """
+
+    parameters: dict[str, Any]
+    start: dict[str, Any]
+    deviation: dict[str, Any]
+    covariance: np.ndarray
+    labels: tuple[str, ...]
+    computed: dict[str, np.ndarray]
+    residuals: dict[str, np.ndarray]
+    chi_squared: float
+    freedom: int
+    probability: float
+    noise: float
+    undetermined: tuple[Undetermined, ...]
+    active: tuple[str, ...]
+    minima: tuple[tuple[dict[str, Any], float], ...]
+    result: RESULTS
+    reason: str
+    evaluations: int
+    data: tuple[Measured, ...]
+    problem: FitProblem
+    unit: np.ndarray
+
+    @property
+    def model(self) -> Any:
+        """The mechanism with the fitted parameters."""
+        return self.problem.build(**self.parameters)[0]
+
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlation of the parameters, (n, n) [-]; NaN of parameters that are not determined."""
+        sizes = np.sqrt(np.diag(self.covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.covariance / np.outer(sizes, sizes)
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Confidence interval of a parameter, lower and upper end [SI].
+
+        It is symmetric in the logarithm of a parameter with a logarithmic scale. It rests on slopes at the fit;
+        :meth:`profile` does not.
+
+        Args:
+            name: Of a parameter; "height[3]" for an entry of an array.
+            level: Probability that the interval contains the true value [-].
+
+        Returns:
+            Lower and upper end; 0 or minus infinity, and infinity, if the data do not determine the parameter.
+
+        Raises:
+            KeyError: No such parameter.
+        """
+        check_number("level", level, above=0)
+        i = self._place(name)
+        value = self.problem.layout.join(self.parameters)[i]
+        width = self._quantile(level) * self.problem.layout.join(self.deviation)[i]
+        if not self.problem.scaling.log[i]:
+            return float(value - width), float(value + width)
+        with np.errstate(over="ignore"):
+            return float(value * np.exp(-width / value)), float(value * np.exp(width / value))
+
+    def _place(self, name: str) -> int:
+        if name not in self.labels:
+            raise KeyError(f"There is no parameter '{clean(name)}': parameters are {', '.join(self.labels)}.")
+        return self.labels.index(name)
+
+    def _quantile(self, level: float) -> float:
+        from scipy.stats import norm, t
+
+        upper = (1 + level) / 2
+        return float(norm.ppf(upper) if np.isfinite(self.chi_squared) else t.ppf(upper, max(self.freedom, 1)))
+
+    def predict(self, answers: Answers) -> "dict[str, Prediction]":
+        """Answers of the fitted mechanism, with their standard deviations by the scatter of the data.
+
+        Args:
+            answers: Functions of the model, or questions such as "frequency 4", as ``fm.tune`` takes them.
+
+        Returns:
+            Prediction by name. The deviation is infinite where the answer depends on what the data do not determine.
+
+        Source:
+            Linear propagation of the covariance by exact derivatives.
+        """
+        functions = named_answers(answers)
+        call, layout = self.problem.function_of({name: _of_model(f) for name, f in functions.items()})
+        values, slopes, _ = call(self.unit)
+        deviations = self._propagated(slopes)
+        split = layout.split(values), layout.split(deviations)
+        return {name: Prediction(split[0][name], split[1][name]) for name in functions}
+
+    def _propagated(self, slopes: np.ndarray) -> np.ndarray:
+        """Standard deviations of answers with slopes by the scaled parameters, (m,)."""
+        finite, infinite = self._scaled_covariance()
+        deviations = np.sqrt(np.einsum("ai,ij,aj->a", slopes, finite, slopes))
+        sizes = np.linalg.norm(slopes, axis=1)
+        depends = np.any(np.abs(slopes @ infinite) > 1e-6 * np.maximum(sizes, 1e-300)[:, None], axis=1)
+        return np.where(depends, np.inf, deviations)
+
+    def _scaled_covariance(self) -> tuple[np.ndarray, np.ndarray]:
+        """Covariance of the scaled parameters within the determined directions, and the others as columns."""
+        rows, slopes, _ = self.problem.residuals(self.unit)
+        return scaled_covariance(weighted_slopes(rows, slopes, self.problem.loss), self.noise)
+
+    def profile(self, name: str, *, level: float = 0.95, points: int = 9) -> "ProfileLikelihood":
+        """ProfileLikelihood likelihood of a parameter: the misfit with all other parameters fitted anew at each value.
+
+        Args:
+            name: Of a parameter.
+            level: Of the confidence interval [-].
+            points: Number of values, over two widths of the interval by slopes, within the bounds.
+
+        Returns:
+            ProfileLikelihood, with an interval that needs no linear model.
+
+        Raises:
+            KeyError: No such parameter.
+
+        Source:
+            Venzon, Moolgavkar 1988: the interval ends where chi-squared has grown by the quantile.
+        """
+        from scipy.optimize import brentq
+
+        i, scaling = self._place(name), self.problem.scaling
+        best = self.problem.solve(self.unit, fixed={i: float(self.unit[i])}).cost
+        growth = self._quantile(level) ** 2 * self.noise**2
+        change = self.problem.change(self.unit)[i]
+        width = self._quantile(level) * self.problem.layout.join(self.deviation)[i] / change
+        width = min(width, 1.0)
+        starts: dict[float, np.ndarray] = {float(self.unit[i]): self.unit}
+
+        def cost(place: float) -> float:
+            near = min(starts, key=lambda known: abs(known - place))
+            found = self.problem.solve(starts[near], fixed={i: place})
+            if np.isfinite(found.cost):
+                starts[place] = found.unit
+            return found.cost
+
+        def end(side: int) -> float:
+            inner, outer = float(self.unit[i]), float(self.unit[i])
+            bound = 0.0 if side < 0 else 1.0
+            for _ in range(12):
+                outer = float(np.clip(inner + side * 1.1 * width, 0.0, 1.0))
+                if outer == inner or cost(outer) - best > growth:
+                    break
+                inner = outer
+            if outer in (inner, bound) and cost(outer) - best <= growth:
+                return -np.inf if side < 0 else np.inf
+            return brentq(lambda place: cost(place) - best - growth, inner, outer, xtol=1e-3 * width)
+
+        lower, upper = end(-1), end(1)
+        first, last = (float(np.clip(self.unit[i] + side * 2 * width, 0.0, 1.0)) for side in (-1, 1))
+        places = np.linspace(first, last, points)
+        costs = np.array([cost(float(place)) for place in places])
+
+        def value(place: float) -> float:
+            unit = np.array(self.unit)
+            unit[i] = np.clip(place, 0.0, 1.0)
+            return float(scaling.to_dimensions(unit)[i]) if np.isfinite(place) else place
+
+        values = np.array([value(place) for place in places])
+        return ProfileLikelihood(name, values, (costs - best) / self.noise**2, (value(lower), value(upper)), level)
+
+    def next_measurement(
+        self, candidates: Any, *, narrow: str | Sequence[str] | None = None
+    ) -> "list[tuple[str, float]]":
+        """Which measurement would tell most, if it were made in addition.
+
+        Args:
+            candidates: Measurements as of :func:`flexmb.fit`, with their expected deviations; their values do not
+                count.
+            narrow: Parameter or parameters, whose standard deviations are to become small (A-optimal); by default the
+                volume of the confidence region of all parameters (D-optimal).
+
+        Returns:
+            Names of the candidates and the remaining share of the standard deviation, the best first [-]; of several
+            parameters the root of the mean square of their shares, of the volume its n-th root.
+
+        Raises:
+            ValueError: The data leave a parameter undetermined, which has no standard deviation to compare with.
+            KeyError: No such parameter.
+
+        Source:
+            Fisher information of independent measurements adds: Pukelsheim 2006.
+        """
+        if self.undetermined:
+            raise ValueError(
+                f"The data do not determine {self.undetermined[0]}: add a prior for it, then compare measurements."
+            )
+        items = measurements(candidates)
+        for item in items:
+            if item.scatter is None:
+                raise ValueError(f"Candidate '{item.name}' has no deviation: give what is expected.")
+        names = [narrow] if isinstance(narrow, str) else list(narrow or ())
+        places = [self._place(name) for name in names]
+        call, layout = self.problem.function_of({item.name: _of_made(item) for item in items})
+        _, slopes, _ = call(self.unit)
+        ends = np.cumsum(layout.sizes)
+        rows, present, _ = self.problem.residuals(self.unit)
+        information = weighted_slopes(rows, present, self.problem.loss)
+        information = information.T @ information / self.noise**2
+        before = np.linalg.inv(information)
+        shares = []
+        for item, size, last in zip(items, layout.sizes, ends, strict=True):
+            added = in_deviations(item, slopes[last - size : last])
+            after = np.linalg.inv(information + added.T @ added)
+            if places:
+                ratio = np.diag(after)[places] / np.diag(before)[places]
+                share = float(np.sqrt(np.mean(ratio)))
+            else:
+                share = float(np.exp((np.linalg.slogdet(after)[1] - np.linalg.slogdet(before)[1]) / (2 * len(after))))
+            shares.append((item.name, share))
+        return sorted(shares, key=lambda pair: pair[1])
+
+    def again(self, values: Any) -> "Refitted":
+        """Fit other measured values of the same quantities, each set from the present fit on.
+
+        Args:
+            values: Sets of values, each as the measurements have them end to end, (sets, m).
+
+        Returns:
+            Refitted, with the parameters of each set.
+
+        Raises:
+            ValueError: A set has another number of values.
+        """
+        sets = np.atleast_2d(np.asarray(values, float))
+        if sets.ndim != 2 or sets.shape[1] != len(self.problem.measured):
+            raise ValueError(f"Give sets of {len(self.problem.measured)} values each, not an array of {sets.shape}.")
+        found = [self.problem.solve(self.unit, values=one) for one in sets]
+        units = np.array([one.unit for one in found])
+        flat = np.array([self.problem.scaling.to_dimensions(unit) for unit in units])
+        deviations = []
+        for unit, one in zip(units, sets, strict=True):
+            rows, slopes, _ = self.problem.residuals(unit, one)
+            slopes, noise = weighted_slopes(rows, slopes, self.problem.loss), self.noise
+            if not np.isfinite(self.chi_squared):
+                noise = float(np.sqrt(np.sum(rows**2) / max(self.freedom, 1)))
+            finite, _ = scaled_covariance(slopes, noise)
+            deviations.append(np.sqrt(np.diag(finite)) * self.problem.change(unit))
+        return Refitted(
+            self.problem.layout.stacked(flat),
+            self.problem.layout.stacked(np.array(deviations)),
+            np.array([one.cost for one in found]),
+            np.array([one.converged for one in found]),
+        )
+
+    def summary(self) -> Summary:
+        """Parameters with their intervals, and how well the values fit."""
+        rows = {}
+        flat, spread = self.problem.layout.join(self.parameters), self.problem.layout.join(self.deviation)
+        for name, value, deviation in zip(self.labels, flat, spread, strict=True):
+            scatter = f"± {deviation:.2g} (1 standard deviation)" if np.isfinite(deviation) else "not determined"
+            rows[name] = f"{value:.6g} {scatter}"
+        if np.isfinite(self.chi_squared):
+            rows["chi-squared"] = f"{self.chi_squared:.4g} with {self.freedom} degrees of freedom"
+        else:
+            rows["deviation of the values"] = f"{self.noise:.3g}, from the misfit"
+        for combination in self.undetermined:
+            rows["not determined"] = "; ".join(filter(None, (rows.get("not determined"), str(combination))))
+        if self.active:
+            rows["at bounds"] = ", ".join(self.active)
+        return Summary(f"Fit, {self.result.name}: {self.reason}", rows, "fit")
+
+    def largest_residuals(self) -> list[tuple[str, int, float]]:
+        """Name, number (from 1) and size of the values that differ by more than three deviations, largest first."""
+        found = [
+            (name, i + 1, float(rows[i]))
+            for name, rows in self.residuals.items()
+            for i in np.flatnonzero(np.abs(rows) > OUTLIER * self.noise)
+        ]
+        return sorted(found, key=lambda entry: -abs(entry[2]))
+
+
+@dataclasses.dataclass(frozen=True)
+class Prediction:
+    """An answer of a fitted mechanism.
+
+    Attributes:
+        value: By the fitted parameters [unit of the answer].
+        deviation: Standard deviation by the scatter of the data, of the same shape [unit of the answer].
+    """
+
+    value: np.ndarray
+    deviation: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True)
+class ProfileLikelihood:
+    """ProfileLikelihood likelihood of a parameter.
+
+    Attributes:
+        name: Of the parameter.
+        values: Of the parameter, (points,) [SI].
+        growth: Chi-squared there less its minimum, all other parameters fitted anew, (points,) [-].
+        interval: Confidence interval [SI]; infinite on a side where the bound is reached before.
+        level: Of the interval [-].
+    """
+
+    name: str
+    values: np.ndarray
+    growth: np.ndarray
+    interval: tuple[float, float]
+    level: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Refitted:
+    """Fits of several sets of values.
+
+    Attributes:
+        parameters: By name, sets first [SI].
+        deviation: Standard deviations by name, sets first [SI].
+        chi_squared: Of each set, (sets,) [-].
+        converged: Whether each search ended by its tolerances, (sets,).
+    """
+
+    parameters: dict[str, np.ndarray]
+    deviation: dict[str, np.ndarray]
+    chi_squared: np.ndarray
+    converged: np.ndarray
+
+
+def weighted_slopes(rows: np.ndarray, slopes: np.ndarray, loss: str) -> np.ndarray:
+    """Slopes of weighted differences, with the weight that a robust loss leaves each."""
+    return slopes * np.sqrt(robust(rows, loss)[1])[:, None]
+
+
+def scaled_covariance(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance of scaled parameters within the determined directions, (n, n), and the others as columns."""
+    from .undetermined import directions
+
+    deviations, columns, wide = directions(slopes, noise)
+    kept = columns[:, ~wide] * deviations[~wide]
+    return kept @ kept.T, columns[:, wide]
+
+
+def _of_model(function: Any) -> Any:
+    return lambda made: function(made[0])
+
+
+def _of_made(item: Measured) -> Any:
+    return lambda made: predicted(item, *made)

@@ -1,0 +1,223 @@
+"""Measured values of an answer of a mechanism, with their scatter."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..design.designs import numbers
+from ..errors import clean
+from ..questions.question import asked
+
+# Largest ratio of measured to computed values at the start. A larger one is a mistaken unit.
+MISTAKEN_UNIT = 300.0
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Measured:
+    """Measured values, and the function that computes them. Make one with :func:`measured`.
+
+    Attributes:
+        name: For tables and messages.
+        answer: ``answer(model, **parameters)``, values as the model computes them, (m,).
+        values: As measured, (m,) [unit of the answer].
+        scatter: Lower triangular factor of the covariance, (m, m), or standard deviations, (m,) [unit of the answer];
+            None if it is not known.
+        parameters: Names of fitted parameters that ``answer`` takes, such as the offset of a sensor.
+        over: Places of the values on the axis of a picture, (m,).
+        label: Name of this axis, with its unit.
+        check: ``check(model)`` raises ValueError if the model cannot answer, such as a measured mode without partner.
+    """
+
+    name: str
+    answer: Callable[..., Any]
+    values: Float[np.ndarray, "m"]
+    scatter: np.ndarray | None
+    parameters: tuple[str, ...] = ()
+    over: np.ndarray | None = None
+    label: str = ""
+    check: Callable[[Any], None] | None = None
+
+    @property
+    def deviation(self) -> np.ndarray | None:
+        """Standard deviation of each value, (m,); None if it is not known."""
+        if self.scatter is None or self.scatter.ndim == 1:
+            return self.scatter
+        return np.sqrt(np.sum(self.scatter**2, axis=1))
+
+
+def predicted(item: Measured, model: Any, parameters: Mapping[str, Any]) -> Float[Array, "m"]:
+    """Values as the model computes them."""
+    return jnp.ravel(jnp.asarray(item.answer(model, **{name: parameters[name] for name in item.parameters})))
+
+
+def in_deviations(item: Measured, differences: np.ndarray) -> np.ndarray:
+    """Differences (m, ...) in standard deviations, decorrelated; unchanged if the scatter is not known."""
+    if item.scatter is None:
+        return differences
+    if item.scatter.ndim == 1:
+        return differences / item.scatter.reshape(-1, *[1] * (differences.ndim - 1))
+    from scipy.linalg import solve_triangular
+
+    return solve_triangular(item.scatter, differences, lower=True)
+
+
+def check_start(item: Measured, computed: np.ndarray) -> None:
+    """Refuse values whose unit cannot be the unit of the answer, or whose number differs."""
+    if computed.shape != item.values.shape:
+        raise ValueError(
+            f"Measurement '{item.name}' has {len(item.values)} values, but the model computes {len(computed)}."
+            " Give one value for each."
+        )
+    both = (item.values != 0) & (computed != 0)
+    if not np.any(both):
+        return
+    ratio = float(np.median(np.abs(item.values[both] / computed[both])))
+    if not 1 / MISTAKEN_UNIT < ratio < MISTAKEN_UNIT:
+        raise ValueError(
+            f"Values of measurement '{item.name}' are about {ratio:.2g} times the values that the model computes at the"
+            " start. Give them in SI units, or start nearer."
+        )
+
+
+def measured(
+    answer: Callable[..., Any] | str | Sequence[str],
+    values: Any,
+    deviation: Any = None,
+    *,
+    covariance: Any = None,
+    name: str | None = None,
+    over: Any = None,
+    label: str = "",
+) -> Measured:
+    """Measured values of an answer, with their scatter.
+
+    Args:
+        answer: A question such as "frequency 1", several questions, or a function ``answer(model)`` that returns one
+            number or an array. Further arguments of the function are fitted parameters, by name: with
+            ``lambda model, offset: reading(model) + offset`` the offset of a sensor is fitted too.
+        values: As measured, one number or (m,) [unit of the answer].
+        deviation: Standard deviation of the values, one number or (m,) [unit of the answer]. Leave it out if it is not
+            known: one common deviation then follows from the misfit, which takes a single measurement of one unit.
+        covariance: Covariance of correlated values, (m, m), in place of ``deviation``.
+        name: For tables and messages; by default the text of the question or the name of the function.
+        over: Places of the values on the axis of a picture, (m,).
+        label: Name of this axis, such as "load [N]".
+
+    Returns:
+        Measured.
+
+    Raises:
+        ValueError: A value that is not finite, a deviation that is not positive, or a covariance that is not positive
+            definite; names the measurement.
+        KeyError: No such question.
+        TypeError: The answer is neither a question nor a function.
+    """
+    function, given_name, parameters = _answer_of(answer)
+    name = given_name if name is None else str(name)
+    what = f"Measurement '{clean(name)}'"
+    array = np.atleast_1d(numbers(f"{what}: values", values))
+    if array.ndim > 1:
+        raise ValueError(f"{what} must have one number or a list of values, but its values have shape {array.shape}.")
+    wrong = np.flatnonzero(~np.isfinite(array))
+    if len(wrong):
+        raise ValueError(f"{what} has a value that is not finite, number {wrong[0] + 1} of {len(array)}. Leave it out.")
+    scatter = _scatter(what, len(array), deviation, covariance)
+    places = None if over is None else np.atleast_1d(numbers(f"{what}: places", over))
+    if places is not None and places.shape != array.shape:
+        raise ValueError(f"{what} has {len(array)} values at {places.size} places: give one place for each value.")
+    return Measured(name, function, array, scatter, parameters, places, str(label))
+
+
+def _answer_of(answer: Any) -> tuple[Callable[..., Any], str, tuple[str, ...]]:
+    if isinstance(answer, str):
+        return asked(answer), answer, ()
+    if callable(answer):
+        return answer, str(getattr(answer, "__name__", "answer")), _further_arguments(answer)
+    if isinstance(answer, Sequence) and answer and all(isinstance(text, str) for text in answer):
+        questions = [asked(text) for text in answer]
+        return lambda model: jnp.stack([question(model) for question in questions]), ", ".join(answer), ()
+    raise TypeError(f"The answer of a measurement must be a question or a function, but is {clean(repr(answer))}.")
+
+
+def _further_arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    try:
+        parameters = list(inspect.signature(function).parameters.values())[1:]
+    except (TypeError, ValueError):
+        return ()
+    named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return tuple(p.name for p in parameters if p.kind in named and p.default is p.empty)
+
+
+def _scatter(what: str, count: int, deviation: Any, covariance: Any) -> np.ndarray | None:
+    if covariance is not None:
+        if deviation is not None:
+            raise ValueError(f"{what} has both deviation and covariance: give one.")
+        matrix = numbers(f"{what}: covariance", covariance)
+        if matrix.shape != (count, count):
+            raise ValueError(
+                f"{what} has {count} values and a covariance of shape {matrix.shape}: give one of {count, count}."
+            )
+        if not np.allclose(matrix, matrix.T):
+            raise ValueError(f"{what} has a covariance that is not symmetric.")
+        try:
+            return np.linalg.cholesky(matrix)
+        except np.linalg.LinAlgError:
+            raise ValueError(f"{what} has a covariance that is not positive definite.") from None
+    if deviation is None:
+        return None
+    array = numbers(f"{what}: deviation", deviation)
+    if array.shape not in ((), (1,), (count,)):
+        raise ValueError(f"{what} has {count} values and {array.size} deviations: give one, or one for each value.")
+    if not np.all(np.isfinite(array) & (array > 0)):
+        raise ValueError(f"{what} has a deviation of {np.min(array):g}: deviations are positive.")
+    return np.broadcast_to(array, (count,)).astype(float)
+
+
+def measurements(data: Any) -> list[Measured]:
+    """Measurements of all accepted kinds.
+
+    Args:
+        data: One Measured, several, or a dictionary of values and deviations by question.
+
+    Raises:
+        TypeError: Something else.
+        ValueError: There are none, two have one name, or the scatter of some is not known.
+    """
+    if isinstance(data, Measured):
+        items = [data]
+    elif isinstance(data, Mapping):
+        items = [_of_entry(name, entry) for name, entry in data.items()]
+    else:
+        items = list(data)
+    for item in items:
+        if not isinstance(item, Measured):
+            raise TypeError(f"Data must be measurements, such as fm.measured(..), but one is {clean(repr(item))}.")
+    if not items:
+        raise ValueError("Give at least one measurement.")
+    twice = [item.name for i, item in enumerate(items) if item.name in [other.name for other in items[:i]]]
+    if twice:
+        raise ValueError(f"Two measurements have the name '{twice[0]}': give `name` to one of them.")
+    unknown = [item.name for item in items if item.scatter is None]
+    if unknown and len(items) > 1:
+        raise ValueError(
+            f"Measurement '{unknown[0]}' has no deviation. With several measurements each needs one, since it is the"
+            " weight of the values."
+        )
+    return items
+
+
+def _of_entry(name: Any, entry: Any) -> Measured:
+    if isinstance(entry, Measured):
+        return dataclasses.replace(entry, name=str(name))
+    try:
+        values, deviation = entry
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"Measurement '{clean(name)}' must be a pair of value and standard deviation, but is {clean(repr(entry))}."
+        ) from None
+    return measured(name, values, deviation)

@@ -1,0 +1,117 @@
+"""Measured natural frequencies, paired with modes of the model by number or by measured shapes."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import check_whole
+from ..design.designs import numbers
+from ..linear.linearize import linearize
+from ..linear.modes import frequencies
+from ..linear.spectrum import spectrum, to_frequency
+from .measurement import Measured, measured
+
+# A measured shape whose modal assurance criterion is below this with every mode has no partner.
+WORST_MAC = 0.5
+
+
+def measured_modes(
+    hertz: Any,
+    deviation: Any = None,
+    *,
+    numbers_of_modes: Sequence[int] | None = None,
+    shapes: Any = None,
+    at: Sequence[str] = (),
+    among: int | None = None,
+    name: str = "frequencies",
+) -> Measured:
+    """Measured natural frequencies of a mechanism at its equilibrium.
+
+    Without shapes, frequency i is the frequency of mode i, or of the mode with the given number. With shapes, each
+    measured mode is paired with the mode whose shape is most alike, so that modes may cross while parameters change.
+
+    Args:
+        hertz: Frequencies, (m,) [Hz].
+        deviation: Standard deviation, one number or (m,) [Hz].
+        numbers_of_modes: Numbers of the modes, from 1, (m,); by default 1 to m.
+        shapes: Measured shapes, one a column, in any scale, (sensors, m). They serve for pairing alone.
+        at: Coordinates that the sensors measure, such as "tip.y", (sensors,).
+        among: Number of modes of the model among which partners are looked for; by default twice m.
+        name: For tables and messages.
+
+    Returns:
+        Measured. Its check raises ValueError for a measured mode without partner.
+
+    Raises:
+        ValueError: Numbers that are not one for each frequency, shapes without sensors or of another number.
+
+    Source:
+        Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).
+    """
+    found = np.atleast_1d(numbers(f"Measurement '{name}': values", hertz))
+    count = len(found)
+    if shapes is None:
+        if len(at):
+            raise ValueError(f"Measurement '{name}' names sensors but has no shapes: give `shapes`, or leave out `at`.")
+        which = np.arange(1, count + 1) if numbers_of_modes is None else np.asarray(numbers_of_modes)
+        for number in which.tolist():
+            check_whole("numbers_of_modes", number, 1)
+        if which.shape != (count,) or len(set(which.tolist())) < count:
+            raise ValueError(f"Measurement '{name}' has {count} frequencies: give as many numbers of modes, each once.")
+        most = int(which.max())
+        answer = lambda model: frequencies(model, count=most)[which - 1]  # noqa: E731
+        return measured(answer, found, deviation, name=name, over=which, label="mode")
+    if numbers_of_modes is not None:
+        raise ValueError(f"Measurement '{name}' has shapes, which find the modes: leave out `numbers_of_modes`.")
+    matrix = numbers(f"Measurement '{name}': shapes", shapes)
+    if matrix.shape != (len(at), count) or not np.all(np.isfinite(matrix)):
+        raise ValueError(
+            f"Measurement '{name}' has {count} frequencies and {len(at)} sensors, but shapes of {matrix.shape}:"
+            " give finite numbers, one row a sensor and one column a mode."
+        )
+    among = check_whole("among", among, count) if among is not None else 2 * count
+
+    def answer_by_shape(model: Any) -> Float[Array, "m"]:
+        values, moved = _modes_at_sensors(model, at, among)
+        return to_frequency(values)[partners(moved, matrix)[0]]
+
+    def check(model: Any) -> None:
+        pairs, alike = partners(_modes_at_sensors(model, at, among)[1], matrix)
+        for i in np.flatnonzero(np.asarray(alike) < WORST_MAC):
+            raise ValueError(
+                f"Mode {i + 1} of measurement '{name}', {found[i]:g} Hz, has no partner in the model: the modal"
+                f" assurance criterion is {float(alike[i]):.2f} with its mode {int(pairs[i]) + 1}. Check the shape, the"
+                " sensors, or look among more modes (among)."
+            )
+
+    single = measured(answer_by_shape, found, deviation, name=name, over=np.arange(1, count + 1), label="measured mode")
+    return dataclasses.replace(single, check=check)
+
+
+def _modes_at_sensors(model: Any, at: Sequence[str], count: int) -> tuple[Array, Float[Array, "sensors modes"]]:
+    """Lowest eigenvalues, and the motion of the sensors in these modes, which has no derivative."""
+    lin = linearize(model)
+    names = [str(entry) for entry in lin.labels.x]
+    for text in at:
+        if text not in names:
+            raise KeyError(f"There is no coordinate '{text}' for a sensor; coordinates are {', '.join(names)}.")
+    m = lin.matrices
+    values, vectors, *_ = spectrum(m.K, m.M0)
+    moved = (m.DFx @ vectors)[np.array([names.index(text) for text in at])]
+    return values[:count], jax.lax.stop_gradient(moved[:, :count])
+
+
+def partners(moved: Float[Array, "sensors modes"], shapes: np.ndarray) -> tuple[Array, Array]:
+    """Modes that are most like measured shapes, (m,), and their modal assurance criterion, (m,)."""
+    import optax
+
+    sizes = jnp.sum(jnp.asarray(shapes).T ** 2, axis=1)[:, None] * jnp.sum(moved**2, axis=0)
+    alike = (shapes.T @ moved) ** 2 / jnp.maximum(sizes, jnp.finfo(float).tiny)
+    rows, columns = optax.assignment.hungarian_algorithm(-alike)
+    order = jnp.argsort(rows)
+    return columns[order], alike[rows[order], columns[order]]

@@ -1,0 +1,210 @@
+"""The least-squares problem of a fit: weighted differences between measured and computed values, and their slopes."""
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from ..compilation.by_meaning import jit
+from ..design.evaluate import Layout, build_once, flat_function
+from ..design.scaling import Scaling
+from ..results import RESULTS
+from .measurement import Measured, in_deviations, predicted
+
+# A dimension this near to a bound, as a share of the range, is at it.
+AT_BOUND = 1e-6
+# Far below the scatter of any parameter: a cost is known to the square of the error of a parameter.
+CONVERGED = 1e-10
+
+
+class Prior(NamedTuple):
+    """What is known of a parameter before the fit: its mean and standard deviation [SI]."""
+
+    mean: float
+    deviation: float
+
+
+class Solution(NamedTuple):
+    """Where a search ended.
+
+    Attributes:
+        unit: Scaled parameters, (n,).
+        cost: Sum of squared weighted differences, after the robust loss.
+        evaluations: Number of computed designs.
+        converged: Whether the search ended by its tolerances.
+    """
+
+    unit: np.ndarray
+    cost: float
+    evaluations: int
+    converged: bool
+
+
+class FitProblem:
+    """Weighted differences of a fit as a function of scaled parameters, numbers from 0 to 1 between their bounds."""
+
+    def __init__(
+        self,
+        build: Callable[..., Any],
+        taken: tuple[str, ...],
+        items: list[Measured],
+        scaling: Scaling,
+        priors: Mapping[int, Prior],
+        first: np.ndarray,
+        loss: str,
+        max_evaluations: int,
+    ):
+        """Build once and compile nothing yet.
+
+        Args:
+            build: Function of the parameters ``taken`` that returns a model.
+            taken: Names of the parameters that ``build`` takes; measurements take others.
+            items: Measurements.
+            scaling: Between bounds and numbers from 0 to 1.
+            priors: By the number of the parameter.
+            first: Start, (n,) [SI].
+            loss: Of ``scipy.optimize.least_squares``.
+            max_evaluations: For each search.
+        """
+        self.items, self.scaling, self.priors, self.first = items, scaling, priors, first
+        self.loss, self.max_evaluations = loss, max_evaluations
+
+        @functools.wraps(build)
+        def with_parameters(**parameters: Any) -> Any:
+            return build(**{name: parameters[name] for name in taken}), parameters
+
+        self.build = with_parameters
+        self.models = build_once(with_parameters, self.layout.split(first))
+        self.function, self.computed = self.function_of({item.name: _prediction(item) for item in items})
+        ends = np.cumsum(self.computed.sizes)
+        self.parts = [slice(end - size, end) for end, size in zip(ends, self.computed.sizes, strict=True)]
+
+    @property
+    def layout(self) -> Layout:
+        """Names and shapes of the parameters."""
+        return self.scaling.layout
+
+    def function_of(
+        self, answers: Mapping[str, Callable[[Any], Any]]
+    ) -> tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]], Layout]:
+        """Answers of (model, parameters) with their slopes by the scaled parameters, compiled, and their layout."""
+        function, layout = flat_function(self.build, answers, self.layout, self.models)
+        differentiate: Any = jax.jacfwd if sum(self.layout.sizes) <= 2 * sum(layout.sizes) else jax.jacrev
+
+        def twice(unit: Float[jax.Array, "n"]):
+            values, code = function(self.scaling.to_dimensions(unit))
+            return values, (values, code)
+
+        compiled = jit(differentiate(twice, has_aux=True))
+
+        def call(unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+            slopes, (values, code) = compiled(jnp.asarray(unit))
+            return np.asarray(values), np.asarray(slopes), int(code)
+
+        return call, layout
+
+    @property
+    def measured(self) -> np.ndarray:
+        """All measured values, end to end, (m,)."""
+        return np.concatenate([item.values for item in self.items])
+
+    def weighted(self, differences: np.ndarray) -> np.ndarray:
+        """Differences (m, ...) in standard deviations."""
+        return np.concatenate(
+            [in_deviations(item, differences[p]) for item, p in zip(self.items, self.parts, strict=True)]
+        )
+
+    def residuals(self, unit: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, int]:
+        """Weighted differences, computed less measured, those of the priors last; their slopes; a code of RESULTS."""
+        computed, slopes, code = self.function(unit)
+        wanted = self.measured if values is None else values
+        rows, slope_rows = [self.weighted(computed - wanted)], [self.weighted(slopes)]
+        if self.priors:
+            flat, change = self.scaling.to_dimensions(unit), self.change(unit)
+            for i, prior in self.priors.items():
+                rows.append(np.array([(flat[i] - prior.mean) / prior.deviation]))
+                slope_rows.append(np.eye(len(unit))[i : i + 1] * change[i] / prior.deviation)
+        return np.concatenate(rows), np.concatenate(slope_rows), code
+
+    def change(self, unit: np.ndarray) -> np.ndarray:
+        """Change of each parameter by its scaled one, (n,) [SI]."""
+        scaling = self.scaling
+        flat, logarithmic = scaling.to_dimensions(np.asarray(unit, float)), scaling.log
+        ratio = np.log(np.where(logarithmic, scaling.upper / np.where(logarithmic, scaling.lower, 1.0), 1.0))
+        return np.where(logarithmic, flat * ratio, scaling.upper - scaling.lower)
+
+    def solve(
+        self, start: np.ndarray, *, values: np.ndarray | None = None, fixed: Mapping[int, float] | None = None
+    ) -> Solution:
+        """Search from one start, for other measured values where they are given, with some scaled parameters fixed."""
+        import scipy.optimize
+
+        fixed = dict(fixed or {})
+        free = np.array([i for i in range(len(start)) if i not in fixed], int)
+        last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+        count = 0
+
+        def whole(part: np.ndarray) -> np.ndarray:
+            unit = np.array(start, float)
+            unit[list(fixed)] = list(fixed.values())
+            unit[free] = part
+            return unit
+
+        def at(part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            nonlocal count
+            key = part.tobytes()
+            if key not in last:
+                count += 1
+                rows, slopes, code = self.residuals(whole(part), values)
+                bad = code not in (RESULTS.successful, RESULTS.unstable_state) or not np.all(np.isfinite(slopes))
+                last.clear()
+                last[key] = (np.full_like(rows, np.nan) if bad else rows), slopes[:, free]
+            return last[key]
+
+        if not len(free):
+            rows = at(np.zeros(0))[0]
+            return Solution(whole(np.zeros(0)), _cost(rows, self.loss), 1, True)
+        # The method starts inside the bounds.
+        inside = np.clip(np.asarray(start, float)[free], 1e-6, 1 - 1e-6)
+        if not np.all(np.isfinite(at(inside)[0])):
+            return Solution(whole(inside), np.inf, 1, False)
+        found = scipy.optimize.least_squares(
+            lambda part: at(part)[0],
+            inside,
+            jac=lambda part: at(part)[1],  # pyright: ignore[reportArgumentType]
+            bounds=(0.0, 1.0),
+            loss=self.loss,
+            x_scale="jac",
+            ftol=CONVERGED,
+            xtol=1e-8,
+            gtol=1e-8,
+            max_nfev=self.max_evaluations,
+        )
+        return Solution(whole(found.x), 2 * float(found.cost), count, found.status > 0)
+
+
+def _prediction(item: Measured) -> Callable[[Any], Any]:
+    return lambda made: predicted(item, *made)
+
+
+def _cost(rows: np.ndarray, loss: str) -> float:
+    return float(np.sum(robust(rows, loss)[0]))
+
+
+def robust(rows: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
+    """Robust loss of each weighted difference, and its weight in the normal equations, as SciPy defines the losses."""
+    squares = rows**2
+    if loss == "linear":
+        return squares, np.ones_like(rows)
+    if loss == "huber":
+        inner = squares <= 1
+        root = np.sqrt(np.maximum(squares, 1))
+        return np.where(inner, squares, 2 * root - 1), np.where(inner, 1.0, 1 / root)
+    if loss == "soft_l1":
+        root = np.sqrt(1 + squares)
+        return 2 * (root - 1), 1 / root
+    return np.log1p(squares), 1 / (1 + squares)

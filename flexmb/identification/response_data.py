@@ -1,0 +1,156 @@
+"""Measured frequency responses: complex values, from arrays and from files."""
+
+import csv
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..control.frequency_response import frequency_response
+from ..design.designs import numbers
+from .measurement import Measured, measured
+
+
+class MeasuredResponse(NamedTuple):
+    """A frequency response as a file has it.
+
+    Attributes:
+        hertz: Frequencies, (n_f,) [Hz].
+        values: Complex response, (n_f,) [unit of the output over the unit of the input].
+    """
+
+    hertz: np.ndarray
+    values: np.ndarray
+
+
+def measured_response(
+    hertz: Any,
+    values: Any,
+    deviation: Any = None,
+    *,
+    output: str | None = None,
+    input: str | None = None,
+    loss_factor: Any = None,
+    gain: str | None = None,
+    delay: str | None = None,
+    logarithmic: bool = False,
+    name: str = "response",
+) -> Measured:
+    """Measured response of an output to a harmonic input.
+
+    Args:
+        hertz: Frequencies, (n_f,) [Hz].
+        values: Complex response, (n_f,) [unit of the output over the unit of the input].
+        deviation: Standard deviation of real part and of imaginary part, one number or (n_f,) [unit of the response].
+        output, input: Names of an output and an input of the model; may be left out if there is one.
+        loss_factor: Structural damping, a number [-] or the name of a fitted parameter.
+        gain: Name of a fitted parameter that multiplies the response [-].
+        delay: Name of a fitted parameter, the delay of the measuring chain [s].
+        logarithmic: Compare logarithm of magnitude and phase in place of real and imaginary part. Use it far from the
+            solution: it has fewer local minima. Deviations become relative to the measured magnitude.
+        name: For tables and messages.
+
+    Returns:
+        Measured, with real parts first and imaginary parts after them.
+
+    Raises:
+        ValueError: Numbers of frequencies and values differ, or one is not finite; as :func:`measured` raises.
+
+    Source:
+        y = gain exp(-2 pi i f delay) H(2 pi i f) u.
+    """
+    places = np.atleast_1d(numbers(f"Measurement '{name}': frequencies", hertz))
+    response = np.atleast_1d(np.asarray(values, complex))
+    if places.ndim > 1 or response.shape != places.shape:
+        raise ValueError(
+            f"Measurement '{name}' has {places.size} frequencies and {response.size} values: give one value for each."
+        )
+    wrong = np.flatnonzero(~(np.isfinite(places) & np.isfinite(response)))
+    if len(wrong):
+        raise ValueError(
+            f"Measurement '{name}' has a value that is not finite, number {wrong[0] + 1} of {len(places)}."
+            " Leave it out."
+        )
+    if logarithmic and np.any(response == 0):
+        raise ValueError(f"Measurement '{name}' has a response of zero, which has no logarithm: leave it out.")
+    fitted = [text for text in (loss_factor, gain, delay) if isinstance(text, str)]
+
+    def answer(model: Any, **parameters: Any) -> Float[Array, "2*n_f"]:
+        loss = parameters[loss_factor] if isinstance(loss_factor, str) else loss_factor
+        found = frequency_response(model, places, outputs=output, inputs=input, loss_factor=loss).of()
+        if gain is not None:
+            found = found * jnp.asarray(parameters[gain], complex)
+        if delay is not None:
+            angle = -2 * np.pi * places * parameters[delay]
+            found = found * jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
+        if logarithmic:
+            found = jnp.log(found / response)
+        return jnp.concatenate([found.real, found.imag])
+
+    wanted, scatter = np.concatenate([response.real, response.imag]), deviation
+    if deviation is not None:
+        scatter = np.broadcast_to(np.asarray(deviation, float), places.shape)
+        scatter = np.tile(scatter / np.abs(response) if logarithmic else scatter, 2)
+    if logarithmic:
+        wanted = np.zeros_like(wanted)
+    single = measured(answer, wanted, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
+    return Measured(
+        single.name, answer, single.values, single.scatter, tuple(dict.fromkeys(fitted)), single.over, single.label
+    )
+
+
+def read_response(path: str | Path, *, number: int | None = None) -> MeasuredResponse:
+    """Read a measured frequency response from a file.
+
+    Args:
+        path: ``.csv`` with columns of frequency [Hz], real part and imaginary part, a heading allowed; ``.uff`` or
+            ``.unv`` with datasets of universal format 58 (extra ``io``).
+        number: Which dataset of several, from 1.
+
+    Returns:
+        MeasuredResponse.
+
+    Raises:
+        ValueError: The file has another ending, a row without three numbers, no response, or several and no number.
+        ModuleNotFoundError: A universal file, and pyuff is not installed.
+    """
+    file = Path(path)
+    if file.suffix.lower() == ".csv":
+        return _from_csv(file)
+    if file.suffix.lower() not in (".uff", ".unv"):
+        raise ValueError(f"A measured response is read from .csv, .uff or .unv, but the file is {file.name}.")
+    try:
+        import pyuff
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            "Universal files are read by pyuff, which is not installed: pip install 'flexmb[io]'."
+        ) from None
+    sets = [one for one in np.atleast_1d(pyuff.UFF(str(file)).read_sets()) if one.get("type") == 58]
+    if not sets or (number is None and len(sets) > 1) or (number is not None and not 1 <= number <= len(sets)):
+        raise ValueError(f"File {file.name} has {len(sets)} datasets of format 58: say which by `number`, from 1.")
+    one = sets[(number or 1) - 1]
+    return MeasuredResponse(np.asarray(one["x"], float), np.asarray(one["data"], complex))
+
+
+def _from_csv(file: Path) -> MeasuredResponse:
+    rows = []
+    with file.open(newline="", encoding="utf-8") as text:
+        for line, row in enumerate(csv.reader(text), 1):
+            if not "".join(row).strip():
+                continue
+            try:
+                hertz, real, imaginary = map(float, row)
+            except ValueError:
+                if line == 1:
+                    continue
+                raise ValueError(
+                    f"Line {line} of {file.name} must have frequency, real part and imaginary part, but is {row}."
+                ) from None
+            rows.append((hertz, real, imaginary))
+    if not rows:
+        raise ValueError(f"File {file.name} has no rows of frequency, real part and imaginary part.")
+    table = np.array(rows)
+    return MeasuredResponse(table[:, 0], table[:, 1] + 1j * table[:, 2])

@@ -1,0 +1,88 @@
+"""Undetermineds of parameters that the data do not determine, and those that they do."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from .problem import FitProblem
+
+# Standard deviation, as a share of the distance of the bounds, beyond which data tell no more than the bounds: a
+# uniform distribution between them has 1/sqrt(12).
+UNDETERMINED = 1 / np.sqrt(12)
+# Part of a parameter in a direction below which the direction does not concern it.
+TAKES_PART = 0.02
+
+
+@dataclasses.dataclass(frozen=True)
+class Undetermined:
+    """Parameters that may change together without a change of the computed values.
+
+    Attributes:
+        names: Parameters that take part.
+        change: Their relative changes (logarithmic scale) or changes as a share of their bounds (linear scale), the
+            largest 1, (k,).
+        determined: What the data determine of these parameters alone, in words; empty if nothing.
+        deviation: Standard deviation along the change, as a share of the bounds [-]; infinite if no data of this kind
+            determine it.
+    """
+
+    names: tuple[str, ...]
+    change: np.ndarray
+    determined: tuple[str, ...]
+    deviation: float
+
+    def __str__(self) -> str:
+        if len(self.names) == 1:
+            return f"'{self.names[0]}'"
+        changes = ", ".join(f"{name} {100 * part:+.3g} %" for name, part in zip(self.names, self.change, strict=True))
+        text = f"{' and '.join(self.names)} (together: {changes})"
+        return text + (f", but {' and '.join(self.determined)}" if self.determined else "")
+
+
+def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Principal directions of weighted slopes: deviations (n,), directions as columns (n, n), undetermined ones (n,).
+
+    Columns are scaled first, so that round-off of a sensitive parameter hides no other.
+    """
+    n = slopes.shape[1]
+    _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
+    singular = np.concatenate([singular, np.zeros(n - len(singular))])
+    # What round-off leaves of a singular value that is zero.
+    zero = singular <= 1e-9 * max(singular[0], np.finfo(float).tiny)
+    with np.errstate(divide="ignore"):
+        deviations = np.where(zero, np.inf, noise / np.where(zero, 1.0, singular))
+    return deviations, rows.T, deviations > UNDETERMINED
+
+
+def combinations_of(
+    problem: FitProblem, unit: np.ndarray, slopes: np.ndarray, noise: float
+) -> tuple[Undetermined, ...]:
+    """Undetermineds of parameters that the data do not determine."""
+    deviations, columns, wide = directions(slopes, noise)
+    scaling = problem.scaling
+    relative = np.where(scaling.log, problem.change(unit) / np.where(scaling.log, scaling.to_dimensions(unit), 1), 1.0)
+    labels = problem.layout.labels
+    # Directions that are not determined at all mix freely: they are told apart by the parameters they concern.
+    return tuple(
+        _combination(labels, columns[:, k] * relative, columns[:, k], scaling.log, float(deviations[k]))
+        for k in np.flatnonzero(wide)
+    )
+
+
+def _combination(
+    labels: Sequence[str], change: np.ndarray, column: np.ndarray, logarithmic: np.ndarray, deviation: float
+) -> Undetermined:
+    part = np.flatnonzero(np.abs(column) > TAKES_PART)
+    change = change[part] / change[part][np.argmax(np.abs(change[part]))]
+    names = tuple(labels[i] for i in part)
+    determined: tuple[str, ...] = ()
+    if len(part) > 1 and np.all(logarithmic[part]):
+        # p_i p_0^e stays where e = -change_i/change_0.
+        first = int(np.argmax(np.abs(change)))
+        determined = tuple(
+            f"{names[i]} * {names[first]}^{-change[i] / change[first]:.3g} is determined"
+            for i in range(len(names))
+            if i != first
+        )
+    return Undetermined(names, change, determined, deviation)

@@ -1,0 +1,77 @@
+"""Measured values beside those of a fitted mechanism, their differences, and the correlation of the parameters."""
+
+from typing import Any
+
+import numpy as np
+
+from ..identification.fitted import Fit
+from ..identification.measurement import Measured
+from .canvas import BLACK, BLUE, RED, entitle
+
+# Names of parameters are written beside the correlation up to so many.
+NAMED = 12
+
+
+def fit(found: Fit) -> Any:
+    """Each measurement beside the fitted model, differences in standard deviations, and correlations.
+
+    Bars and the grey band are two standard deviations.
+
+    Args:
+        found: Of ``fm.fit``.
+
+    Returns:
+        matplotlib Figure with Axes for each measurement, the differences, and the correlation of several parameters.
+
+    Raises:
+        TypeError: ``found`` is not of ``fm.fit``.
+    """
+    if not isinstance(found, Fit):
+        raise TypeError(f"Argument `found` must be of fm.fit(..), but is a {type(found).__name__}.")
+    import matplotlib.pyplot as plt
+
+    several = len(found.labels) > 1
+    panels = len(found.data) + 1 + several
+    columns = min(panels, 3)
+    figure = plt.figure(figsize=(4.5 * columns, 3.4 * -(-panels // columns)), layout="constrained")
+    axes = [figure.add_subplot(-(-panels // columns), columns, 1 + i) for i in range(panels)]
+    for ax, item in zip(axes, found.data, strict=False):
+        _beside(ax, item, found.computed[item.name])
+    _differences(axes[len(found.data)], found)
+    if several:
+        _correlation(axes[-1], found)
+    entitle(figure, f"{found.result.name}: {found.reason}")
+    return figure
+
+
+def _beside(ax: Any, item: Measured, computed: np.ndarray) -> None:
+    places = np.arange(1, len(item.values) + 1) if item.over is None else item.over
+    spread = None if item.deviation is None else 2 * item.deviation
+    ax.errorbar(places, item.values, spread, fmt="o", color=BLACK, markersize=3, linewidth=1, label="measured")
+    # A response has real parts first, then imaginary parts at the same places.
+    turns = np.flatnonzero(np.diff(places) < 0) + 1
+    for part in np.split(np.arange(len(places)), turns):
+        ax.plot(places[part], computed[part], color=BLUE, marker=".", linewidth=1, label=None if part[0] else "fitted")
+    ax.set_xlabel(item.label or "number")
+    ax.set_ylabel(item.name)
+    ax.grid(visible=True, alpha=0.3)
+    ax.legend(fontsize=8)
+
+
+def _differences(ax: Any, found: Fit) -> None:
+    rows = np.concatenate([found.residuals[item.name] for item in found.data]) / (found.noise or 1.0)
+    ax.axhspan(-2, 2, color=BLACK, alpha=0.1)
+    ax.plot(np.arange(1, len(rows) + 1), rows, ".", color=BLUE)
+    far = np.flatnonzero(np.abs(rows) > 3)
+    ax.plot(far + 1, rows[far], "o", color=RED, fillstyle="none")
+    ax.set_xlabel("value")
+    ax.set_ylabel("computed less measured [deviations]")
+    ax.grid(visible=True, alpha=0.3)
+
+
+def _correlation(ax: Any, found: Fit) -> None:
+    image = ax.imshow(found.correlation, cmap="RdBu", vmin=-1, vmax=1)
+    ax.figure.colorbar(image, ax=ax, label="correlation [-]")
+    if len(found.labels) <= NAMED:
+        ax.set_xticks(range(len(found.labels)), found.labels, rotation=45, ha="right")
+        ax.set_yticks(range(len(found.labels)), found.labels)

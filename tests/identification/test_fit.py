@@ -1,0 +1,249 @@
+"""Parameters from measurements, against closed forms of least squares."""
+
+import warnings
+
+import jax
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+import flexmb as fm
+from flexmb import planar
+
+STIFFNESS, MASS, LOAD = 100.0, 4.0, 1.0
+LOADS = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+BOUNDS = {"stiffness": (10.0, 1000.0), "mass": (0.4, 40.0)}
+GUESS = {"stiffness": 70.0, "mass": 5.0}
+
+
+def cart(stiffness=STIFFNESS, mass=MASS):
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("cart", (1, 0))
+    b.add(planar.truss, "wall", "cart", name="rod", section=fm.Rigidity(EA=stiffness))
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.mass("cart", mass)
+    b.force("cart", (LOAD, 0))
+    b.input("cart", "x")
+    b.output("cart", "x")
+    b.dof("cart", "x")
+    return b.build()
+
+
+def moved(model):
+    return fm.equilibrium(model).position("cart")[0] - 1
+
+
+def readings(model, offset):
+    """Of a linear spring under several loads, by a sensor with an offset."""
+    return moved(model) * LOADS + offset
+
+
+def test_mass_and_stiffness_from_a_frequency_and_a_displacement():
+    frequency, shift = np.sqrt(STIFFNESS / MASS) / (2 * np.pi), LOAD / STIFFNESS
+    data = {"frequency 1": (frequency, 1e-3 * frequency), "displacement cart.x": (shift, 1e-2 * shift)}
+    found = fm.fit(cart, data, GUESS, BOUNDS)
+    assert found.result is fm.RESULTS.successful
+    assert found.parameters["stiffness"] == pytest.approx(STIFFNESS, rel=1e-7)
+    assert found.parameters["mass"] == pytest.approx(MASS, rel=1e-7)
+    # k = F/u and m = k/(2 pi f)^2, whose relative deviations add in squares.
+    assert found.deviation["stiffness"] == pytest.approx(1e-2 * STIFFNESS, rel=1e-6)
+    assert found.deviation["mass"] == pytest.approx(np.hypot(1e-2, 2e-3) * MASS, rel=1e-6)
+    correlation = 1e-2 / np.hypot(1e-2, 2e-3)
+    assert found.correlation[0, 1] == pytest.approx(correlation, rel=1e-6)
+    assert found.freedom == 0
+    lower, upper = found.interval("mass")
+    assert lower * upper == pytest.approx(MASS**2, rel=1e-6)
+    assert np.log(upper / lower) == pytest.approx(2 * 1.959964 * np.hypot(1e-2, 2e-3), rel=1e-6)
+
+
+def test_a_straight_line_as_its_textbook_formulas_say():
+    rng = np.random.default_rng(1)
+    values = LOADS / STIFFNESS + 2e-3 + 1e-4 * rng.standard_normal(len(LOADS))
+    data = fm.measured(readings, values, over=LOADS, label="load [N]")
+    parameters = {"stiffness": 70.0, "offset": 0.0}
+    found = fm.fit(lambda stiffness: cart(stiffness), data, parameters, {"stiffness": (10, 1000), "offset": (-1, 1)})
+    slope, offset = np.polyfit(LOADS, values, 1)
+    assert 1 / found.parameters["stiffness"] == pytest.approx(slope, rel=1e-7)
+    assert found.parameters["offset"] == pytest.approx(offset, rel=1e-6)
+    # Without a known scatter it follows from the misfit, of n - 2 degrees of freedom.
+    noise = np.sqrt(np.sum((slope * LOADS + offset - values) ** 2) / (len(LOADS) - 2))
+    assert found.noise == pytest.approx(noise, rel=1e-6)
+    of_slope = noise / np.sqrt(np.sum((LOADS - LOADS.mean()) ** 2))
+    assert found.deviation["stiffness"] / found.parameters["stiffness"] == pytest.approx(of_slope / slope, rel=1e-5)
+    # Student's t of 3 degrees of freedom.
+    lower, upper = found.interval("offset")
+    assert (upper - lower) / 2 == pytest.approx(3.182446 * found.deviation["offset"], rel=1e-6)
+    assert np.isnan(found.chi_squared)
+
+
+def test_a_combination_that_is_not_determined_is_named():
+    frequency = np.sqrt(STIFFNESS / MASS) / (2 * np.pi)
+    data = {"frequency 1": (frequency, 1e-3 * frequency), "again": fm.measured("frequency 1", frequency, 1e-3)}
+    with pytest.warns(fm.FlexmbWarning, match="do not determine"):
+        found = fm.fit(cart, data, GUESS, BOUNDS)
+    assert len(found.undetermined) == 1
+    combination = found.undetermined[0]
+    assert set(combination.names) == {"stiffness", "mass"}
+    assert combination.change == pytest.approx([1.0, 1.0], rel=1e-6)
+    assert any("^-1 is determined" in text for text in combination.determined)
+    assert np.isinf(combination.deviation)
+    assert np.isinf(found.deviation["mass"])
+    assert np.isinf(found.deviation["stiffness"])
+    assert found.interval("mass") == (0.0, np.inf)
+    # The frequency itself is known all the same, a displacement is not.
+    answers = found.predict(["frequency 1", "displacement cart.x"])
+    assert answers["frequency 1"].deviation == pytest.approx(1 / np.hypot(1 / (1e-3 * frequency), 1e3), rel=1e-6)
+    assert np.isinf(answers["displacement cart.x"].deviation)
+    with pytest.raises(ValueError, match="do not determine"):
+        found.next_measurement([fm.measured("mass", 1.0, 0.1)])
+    # A prior determines it.
+    known = fm.fit(cart, data, GUESS, BOUNDS, priors={"mass": (MASS, 0.04)})
+    assert known.undetermined == ()
+    assert known.parameters["mass"] == pytest.approx(MASS, rel=1e-6)
+    assert known.deviation["mass"] == pytest.approx(0.04, rel=1e-6)
+
+
+def test_what_to_measure_next():
+    frequency, shift = np.sqrt(STIFFNESS / MASS) / (2 * np.pi), LOAD / STIFFNESS
+    data = {"frequency 1": (frequency, 1e-3 * frequency), "displacement cart.x": (shift, 1e-2 * shift)}
+    found = fm.fit(cart, data, GUESS, BOUNDS)
+    scale = fm.measured("mass", 1.0, 0.02 * MASS, name="scale")
+    gauge = fm.measured("stiffness cart.x", 1.0, 1e-3 * STIFFNESS, name="gauge")
+    ranked = found.next_measurement([scale, gauge], narrow="mass")
+    assert [name for name, _ in ranked] == ["gauge", "scale"]
+    # Independent measurements: information adds. The scale knows the mass to 2 %.
+    of_mass = np.hypot(1e-2, 2e-3)
+    assert dict(ranked)["scale"] == pytest.approx(1 / np.sqrt(1 + (of_mass / 0.02) ** 2), rel=1e-6)
+    better = fm.fit(cart, data | {"gauge": fm.measured("stiffness cart.x", STIFFNESS, 0.1)}, GUESS, BOUNDS)
+    assert dict(ranked)["gauge"] == pytest.approx(better.deviation["mass"] / found.deviation["mass"], rel=1e-6)
+
+
+def test_correlated_values_weigh_as_their_covariance_says():
+    covariance = 1e-8 * (np.eye(len(LOADS)) + 3.0)
+    values = LOADS / STIFFNESS + 1e-4 * np.array([1.0, -1.0, 2.0, 0.0, 1.0])
+    data = fm.measured(lambda model: moved(model) * LOADS, values, covariance=covariance, name="line")
+    found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+    # Generalised least squares of a line through zero.
+    weight = np.linalg.inv(covariance)
+    information = LOADS @ weight @ LOADS
+    slope = LOADS @ weight @ values / information
+    assert 1 / found.parameters["stiffness"] == pytest.approx(slope, rel=1e-7)
+    assert found.deviation["stiffness"] * slope**2 == pytest.approx(information**-0.5, rel=1e-6)
+    residual = values - slope * LOADS
+    assert found.chi_squared == pytest.approx(residual @ weight @ residual, rel=1e-5)
+    assert found.probability == pytest.approx(chi2.sf(found.chi_squared, 4), rel=1e-9)
+
+
+def test_slopes_agree_with_differences():
+    data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-4)}
+    problem = fm.fit(cart, data, GUESS, BOUNDS, throw=False).problem
+    unit = np.array([0.4, 0.55])
+    _, slopes, _ = problem.residuals(unit)
+    for i in range(2):
+        step = 1e-5 * np.eye(2)[i]
+        difference = (problem.residuals(unit + step)[0] - problem.residuals(unit - step)[0]) / 2e-5
+        # Central differences of step h are off by h^2.
+        assert slopes[:, i] == pytest.approx(difference, rel=1e-7)
+
+    def computed(at):
+        model = cart(*problem.scaling.to_dimensions(at))
+        return jax.numpy.stack([fm.frequencies(model)[0] / 0.01, moved(model) / 1e-4])
+
+    assert slopes == pytest.approx(np.asarray(jax.jacrev(computed)(jax.numpy.asarray(unit))), rel=1e-9)
+
+
+def test_a_model_that_does_not_fit_says_so():
+    values = LOADS / STIFFNESS + 2e-3 * LOADS**2
+    data = fm.measured(lambda model: moved(model) * LOADS, values, 1e-4, name="line")
+    with pytest.warns(fm.FlexmbWarning, match="does not fit the data"):
+        found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+    assert found.result is fm.RESULTS.poor_fit
+    assert found.largest_residuals()[0][0] == "line"
+
+
+def test_an_outlier_weighs_less_with_a_robust_loss():
+    values = LOADS / STIFFNESS
+    values = values + 1e-2 * (LOADS == 5)
+    data = fm.measured(lambda model: moved(model) * LOADS, values, 1e-4, name="line")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fits = [
+            fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)}, loss=loss)
+            for loss in ("linear", "huber", "soft_l1", "cauchy")
+        ]
+    errors = [abs(found.parameters["stiffness"] - STIFFNESS) for found in fits]
+    assert errors[0] > 10 * errors[1] > errors[3]
+    assert errors[2] < errors[0] / 5
+
+
+def test_profile_of_a_line_is_a_parabola_and_of_its_inverse_is_not():
+    values = LOADS / STIFFNESS
+    data = fm.measured(lambda model: moved(model) * LOADS, values, 2e-2, name="line")
+    found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+    profile = found.profile("stiffness")
+    # Chi-squared is a parabola in the compliance 1/k, so that its interval is known.
+    width = 1.959964 * 2e-2 / np.sqrt(np.sum(LOADS**2))
+    assert profile.interval == pytest.approx((1 / (1 / STIFFNESS + width), 1 / (1 / STIFFNESS - width)), rel=1e-3)
+    expected = ((1 / profile.values - 1 / STIFFNESS) / 2e-2) ** 2 * np.sum(LOADS**2)
+    assert profile.growth == pytest.approx(expected, rel=1e-4, abs=1e-4)
+
+
+def test_other_values_are_fitted_by_the_same_programs():
+    rng = np.random.default_rng(0)
+    data = fm.measured(lambda model: moved(model) * LOADS, LOADS / STIFFNESS, 1e-4, name="line")
+    found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+    sets = LOADS / STIFFNESS + 1e-4 * rng.standard_normal((20, 5))
+    several = found.again(sets)
+    slopes = sets @ LOADS / np.sum(LOADS**2)
+    assert np.all(several.converged)
+    assert 1 / several.parameters["stiffness"] == pytest.approx(slopes, rel=1e-7)
+    assert several.deviation["stiffness"] * slopes**2 == pytest.approx(1e-4 / np.sqrt(np.sum(LOADS**2)), rel=1e-6)
+
+
+REFUSED = [
+    ({"frequency 1": (0.8, 0.01)}, ValueError, "2 parameters cannot follow from 1 values"),
+    ({"frequency 1": (800.0, 0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' are about 1.3e.*SI units"),
+    ({"frequency 1": (np.nan, 0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' has a value that is not finite"),
+    ({"frequency 1": (0.8, -0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' has a deviation of -0.01"),
+    ({"frequency 1": 0.8, "mass": (4.0, 0.1)}, TypeError, "pair of value and standard deviation"),
+    ({"frequency 1": (0.8, None), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' has no deviation"),
+    ({"frequenzy 1": (0.8, 0.1)}, KeyError, "no coordinate 'frequenzy 1'"),
+]
+
+
+@pytest.mark.parametrize(("data", "fault", "text"), REFUSED)
+def test_bad_data_is_refused_by_name(data, fault, text):
+    with pytest.raises(fault, match=text):
+        fm.fit(cart, data, GUESS, BOUNDS)
+
+
+def test_bad_arguments_are_refused_by_name():
+    data = {"frequency 1": (0.8, 0.01), "mass": (4.0, 0.1)}
+    with pytest.raises(ValueError, match=r"No measured value depends on parameter 'stiffness'"):
+        fm.fit(cart, {"mass": (4.0, 0.1), "same": fm.measured("mass", 4.0, 0.1)}, GUESS, BOUNDS)
+    with pytest.raises(ValueError, match="takes the parameter 'offset', which has no start"):
+        fm.fit(cart, [fm.measured(readings, LOADS / 100, 0.1)], GUESS, BOUNDS)
+    with pytest.raises(ValueError, match="Prior of 'width'"):
+        fm.fit(cart, data, GUESS, BOUNDS, priors={"width": (1, 2)})
+    with pytest.raises(ValueError, match="outside its bounds"):
+        fm.fit(cart, data, GUESS | {"mass": 100.0}, BOUNDS)
+    with pytest.raises(ValueError, match="5 values, but the model computes 1"):
+        fm.fit(cart, fm.measured("mass", LOADS, 0.1), GUESS, BOUNDS)
+    with pytest.raises(ValueError, match="covariance that is not positive definite"):
+        fm.measured("mass", [4.0, 5.0], covariance=[[1.0, 2.0], [2.0, 1.0]])
+    with pytest.raises(KeyError, match="no parameter 'width'"):
+        fm.fit(cart, data, GUESS, BOUNDS).interval("width")
+
+
+def test_the_picture_has_a_panel_for_each_measurement():
+    import matplotlib.pyplot as plt
+
+    data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-3)}
+    found = fm.fit(cart, data, GUESS, BOUNDS)
+    figure = fm.plot.fit(found)
+    assert [ax.get_ylabel() for ax in figure.axes[:3]] == [*data, "computed less measured [deviations]"]
+    plt.close(figure)
+    with pytest.raises(TypeError, match=r"fm\.fit"):
+        fm.plot.fit(None)  # type: ignore

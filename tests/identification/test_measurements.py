@@ -1,0 +1,118 @@
+"""Measured modes paired by shape, measured responses from arrays and files."""
+
+import numpy as np
+import pytest
+
+import flexmb as fm
+from flexmb import planar
+
+MASS = 2.0
+SENSORS = ("left.x", "right.x")
+
+
+def carts(left, right, between=0.0):
+    """Two masses on springs of their own, and a weak spring between them."""
+    b = fm.Builder()
+    for name, place in {"wall": 0, "left": 1, "right": 2, "end": 3}.items():
+        b.node(name, (place, 0))
+    for p, q, stiffness in (("wall", "left", left), ("left", "right", between), ("right", "end", right)):
+        b.add(planar.truss, p, q, name=f"{p} to {q}", section=fm.Rigidity(EA=stiffness))
+    for name in ("wall", "end"):
+        b.fix(name)
+    for name in ("left", "right"):
+        b.fix(name, "y")
+        b.mass(name, MASS)
+        b.dof(name, "x")
+    b.input("left", "x")
+    b.output("right", "x")
+    return b.build()
+
+
+def damped_carts(left, right, between, damping):
+    b = fm.Builder()
+    for name, place in {"wall": 0, "left": 1}.items():
+        b.node(name, (place, 0))
+    b.add(planar.truss, "wall", "left", name="rod", section=fm.Rigidity(EA=left), damping=fm.Damping(EA=damping))
+    b.fix("wall")
+    b.fix("left", "y")
+    b.mass("left", MASS)
+    b.dof("left", "x")
+    b.input("left", "x")
+    b.output("left", "x")
+    return b.build()
+
+
+def cart_frequency(stiffness):
+    return np.sqrt(stiffness / MASS) / (2 * np.pi)
+
+
+def test_modes_are_paired_by_their_shapes_where_they_cross():
+    truth = {"left": 300.0, "right": 100.0}
+    hertz = [cart_frequency(truth["left"]), cart_frequency(truth["right"])]
+    # At the start the cart on the right is the stiffer one: numbers would pair each with the other.
+    start, bounds = {"left": 150.0, "right": 200.0}, {"left": (10.0, 1000.0), "right": (10.0, 1000.0)}
+
+    def build(left, right):
+        return carts(left, right, 1e-3)
+
+    data = fm.measured_modes(hertz, 1e-3, shapes=np.eye(2), at=SENSORS)
+    found = fm.fit(build, data, start, bounds)
+    assert found.parameters["left"] == pytest.approx(truth["left"], rel=1e-4)
+    assert found.parameters["right"] == pytest.approx(truth["right"], rel=1e-4)
+    by_number = fm.fit(build, fm.measured_modes(sorted(hertz), 1e-3), start, bounds)
+    assert by_number.parameters["left"] == pytest.approx(truth["right"], rel=1e-4)
+
+
+def test_a_shape_without_partner_is_refused_by_its_number():
+    b = {"left": (10.0, 1000.0), "right": (10.0, 1000.0)}
+    # Both shapes move the cart on the left.
+    data = fm.measured_modes([1.5, 2.0], 1e-3, shapes=[[1.0, 1.0], [0.0, 0.1]], at=SENSORS)
+    with pytest.raises(ValueError, match=r"Mode 2 of measurement 'frequencies', 2 Hz, has no partner"):
+        fm.fit(lambda left, right: carts(left, right, 1e-3), data, {"left": 100.0, "right": 300.0}, b)
+    wrong = fm.measured_modes([1.5], 1e-3, shapes=[[1.0]], at=["middle.x"])
+    with pytest.raises(KeyError, match=r"no coordinate 'middle\.x' for a sensor"):
+        fm.fit(lambda left: carts(left, 100.0, 1e-3), wrong, {"left": 100.0}, {"left": (10, 1000)})
+    with pytest.raises(ValueError, match="2 frequencies and 1 sensors"):
+        fm.measured_modes([1.0, 2.0], 1e-3, shapes=np.eye(2), at=["left.x"])
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
+    truth = {"stiffness": 200.0, "damping": 1.0, "gain": 1.1, "delay": 2e-3}
+    hertz = np.linspace(0.2, 4.0, 60)
+    s = 2j * np.pi * hertz
+    clean = truth["gain"] * np.exp(-s * truth["delay"]) / (MASS * s**2 + truth["damping"] * s + truth["stiffness"])
+    deviation = 0.01 * np.abs(clean)
+    rng = np.random.default_rng(0)
+    noisy = clean + deviation * (rng.standard_normal(60) + 1j * rng.standard_normal(60))
+    data = fm.measured_response(hertz, noisy, deviation, gain="gain", delay="delay", logarithmic=logarithmic)
+    start = {"stiffness": 160.0, "damping": 0.8, "gain": 1.0, "delay": 0.0}
+    bounds = {"stiffness": (20, 2000), "damping": (0.01, 10), "gain": (0.5, 2), "delay": (-0.01, 0.01)}
+    found = fm.fit(lambda stiffness, damping: damped_carts(stiffness, 1, 1, damping), data, start, bounds)
+    assert found.result is fm.RESULTS.successful
+    for name, value in truth.items():
+        # Four deviations of a normal distribution: missed once in 16 000.
+        assert abs(found.parameters[name] - value) < 4 * found.deviation[name]
+        assert found.deviation[name] < 0.02 * value + 1e-4
+
+
+def test_a_response_is_read_from_a_table(tmp_path):
+    file = tmp_path / "guide.csv"
+    file.write_text("frequency [Hz],real,imaginary\n1.0,2.0,-3.0\n2.0,4.0,5.0\n", encoding="utf-8")
+    found = fm.read_response(file)
+    assert found.hertz == pytest.approx([1.0, 2.0])
+    assert found.values == pytest.approx([2 - 3j, 4 + 5j])
+    file.write_text("1.0,2.0,-3.0\n2.0,four,5.0\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"Line 2 of guide\.csv"):
+        fm.read_response(file)
+    with pytest.raises(ValueError, match=r"read from \.csv"):
+        fm.read_response(tmp_path / "guide.mat")
+
+
+def test_bad_responses_are_refused_by_name():
+    with pytest.raises(ValueError, match="3 frequencies and 2 values"):
+        fm.measured_response([1.0, 2.0, 3.0], [1.0, 2.0])
+    with pytest.raises(ValueError, match="not finite, number 2 of 3"):
+        fm.measured_response([1.0, 2.0, 3.0], [1.0, np.nan, 1.0])
+    with pytest.raises(ValueError, match="has no logarithm"):
+        fm.measured_response([1.0, 2.0], [0.0, 1.0], logarithmic=True)
