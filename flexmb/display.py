@@ -201,6 +201,12 @@ def _shapes(found: Any) -> Iterator[str]:
             yield from _shapes(value)
 
 
+def kind_of(value: Any) -> str:
+    """Kind of a value for an error message, as "a Path" or "an Equilibrium"."""
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'AEIO' else 'a'} {name}"
+
+
 def short(value: Any) -> str:
     """A number as a summary shows it."""
     return f"{float(value):.5g}"

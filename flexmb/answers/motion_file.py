@@ -5,6 +5,7 @@ import os
 import numpy as np
 
 from .. import __version__
+from ..display import kind_of
 from ..files import save_arrays
 from ..motion.motion import Motion
 from ..results import RESULTS
@@ -26,7 +27,7 @@ def save_motion(motion: Motion, path: str | os.PathLike) -> None:
         OSError: The folder is missing or not writable.
     """
     if not isinstance(motion, Motion):
-        raise TypeError(f"fm.save_motion takes a Motion, of fm.simulate(..), not a {type(motion).__name__}.")
+        raise TypeError(f"fm.save_motion takes a Motion, of fm.simulate(..), not {kind_of(motion)}.")
     reached = np.all(np.isfinite(np.asarray(motion.x)), axis=1)
     if not reached.all():
         motion = motion.until(int(np.argmin(reached)))

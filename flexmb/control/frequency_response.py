@@ -22,6 +22,7 @@ from ..linear.modes import check_spectrum, refuse_unsymmetric
 from ..math.linear_solver import LinearSolver, asked_solver
 from ..model.model import Model, Port
 from ..results import RESULTS, collect, or_nan
+from ..statics.equilibrium import Equilibrium
 from ..statics.stable import is_unstable, unstable_motions
 from .harmonic import response_by_elements, response_by_freedoms
 from .second_order_form import orders_of, second_order
@@ -128,8 +129,9 @@ class FrequencyResponse(Labelled, Record):
             ValueError: There is no frequency response in it, or those in it have other frequencies or leave a gap.
             OSError: It cannot be read.
         """
-        hertz, response, *names = read(path)
-        return FrequencyResponse(jnp.asarray(hertz), jnp.asarray(response), *names)
+        held = read(path)
+        numbers = jnp.asarray(held.hertz), jnp.asarray(held.response)
+        return FrequencyResponse(*numbers, held.outputs, held.inputs, held.output_ports, held.input_ports)
 
     def summary(self) -> Summary:
         """Frequencies, names, and where each response is largest."""
@@ -199,7 +201,7 @@ def frequency_response(
     method: str | None = None,
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,

@@ -20,6 +20,7 @@ from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
+from ..statics.equilibrium import Equilibrium
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, one_of, places_of, response_of
@@ -116,7 +117,7 @@ def noise_budget(
     driven: Sequence[str] | str | None = None,
     sign: int = -1,
     outputs: Sequence[str] | str | None = None,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,

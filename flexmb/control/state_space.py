@@ -21,6 +21,7 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..results import RESULTS
+from ..statics.equilibrium import Equilibrium
 from .second_order_form import SecondOrder, second_order
 from .truncation import by_modes, chosen_modes, error_of, error_of_large, truncated
 
@@ -451,7 +452,7 @@ def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tupl
 def to_statespace(
     model: Model | Linearization,
     *,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,

@@ -7,13 +7,14 @@ import jax
 import numpy as np
 
 from ..arguments import is_concrete, require_double_precision
+from ..display import kind_of
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..results import check
 from ..statics.choice import by_sparse
-from ..statics.equilibrium import load_factors_of
-from .linearize import Linearization, ManyStates, linearized_by_elements, linearized_by_freedoms
+from ..statics.equilibrium import Equilibrium, load_factors_of
+from .linearize import Linearization, ManyStates, linearized_about, linearized_by_elements, linearized_by_freedoms
 from .sparse_spectrum import asks_for_all
 
 # Numbers of a material that no state depends on.
@@ -24,7 +25,7 @@ class Where(NamedTuple):
     """Which state of a mechanism a public function is asked about; where all is None, the equilibrium.
 
     Attributes:
-        at: Linearization, Path or Motion of the model; where no stiffness is asked for, also an Equilibrium.
+        at: Equilibrium, Linearization, Path or Motion of the model.
         step: Number of a state of a path or a motion.
         time: Time of a state of a motion [s].
         increment: Factor of the incremental loads of an equilibrium [-].
@@ -65,10 +66,13 @@ class Where(NamedTuple):
                     f" step=, such as step=-1 for the last{also}."
                 )
             at = at.linearization(self.step, self.time)
+        if isinstance(at, Equilibrium):
+            check_state(at, model, function)
+            return linearized_about(model, at, function)
         if not isinstance(at, Linearization):
             raise TypeError(
-                f"Argument `at` of fm.{function} must be a Path, a Motion or a Linearization of the model, not"
-                f" {'an' if type(at).__name__[0] in 'AEIO' else 'a'} {type(at).__name__}."
+                f"Argument `at` of fm.{function} must be an Equilibrium, a Path, a Motion or a Linearization of the"
+                f" model, not {kind_of(at)}."
             )
         check_state(at, model, function)
         return at
@@ -178,6 +182,11 @@ def by_elements(
         if solver in (None, about.solver):
             return about
         return Linearization(dataclasses.replace(about.matrices, solver=solver), about.model)
+    if isinstance(at, Equilibrium) and solver != DENSE and (solver or (few and throw and by_sparse(given, None))):
+        where.refuse(function)
+        model = as_model(given, function)
+        check_state(at, model, function)
+        return linearized_about(model, at, function, solver=solver or SPARSE)
     if is_linearized or at is not None:
         if solver not in (None, DENSE):
             raise ValueError(

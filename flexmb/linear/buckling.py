@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
-from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
+from ..display import Labelled, Quantities, States, Summary, kind_of, modal_summary, numbered_quantities
 from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
@@ -335,7 +335,7 @@ def _about(model: Model, where: Where, function: str) -> tuple[Linearization | N
         increment = 0.0 if where.increment is None else where.increment
         return None, load_factors_of(model, 1.0, increment, function)
     if not isinstance(at, ManyStates) or at.states().kind != "path":
-        raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not a {type(at).__name__}.")
+        raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not {kind_of(at)}.")
     found = where.state(model, function)
     return found, at.factors(-1 if where.step is None else where.step)
 

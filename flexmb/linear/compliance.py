@@ -17,6 +17,7 @@ from ..math.linear_solver import LinearSolver, asked_solver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..results import RESULTS, check, collect, or_nan
+from ..statics.equilibrium import Equilibrium
 from .about import Where, asked_about, linearized
 from .linearize import Linearization, ManyStates, Matrices
 from .loose import free_motions, named, naming_culprit, takes_part
@@ -48,7 +49,7 @@ def compliance(
     local: bool = False,
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -194,7 +195,7 @@ _compliance = jit(compliance_of)
 def directional_compliance(
     model: Model | Linearization,
     *,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,

@@ -19,15 +19,15 @@ from ..math.linear_solver import SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
-from ..mechanics.residual import State
+from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, collect, or_nan, told
+from ..results import RESULTS, check, collect, or_nan, told
 from ..statics.coarse import warn_of_coarse
-from ..statics.equilibrium import check_stiffness, load_factors_of
+from ..statics.equilibrium import Equilibrium, check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
 from ..statics.sparse import sparse_equilibrium
 from ..statics.stable import collect_unstable
@@ -448,6 +448,40 @@ def linearized_by_freedoms(model: Model, target: LoadFactors, throw: bool) -> Li
     collect_unstable([m.K0, m.G0], m.K0, m.symmetric)
     warn_of_coarse(model, m.e)
     return Linearization(or_nan(m, m.result, throw), model)
+
+
+@kernel
+def _matrices_of(
+    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
+):
+    """Matrices about a state that has been found."""
+    zero = jnp.zeros((), jnp.int32)
+    return matrices_at(topology, parameters, factors, state(topology, parameters, factors, x, near), zero, zero)
+
+
+def linearized_about(model: Model, at: Equilibrium, function: str, solver: LinearSolver | None = None) -> Linearization:
+    """Linearised equations about an equilibrium that has been found, under its loads.
+
+    Args:
+        solver: By which they are solved element by element; in the degrees of freedom unless given.
+
+    Raises:
+        AnalysisError: It was not found.
+        TypeError: It does not know its loads, or its numbers are not those that the model is differentiated by.
+    """
+    if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
+        raise TypeError(
+            f"Argument `at` of fm.{function} is an Equilibrium that is separate from its model and loads, as inside"
+            f" jax.jit and jax.grad, or after it was stored. Give fm.{function}(fm.linearize(model)), with the same"
+            " loads."
+        )
+    check(at.result, True, f"Argument `at` of fm.{function} is this equilibrium, which was not found.")
+    own, factors = at.asked_of, at.factors
+    if solver is not None:
+        more = at.felt, at.reactions, at.external, at.iterations, at.result
+        return about_state(own, factors, at.x, at.e, at.sigma, *more, solver=solver)
+    own = as_determined(own, function)
+    return Linearization(_matrices_of(own.topology, own.parameters, factors, at.x, at.e), own)
 
 
 @unguarded

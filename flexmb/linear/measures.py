@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, shown
+from ..display import kind_of
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
@@ -108,7 +109,7 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
 def _check_modes(modes: Any, function: str) -> None:
     """Refuse what is no modes, or has no degrees of freedom."""
     if not isinstance(modes, Modes):
-        raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not a {type(modes).__name__}.")
+        raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not {kind_of(modes)}.")
     if modes.lin.large:
         raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices: give fm.modes(model, sparse=False).")
 

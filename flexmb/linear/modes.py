@@ -21,7 +21,7 @@ from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collects, or_nan
-from ..statics.equilibrium import load_factors_of, without_stiffness
+from ..statics.equilibrium import Equilibrium, load_factors_of, without_stiffness
 from .about import Where, by_elements, few_of, linearized
 from .linearize import Linearization, ManyStates, Matrices, linearize, matrices
 from .loose import (
@@ -137,7 +137,7 @@ def frequencies(
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
     throw: bool = True,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -155,7 +155,7 @@ def frequencies(
             is.
         solver: "sparse", "dense", or a :class:`flexmb.math.linear_solver.LinearSolver` in place of sparse factors.
         throw: Raise where the equilibrium or the eigenproblem fails.
-        at: Path, Motion or Linearization of the model, about a state of which it is asked in place of an equilibrium.
+        at: Equilibrium, Path, Motion or Linearization of the model, about a state of which it is asked.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
@@ -228,7 +228,7 @@ def modes(
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
     throw: bool = True,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,
@@ -304,7 +304,7 @@ def poles(
     count: int | None = None,
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
-    at: Linearization | ManyStates | None = None,
+    at: Equilibrium | Linearization | ManyStates | None = None,
     step: int | None = None,
     time: float | None = None,
     increment: float | None = None,

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..display import kind_of
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.transfer import correction, transfer
@@ -57,7 +58,7 @@ def second_transfer(
     """
     if not isinstance(lin, Linearization):
         raise TypeError(
-            f"fm.linear.second_transfer takes a Linearization, not a {type(lin).__name__}: give fm.linearize(model)."
+            f"fm.linear.second_transfer takes a Linearization, not {kind_of(lin)}: give fm.linearize(model)."
         )
     linearized(lin, "second_transfer")
     return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
-from ..display import Column, Labelled, Quantities, Summary, counted, listed, span
+from ..display import Column, Labelled, Quantities, Summary, counted, kind_of, listed, span
 from ..elements.section import Section
 from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, squared, von_mises
@@ -506,8 +506,8 @@ def _state(
         at = where.state(model, function)
     if getattr(at, "x", None) is None:
         raise TypeError(
-            "Argument `at` must be an Equilibrium, a Linearization, a Path or a Motion of this model, not a"
-            f" {type(at).__name__}."
+            "Argument `at` must be an Equilibrium, a Linearization, a Path or a Motion of this model, not"
+            f" {kind_of(at)}."
         )
     if at.x.shape[int(several) :] != model.parameters.reference.shape:
         raise ValueError(

@@ -13,7 +13,7 @@ from jaxtyping import Array
 
 from ..arguments import is_concrete, require_double_precision
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, among, listed, unit_of, unit_of_force
+from ..display import Result, States, Summary, among, kind_of, listed, unit_of, unit_of_force
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
 from .by_name import TURNS, turn_of
@@ -380,7 +380,7 @@ def as_model(given: Any, function: str) -> Model:
         return given
     kind = type(given).__name__
     instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")
-    raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not a {kind}: {instead}.")
+    raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not {kind_of(given)}: {instead}.")
 
 
 def as_known(given: Any, function: str, numbers: bool = True) -> Model:

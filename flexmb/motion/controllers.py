@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_real, is_concrete, returned
 from ..compilation.record import Record, static
+from ..display import kind_of
 from ..errors import ModelError, first_line
 from ..numerical_limits import INTEGRATOR_POLE
 from .controlled_form import Feedback
@@ -159,7 +160,7 @@ def controller_of(control: Any) -> Feedback | Sampled:
         return Feedback(lambda t, z, y: control(t, y))
     raise ModelError(
         "Argument `control` must be a control.StateSpace or TransferFunction, a function u = f(t, y), a Feedback or"
-        f" Sampled, but is a {type(control).__name__}."
+        f" Sampled, but is {kind_of(control)}."
     )
 
 

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number, is_concrete
 from ..compilation.compile import jit_beside_options
+from ..display import kind_of
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
@@ -51,7 +52,7 @@ def linearize_motion(motion: Motion) -> Linearization:
     """
     if not isinstance(motion, Motion):
         raise TypeError(
-            f"fm.motion.linearize_motion needs a Motion, not a {type(motion).__name__}. Give fm.simulate(model, ..)."
+            f"fm.motion.linearize_motion needs a Motion, not {kind_of(motion)}. Give fm.simulate(model, ..)."
         )
     return motion.linearizations()
 

@@ -9,6 +9,7 @@ import scipy.linalg
 
 from ..control.frequency_response import FrequencyResponse
 from ..control.state_space import to_statespace
+from ..display import kind_of
 from ..linear.linearize import Linearization
 from ..model.model import Model
 from ..numerical_limits import SMALLEST_RESPONSE
@@ -118,8 +119,8 @@ def _system(found: Any) -> tuple[Any, float]:
         return to_statespace(found), FARTHEST
     if not isinstance(found, control.StateSpace):
         raise TypeError(
-            f"A Bode plot is drawn of a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not of a"
-            f" {type(found).__name__}."
+            f"A Bode plot is drawn of a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not of"
+            f" {kind_of(found)}."
         )
     if found.isdtime(strict=True):
         raise ValueError(f"A Bode plot is drawn of continuous time, and not of samples every {found.dt} s.")

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..control.noise import NoiseBudget
+from ..display import kind_of
 
 
 def noise(found: NoiseBudget, output: str | None = None) -> Any:
@@ -28,7 +29,7 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
     import matplotlib.pyplot as plt
 
     if not isinstance(found, NoiseBudget):
-        raise TypeError(f"The noise of a NoiseBudget is drawn, not that of a {type(found).__name__}.")
+        raise TypeError(f"The noise of a NoiseBudget is drawn, not that of {kind_of(found)}.")
     total = np.asarray(found.cumulative(output))
     hertz = np.asarray(found.hertz)
     # Zero has no place on a logarithmic axis.

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
+from ..display import kind_of
 from .canvas import faces, frame, mechanism_lines, new_axes, polylines, spread, write
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports
@@ -35,7 +36,7 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
         ValueError: There is no such state.
     """
     if not isinstance(found, Mobility):
-        raise TypeError(f"Self-stress is drawn of fm.mobility(model), not of a {type(found).__name__}.")
+        raise TypeError(f"Self-stress is drawn of fm.mobility(model), not of {kind_of(found)}.")
     if not 0 <= state < found.overconstraints:
         raise ValueError(f"There is no state of self-stress {state}: there are {found.overconstraints}, from 0.")
     states = states_of(found)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..arguments import is_concrete
-from ..display import Result, States
+from ..display import Result, States, kind_of
 from ..model.model import Model
 from .geometry import nodes_of
 
@@ -26,13 +26,13 @@ def states_of(shown: Any, at: Any = None) -> States:
     found = shown.states() if isinstance(shown, Result) else None
     if found is None:
         raise TypeError(
-            "A picture is drawn of a Model (with at= for an equilibrium or configuration), a Linearization, a Path or"
-            f" a Motion, not of a {_kind(shown)}."
+            "A picture is drawn of a Model (with at= for a configuration), an Equilibrium that knows its model, a"
+            f" Linearization, a Path or a Motion, not of {kind_of(shown)}."
         )
     if at is not None and found.model is not shown:
-        raise ValueError(f"Argument `at` goes with a Model; a {_kind(shown)} says itself where it is.")
+        raise ValueError(f"Argument `at` goes with a Model; {kind_of(shown)} says itself where it is.")
     if at is not None and not hasattr(at, "x"):
-        raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is a {_kind(at)}.")
+        raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is {kind_of(at)}.")
     x = np.asarray(found.x if at is None else at.x, float)
     if x.shape[-1] != found.model.topology.n_x:
         raise ValueError(
@@ -61,16 +61,12 @@ def state_of(
         step = int(np.argmin(np.abs(times - time)))
     if found.x.ndim == 1:
         if step is not None:
-            raise ValueError(f"Argument `step` goes with a Path or a Motion; this {_kind(shown)} is one state.")
+            raise ValueError(f"Argument `step` goes with a Path or a Motion; this {type(shown).__name__} is one state.")
         return found.model, found.x
     step = -1 if step is None else step
     if not -len(found.x) <= step < len(found.x):
         raise ValueError(f"Argument `step` must be below {len(found.x)}, the number of states, but is {step}.")
     return found.model, found.x[step]
-
-
-def _kind(value: Any) -> str:
-    return type(value).__name__
 
 
 def checked(scale: float) -> float:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import kind_of
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
 from .canvas import BLACK, faces, frame, marks, mechanism_lines, new_axes, polylines, spread, write
@@ -37,7 +38,7 @@ def stress(
 
     Args:
         found: Stress or section resultants.
-        shown: What it is the stress of: Linearization, Model (drawn undeformed), or Path with ``step``.
+        shown: What it is the stress of: Equilibrium, Linearization, Model (drawn undeformed), or Path with ``step``.
         quantity: "von Mises", "sigma_x" or "tau" of a Stress, "across" of one with leaf springs, "utilisation" of one
             whose materials state their strength; "normal force", "shear force y", "shear force z", "torque",
             "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
@@ -116,8 +117,8 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     """
     if not hasattr(found, "quantities"):
         raise TypeError(
-            f"Stress colours are drawn of fm.stress(model) or fm.linear.section_resultants(model), not of a"
-            f" {type(found).__name__}."
+            f"Stress colours are drawn of fm.stress(model) or fm.linear.section_resultants(model), not of"
+            f" {kind_of(found)}."
         )
     known = found.quantities()
     if quantity is None:

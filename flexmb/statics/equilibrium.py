@@ -11,7 +11,7 @@ from ..arguments import check_number, is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
-from ..display import Result, Summary, largest, short, unit_of_force
+from ..display import Result, States, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
 from ..math.element_matrices import Whole
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
@@ -68,10 +68,28 @@ class Equilibrium(ByName, Result, Record):
     one_axis = "x"
     # The model it was asked of, where its numbers were known: beside the fields, since nothing is computed with it.
     asked_of: ClassVar[Model | None] = None
+    # Factors of its loads, likewise.
+    factors: ClassVar[LoadFactors | None] = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Its fields alone: the model may hold functions that no file can."""
-        return {name: value for name, value in vars(self).items() if name != "asked_of"}
+        return {name: value for name, value in vars(self).items() if name not in ("asked_of", "factors")}
+
+    def states(self) -> States | None:
+        """The equilibrium as a state of its model; None where its numbers are separate from that.
+
+        Raises:
+            AnalysisError: It was not found.
+        """
+        if self.asked_of is None:
+            return None
+        check(self.result, True, "There is no state to show.")
+        return States(self.asked_of, self.x)
+
+    def known(self, model: Model, factors: LoadFactors) -> "Equilibrium":
+        """The same, which tells of which model and which loads it is."""
+        vars(self).update(asked_of=model, factors=factors)
+        return self
 
     def summary(self) -> Summary:
         """Outcome, and the largest deformation, stress resultant and reaction with their names."""
@@ -193,7 +211,7 @@ def equilibrium(
         about = f"Load steps reached {factors_told(model, reached)}."
     check_stiffness(model, solved.result, throw, about)
     if known := is_concrete((model, solved, looked_at)):
-        vars(solved)["asked_of"] = model
+        solved.known(model, target)
     solved = or_nan(solved, solved.result, throw)
     if known and int(solved.result) == RESULTS.successful:
         warn_of_coarse(model, solved.e)

@@ -46,7 +46,8 @@ class Equilibria(ByName, Labelled, Record):
         """One of them, such as ``fm.stress(model, at=found[-1])`` takes it."""
         if not -len(self) <= number < len(self):
             raise IndexError(f"There are {len(self)} equilibria, from 0, and no number {number}.")
-        return jax.tree.map(lambda array: array[number], self.each)
+        found, *factors = jax.tree.map(lambda array: array[number], (self.each, self.load_factor, self.increment))
+        return found.known(self.model, LoadFactors(*factors)) if is_concrete((found, self.model)) else found
 
     def __len__(self) -> int:
         return self.increment.shape[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 import jax
@@ -12,6 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.assemble import UNIT_NORM
 from ..build.builder import Builder
+from ..build.clamps import parts_of, with_clamps
 from ..build.description import Key, Member, NamedSignal, Node
 from ..build.given import released_in
 from ..elements import planar, spatial
@@ -21,7 +22,7 @@ from ..elements.sections import Rigidity
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turned_by
 from ..model.model import Model, Signal
-from ..model.roles import Role
+from ..model.roles import HELD, Role
 
 # The call that puts an element without a name on a node, by its type.
 HIDDEN = {"mass": "mass", "inertia": "inertia", "body": "body"}
@@ -39,13 +40,17 @@ def builder_of(model: Model) -> Builder:
     """
     if not is_concrete(model) or np.ndim(model.parameters.reference) != 1:
         raise ModelError("One model with numbers of its own is wanted, not one that is traced or many at once.")
-    return _Taken(model).builder
+    stated: set[str] = set()
+    while more := (taken := _Taken(model, stated)).clamped_otherwise() - stated:
+        stated |= more
+    return taken.builder
 
 
 class _Taken:
-    """One model on its way into calls."""
+    """One model on its way into calls, which state the clamps of some leaf springs; others find them."""
 
-    def __init__(self, model: Model):
+    def __init__(self, model: Model, stated: Container[str]):
+        self.stated = stated
         self.labels, self.topology, self.parameters = model.labels, model.topology, model.parameters
         self.builder = Builder()
         self.builder.dimension = self.labels.dimension
@@ -136,6 +141,24 @@ class _Taken:
         of_frame = member.element.name == "hinge" and member.nodes[0] == frame_of(node)
         return name.startswith(TURN_OF) and of_frame and (axis != "" or member.roles[0] is Role.PRESCRIBED)
 
+    def clamped_otherwise(self) -> set[str]:
+        """Names of the leaf springs whose ends the calls would clamp otherwise than the model does."""
+        leaves = {name: own for name, own in self.members.items() if "clamped" in own.properties}
+        try:
+            found = with_clamps(self.builder, None)
+        except ModelError:
+            # What would decide is stated nowhere, or what is stated already does not suffice.
+            return set(leaves)
+        return {
+            name
+            for name, own in leaves.items()
+            if not np.array_equal(found.members[name].properties["clamped"], own.properties["clamped"])
+            or any(
+                (found.nodes[node].roles[0] in HELD) != (self.nodes[node].roles[0] in HELD)
+                for node in parts_of(own, "warping")
+            )
+        }
+
     # -- how it is said ---------------------------------------------------------------------------------------------
 
     def _key(self, kind: str, index: int) -> Key:
@@ -183,8 +206,10 @@ class _Taken:
         if isinstance(damping, MaterialDamping) and isinstance(section, Section) and section.states("damping"):
             # Of the material of the section.
             del properties["damping"]
-        if "clamped" in properties:
+        if "clamped" in properties and name in self.stated:
             properties["clamped"] = tuple(flag == 1 for flag in properties["clamped"])
+        else:
+            properties.pop("clamped", None)
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}
         free = {n for n, role in enumerate(roles, 1) if role is Role.DEPENDENT} - {*element.measured}
         usual = released_in(name, element.freed(member.properties), element, len(roles))

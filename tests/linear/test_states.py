@@ -3,13 +3,14 @@
 import dataclasses
 import pickle
 
+import jax
 import numpy as np
 import pytest
 from cases.mechanisms import LENGTH, THICKNESS, WIDTH, planar_guide
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb import planar
+from flexmb import planar, plot
 
 # Printed 78.7500 N (tutorial 3.1); the load that the guide bears takes the share P / 78.75 of its stiffness.
 CRITICAL, LOAD = 78.75, 20.0
@@ -141,7 +142,7 @@ def renamed():
 
 
 @pytest.mark.slow(
-    "<lambda>-TypeError-not an Equilibrium",
+    "<lambda>-TypeError-not a Model",
     "<lambda>-TypeError-must be a Path",
     "<lambda>-IndexError-2 steps",
     "<lambda>-ValueError-goes with at=",
@@ -159,7 +160,8 @@ def renamed():
         (lambda m, p: fm.stress(thicker(), at=p, step=0), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(thicker(), at=fm.equilibrium(m, increment=0.0)), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(renamed(), at=fm.equilibrium(m, increment=0.0)), ValueError, "have other names"),
-        (lambda m, p: fm.frequencies(m, at=fm.equilibrium(m, increment=1.0)), TypeError, "not an Equilibrium"),
+        (lambda m, p: fm.frequencies(m, at=m), TypeError, "not a Model"),
+        (lambda m, p: fm.frequencies(thicker(), at=fm.equilibrium(m, increment=0.0)), ValueError, "other dimensions"),
         (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
         (lambda m, p: fm.frequencies(m, at=p, step=9), IndexError, "2 steps"),
         (lambda m, p: fm.stress(m, step=1), ValueError, "goes with at="),
@@ -176,4 +178,56 @@ def test_an_equilibrium_is_stored_without_its_model(pressed):
     assert found.asked_of is model
     stored = pickle.loads(pickle.dumps(found))
     assert stored.asked_of is None
+    assert stored.factors is None
+    assert stored.states() is None
     np.testing.assert_array_equal(stored.x, found.x)
+
+
+def test_an_equilibrium_is_a_state_to_ask_about(pressed):
+    model, _ = pressed
+    found = fm.equilibrium(model, increment=1.0)
+    # One degree of freedom about a straight state: K0 + P G0 to round-off.
+    share = fm.frequencies(model, at=found)[0] ** 2 / fm.frequencies(model, increment=0.0)[0] ** 2
+    assert float(share) == approx(1 - LOAD / CRITICAL, rel=1e-9)
+    half = fm.equilibria(model, increment=[0.0, 0.5])[1]
+    share = fm.frequencies(model, at=half)[0] ** 2 / fm.frequencies(model, increment=0.0)[0] ** 2
+    assert float(share) == approx(1 - LOAD / 2 / CRITICAL, rel=1e-9)
+    dense, sparse = (fm.frequencies(model, count=1, at=found, sparse=sparse) for sparse in (False, True))
+    np.testing.assert_allclose(sparse, dense, rtol=1e-8)
+    about = fm.linearize(model, increment=1.0)
+    np.testing.assert_allclose(fm.modes(model, at=found).lin.K, about.K, rtol=1e-9)
+    assert found.states().model is model
+
+
+def test_an_equilibrium_that_was_not_found_is_refused(pressed):
+    model, _ = pressed
+    found = fm.equilibrium(model, increment=0.0)
+    missed = dataclasses.replace(found, result=np.array(int(fm.RESULTS.not_converged))).known(model, found.factors)
+    for ask in (lambda: fm.frequencies(model, at=missed), lambda: fm.plot.mechanism(missed)):
+        with pytest.raises(fm.AnalysisError, match=r"was not found|no state to show"):
+            ask()
+
+
+def test_an_equilibrium_without_its_model_is_refused(pressed):
+    model, _ = pressed
+    found = fm.equilibrium(model, increment=0.0)
+    stored = pickle.loads(pickle.dumps(found))
+    with pytest.raises(TypeError, match="separate from its model and loads"):
+        fm.frequencies(model, at=stored)
+
+    def frequency(scale):
+        numbers = dataclasses.replace(model.parameters, reference=scale * model.parameters.reference)
+        return fm.frequencies(dataclasses.replace(model, parameters=numbers), at=found)[0]
+
+    # Its numbers do not follow those that are differentiated by: zero would be wrong.
+    with pytest.raises(TypeError, match=r"fm\.linearize"):
+        jax.grad(frequency)(1.0)
+
+
+def test_a_picture_takes_an_equilibrium_by_its_article(pressed):
+    model, _ = pressed
+    found = fm.equilibrium(model, increment=1.0)
+    plot.stress(fm.stress(model, at=found), found)
+    stored = pickle.loads(pickle.dumps(found))
+    with pytest.raises(TypeError, match="not of an Equilibrium"):
+        plot.mechanism(stored)

@@ -285,3 +285,30 @@ def test_angles_about_global_axes(what):
     assert left_out == []
     assert not any("turn of" in str(thing) for thing in document.things)
     check_same_contents(rebuilt(document), b)
+
+
+@pytest.mark.slow("fold", "statement that is shared")
+@pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared"])
+def test_clamps_of_a_model_are_found_again_or_stated(case):
+    leaf = fm.Rectangle(0.05, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
+    b = fm.Builder()
+    last = (0.2, 0, 0) if case == "statement that is shared" else (0.1, 0, 0.1)
+    for name, place in {"A": (0, 0, 0), "B": (0.1, 0, 0), "C": last}.items():
+        b.node(name, place)
+    stated = {"fold": None, "fold beside a statement": (True, False), "statement that is shared": (True, True)}[case]
+    b.add(spatial.leaf_spring, "A", "B", name="one", section=leaf, y=(0, 1, 0), clamped=stated)
+    b.add(spatial.leaf_spring, "B", "C", name="two", section=leaf, y=(0, 1, 0))
+    b.fix("A")
+    b.mass("C", 0.1)
+    model = b.build()
+    document, left_out = document_of(model)
+    assert not left_out
+    again = rebuilt(document).build()
+    assert again.counts() == model.counts()
+    ends, found = (
+        [np.asarray(own["clamped"]).tolist() for own in one.parameters.properties if "clamped" in own]
+        for one in (model, again)
+    )
+    assert found == ends
+    stiffness = (fm.linear.directional_compliance(one)["C"] for one in (again, model))
+    np.testing.assert_allclose(*stiffness, rtol=1e-9)
