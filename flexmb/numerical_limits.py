@@ -139,6 +139,147 @@ time stay below; no step misses them."""
 JUMP_OF_RANGE = 0.02
 """A function of time jumps if it changes by more than this share of its range between two of the compared times."""
 
+# --- linear -----------------------------------------------------------------------------------------------------------
+
+FAR_BEFORE_BUCKLING = 0.3
+"""Loads that move a mechanism by more than this before it buckles are reported (extents, radians)."""
+
+BENT_BY_LOADS = 0.1
+"""If all loads are scaled, loads that move a mechanism by more than this are reported: multipliers are about the moved
+state. A strip on edge that is turned by 0.1 rad has a multiplier that is wrong by 5 %."""
+
+KNOWN_EIGENVALUE = 1e-3
+"""An eigenvalue of an unsymmetric matrix is known if round-off moves it by less than this share."""
+
+UNBOUNDED_MULTIPLIER = 1e9
+"""Load multipliers above this times the smallest are unbounded: the load does not act in that motion."""
+
+STRESS_ROUND_OFF = 1e-15
+"""Round-off of stress resultants: that of a deformation, over what the mechanism's extent would make of it; that of a
+constraint force, over the largest force that it balances; that of an element's curvature, over its largest entry."""
+
+NEGATIVE_STIFFNESS = 1e-9
+"""An element's stiffness is negative below zero by more than this share."""
+
+NEGATIVE_WORK = 1e-6
+"""Forces on a node in a stable state do no negative work beyond this, for compliances scaled to one."""
+
+VIBRATES_ABOVE_SHIFT = 1e-6
+"""If K had to be shifted by s, a motion vibrates whose omega^2 exceeds this share of s; others meet no stiffness."""
+
+LANCZOS_CONVERGED = 1e-4
+"""Change of a motion by one more Lanczos iteration. The error of an eigenvalue is its square."""
+
+INDEFINITE_FLEXIBILITY = 1e-10
+"""A flexibility below minus this share of the largest is negative; nearer to zero it is round-off of a stiff motion."""
+
+COUNTED_BEFORE_LAST = 1e-6
+"""Eigenvalues are counted up to this share before the last that was found."""
+
+FREE_STIFFNESS = 1e-13
+"""A motion is free if its stiffness is below this share of the stiffnesses at its coordinates."""
+
+TAKES_PART = 1e-9
+"""A direction takes part in a motion if it has more than this share of it."""
+
+NO_MASS = 1e-12
+"""A motion has no mass below this share of the largest."""
+
+ONE_CLUSTER = 1e-6
+"""Eigenvalues within this share of each other have one common space of modes: the vector of one is round-off."""
+
+TRUE_POLE = 1e-9
+"""Residual of a pole's motion over its size. Above, another shift is tried."""
+
+REPEATED_EIGENVALUE = 1e-8
+"""Eigenvalues within this share of each other are repeated."""
+
+FREE_ENERGY = 1e-8
+"""A free motion has less elastic energy than this share of the round-off of the largest stiffness."""
+
+KNOWN_BY_FACTORS = 0.1
+"""Factors that know an eigenvalue to this share make iterations with a better product converge."""
+
+ROUGH_EIGENVALUE = 1e-4
+"""Accuracy of eigenvalues that only determine a shift."""
+
+GOOD_MOTION = 1e-6
+"""Change of a motion by one more iteration, whose square is the error of an eigenvalue. Above, another shift is
+tried."""
+
+EIGENVALUES_APART = 1e4
+"""Iterations alone separate eigenvalues at least this factor apart. Together, the round-off of the larger would be the
+error of the smaller."""
+
+NEGATIVE_MASS = 1e-10
+"""A mass is negative below minus this share of the largest, or of the own entry of its coordinate."""
+
+DEFINITE_STIFFNESS = 1e-14
+"""A stiffness needs no shift if its lowest eigenvalue is above this share of |K|/|M|."""
+
+FIRST_SHIFT = 1e-8
+"""Otherwise shifts start at this share of |K|/|M| and grow until K + sM is positive definite, so that the shift is not
+much larger than the most negative eigenvalue needs. A smaller shift leaves no digits for others beside a free
+motion."""
+
+GENERAL_SHIFT = 1e-6
+"""First shift for an unsymmetric K, whose factors do not show definiteness. Beside a free motion, eigenvalues from
+1e-12 to 1 of |K|/|M| then keep nine digits."""
+
+TOLD_BESIDE_SHIFT = 1e-10
+"""Beside a shift, an eigenvalue above this share of it is known not to be zero."""
+
+NEXT_SHIFT = 1e-4
+"""The next shift is this share of the lowest eigenvalue that is known not to be zero. Below both shares, one is
+zero."""
+
+SURE_EIGENVALUE = 10.0
+"""An eigenvalue is known if it is above this times its round-off."""
+
+LOST_EIGENVALUE = 1e-3
+"""An eigenvalue is lost if its round-off is above this share of it, and above FAINT of others."""
+
+FAINT = 1e-9
+"""Round-off below this share of other eigenvalues does not count: a zero beside them, as at a critical state, is no
+loss."""
+
+MASSLESS_SHARE = 100 * 2.0**-52
+"""A motion has no mass if its mu is below this share of the largest, per degree of freedom."""
+
+WITHOUT_MASS = 1e-13
+"""A combination of degrees of freedom has no mass below this share of the masses at them, per degree of freedom."""
+
+REGULAR_STIFFNESS = 1e12
+"""Largest condition of a stiffness from whose side slow poles are solved."""
+
+SIZES_APART = 1e-6
+"""Poles are split between both sides where sizes differ by at least this share."""
+
+REAL_VALUE = 1e-8
+"""A value is real if its imaginary part is below this share of it."""
+
+GROWING_POLE = 1e-9
+"""A pole grows if its real part is above this share of its size."""
+
+ROUND_OFF_OF_POLES = 1e-12
+"""Poles below this share of the largest are round-off."""
+
+BESIDE_BREAK = 1e-9
+"""Distance from a break at which both its sides are evaluated, over an element's length."""
+
+ONE_REPEATED_POLE = 1e-8
+"""Poles within this share of each other are one repeated pole."""
+
+SOLVED_BY_VECTOR = 1e-6
+"""Residual of the vector of a pole, for equations scaled to one."""
+
+MEETING_POLES = 1e-5
+"""Least change of the scaled equations with the pole along its vectors. Below, two poles almost meet with one vector,
+and their derivatives have no digits."""
+
+BESIDE_POLE = 1e-7
+"""Sparse factors are taken this share beside a pole. Errors of vectors are its square."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

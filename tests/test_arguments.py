@@ -587,7 +587,7 @@ def test_a_mechanism_that_cannot_move_has_no_poles():
         (fm.mobility, r"fm\.mobility takes a model of known numbers"),
         (fm.control.to_nonlinear_system, "to_nonlinear_system takes a model of known numbers"),
         (lambda model: fm.verdict(model, {"B.x": 1e-3}), r"fm\.verdict takes a model of known numbers"),
-        (fm.linear.directional_compliance, "directional_compliance takes a model of known numbers: ask fm.compliance"),
+        (fm.linear.directional_compliance, "directional_compliance needs a model of known numbers. Use fm.compliance"),
     ],
 )
 def test_what_needs_concrete_numbers_says_so(ask, why):

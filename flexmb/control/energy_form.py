@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from ..linear.spectrum import MASSLESS, shift_to_definite
+from ..linear.spectrum import shift_to_definite
 from ..math.linear import factorise, pencil
+from ..numerical_limits import MASSLESS_SHARE
 from .second_order_form import SecondOrder
 
 # What is left of a sum is nothing below this share of its terms, or of what round-off may make of them.
@@ -49,7 +50,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     shift, _, _ = shift_to_definite(symmetric, system.M)
     # Of whichever basis the equations hold, so that it is not differentiated.
     mu, basis = jax.lax.stop_gradient(pencil(system.M, symmetric + shift * system.M))
-    massive = mu > MASSLESS * len(mu) * jnp.max(mu, initial=0.0)
+    massive = mu > MASSLESS_SHARE * len(mu) * jnp.max(mu, initial=0.0)
     there, absent = massive.astype(float), (~massive).astype(float)
     scale = jnp.where(massive, 1 / jnp.sqrt(jnp.where(massive, mu, 1.0)), 0.0)
     mass, damping, stiffness = (basis.T @ of @ basis for of in (system.M, system.C, system.K))

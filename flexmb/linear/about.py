@@ -1,4 +1,4 @@
-"""What a question is asked about: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
+"""What a question is about: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
 
 import dataclasses
 from typing import Any, NamedTuple
@@ -17,12 +17,12 @@ from ..statics.equilibrium import Equilibrium, load_factors_of
 from .linearize import Linearization, ManyStates, linearized_about, linearized_by_elements, linearized_by_freedoms
 from .sparse_spectrum import asks_for_all
 
-# Numbers of a material that no state depends on.
+# Numbers of a material that do not affect a state.
 BEARS = frozenset({"strength", "fatigue"})
 
 
 class Where(NamedTuple):
-    """Which state of a mechanism a public function is asked about; where all is None, the equilibrium.
+    """State of a mechanism that a public function is asked about; all None for the equilibrium.
 
     Attributes:
         at: Equilibrium, Linearization, Path or Motion of the model.
@@ -37,7 +37,7 @@ class Where(NamedTuple):
     increment: float | None = None
 
     def refuse(self, function: str, *, given: bool = False) -> None:
-        """Raise ValueError of what does not go together, also with a linearisation that is ``given`` for a model."""
+        """Raise ValueError for arguments that exclude each other; `given`: a linearisation replaces the model."""
         for name, value in (("step", self.step), ("time", self.time)):
             if value is not None and not isinstance(self.at, ManyStates):
                 raise ValueError(f"Argument `{name}` of fm.{function} goes with at=, a path or a motion.")
@@ -46,24 +46,19 @@ class Where(NamedTuple):
             raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
         if given and self.at is not None:
             raise ValueError(
-                f"fm.{function} is given a linearisation and `at`: give the model and `at`, or that alone."
+                f"fm.{function} is given a linearisation and `at`. Give the model and `at`, or the linearisation alone."
             )
 
     def state(self, model: Model, function: str) -> Linearization:
-        """Linearised equations about the state that ``at`` says.
-
-        Raises:
-            TypeError: ``at`` is none.
-            ValueError: ``at`` has many states and none is named, or is of another model.
-        """
+        """Linearised equations about the state that ``at`` names; raise TypeError or ValueError for a wrong ``at``."""
         at = self.at
         if isinstance(at, ManyStates):
             states = at.states()
             if self.step is None and self.time is None:
                 also = ", or its time=" if states.kind == "motion" else ""
                 raise ValueError(
-                    f"Argument `at` of fm.{function} is a {type(at).__name__} with {len(states.x)} states: say which by"
-                    f" step=, such as step=-1 for the last{also}."
+                    f"Argument `at` of fm.{function} is a {type(at).__name__} with {len(states.x)} states. Choose one"
+                    f" by step=, such as step=-1 for the last{also}."
                 )
             at = at.linearization(self.step, self.time)
         if isinstance(at, Equilibrium):
@@ -78,46 +73,44 @@ class Where(NamedTuple):
         return at
 
 
-def _key(of: Any) -> str:
-    return str(getattr(of, "name", getattr(of, "key", "")))
+def _key(entry: Any) -> str:
+    return str(getattr(entry, "name", getattr(entry, "key", "")))
 
 
 def check_state(at: Any, model: Model, function: str) -> None:
-    """Refuse a state of another model, as far as its names or numbers that are known tell.
+    """Raise ValueError for a state of another model, by its names or known numbers.
 
-    Loads and strains may differ: those of a path's steps and of its imperfections do. ``at`` has ``labels``, and may
-    have a ``model``, or tell which one it was ``asked_of``.
+    Loads and strains may differ, as those of a path's steps and imperfections do.
     """
-    own = getattr(at, "model", None) or getattr(at, "asked_of", None)
-    if own is model:
+    of_state = getattr(at, "model", None) or getattr(at, "asked_of", None)
+    if of_state is model:
         return
     labels = model.labels
     if (at.labels.x, at.labels.elements) != (labels.x, labels.elements):
         raise ValueError(f"Argument `at` of fm.{function} is of another model: its nodes or elements have other names.")
-    if own is None:
+    if of_state is None:
         return
-    numbers = [(one.parameters.reference, one.parameters.properties) for one in (own, model)]
+    numbers = [(each.parameters.reference, each.parameters.properties) for each in (of_state, model)]
     if not is_concrete(numbers):
         return
-    (one, shape), (other, wanted) = (jax.tree_util.tree_flatten_with_path(of) for of in numbers)
-    pairs = [(a, b) for (path, a), (_, b) in zip(one, other, strict=False) if not BEARS.intersection(map(_key, path))]
-    if shape != wanted or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
+    (ours, shape), (wanted, wanted_shape) = (jax.tree_util.tree_flatten_with_path(part) for part in numbers)
+    pairs = [(a, b) for (path, a), (_, b) in zip(ours, wanted, strict=False) if not BEARS.intersection(map(_key, path))]
+    if shape != wanted_shape or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
         raise ValueError(
-            f"Argument `at` of fm.{function} is of a model with other dimensions: ask about that model, or find the"
-            " state of this one."
+            f"Argument `at` of fm.{function} is of a model with other dimensions. Give that model, or a state of this"
+            " model."
         )
 
 
 def linearized(given: Any, function: str, throw: bool = True, where: Where | None = None) -> Linearization:
-    """What a public function is asked about, in the degrees of freedom.
+    """Linearization that a public function is asked about, in the degrees of freedom.
 
     Args:
-        given: Model, which is linearised about its equilibrium or stands at a state of a path or a motion; or
-            Linearization, which passes.
+        given: Model, linearised about its equilibrium or the state of ``where``; or Linearization, which is returned.
 
     Raises:
-        TypeError: It is neither, or is linearised element by element.
-        ValueError: It is a linearisation along a motion, at many times; or arguments do not go together.
+        TypeError: `given` is neither, or is sparse.
+        ValueError: `given` is a linearisation along a motion, or arguments exclude each other.
         AnalysisError: The equilibrium was not found.
     """
     require_double_precision()
@@ -125,19 +118,19 @@ def linearized(given: Any, function: str, throw: bool = True, where: Where | Non
     is_linearized = isinstance(given, Linearization)
     where.refuse(function, given=is_linearized and not given.large)
     if is_linearized and given.large:
-        raise TypeError(f"fm.{function} takes no sparse linearisation: give fm.linearize(model), which is dense.")
+        raise TypeError(f"fm.{function} takes no sparse linearisation. Give fm.linearize(model), which is dense.")
     if where.at is not None:
         given = where.state(as_model(given, function), function)
         if given.large:
             instead = "fm.path(model, sparse=False)" if where.at is not given else "fm.linearize(model)"
-            raise TypeError(f"fm.{function} takes no sparse linearisation: give {instead}, which is dense.")
+            raise TypeError(f"fm.{function} takes no sparse linearisation. Give {instead}, which is dense.")
     if not isinstance(given, Linearization):
         model = as_determined(given, function)
         return linearized_by_freedoms(model, load_factors_of(model, 1.0, where.increment, function), throw)
     if given.matrices.M0.ndim > 2:
         raise ValueError(
-            f"fm.{function} takes the linearisation of one state, and this one is along a motion, at"
-            f" {len(given.matrices.M0)} times: give lin.at_time(0)."
+            f"fm.{function} needs the linearisation of one state, but this is along a motion, at"
+            f" {len(given.matrices.M0)} times. Give lin.at_time(0)."
         )
     if is_concrete(given.matrices.result):
         check(given.matrices.result, throw)
@@ -145,12 +138,12 @@ def linearized(given: Any, function: str, throw: bool = True, where: Where | Non
 
 
 def is_large(model: Model) -> bool:
-    """Whether a mechanism is large enough for sparse matrices to be quicker, and has a potential."""
+    """Whether a mechanism has a potential and is large enough for sparse matrices to be faster."""
     return by_sparse(model, None) and not lacks_potential(model.topology)
 
 
 def few_of(given: Any, count: int | None) -> bool:
-    """Whether so few of the modes of a model, or of its linearisation, are asked for that sparse matrices give them."""
+    """Whether the number of modes wanted is small enough for sparse matrices."""
     if count is None or not isinstance(given, Model):
         return count is not None
     topology = given.topology
@@ -160,21 +153,21 @@ def few_of(given: Any, count: int | None) -> bool:
 def by_elements(
     given: Any, function: str, where: Where, solver: LinearSolver | None, *, few: bool = True, throw: bool = True
 ) -> Linearization | None:
-    """What a public function is asked about, where sparse matrices are to answer; None where dense ones are.
+    """Linearization for sparse matrices; None if dense matrices answer.
 
     Args:
         given: Model, or its linearisation.
-        solver: By which; None: sparse factors where a mechanism is large.
-        few: Whether so little is asked for that sparse matrices are worth it.
-        throw: Whether a failure is an error, as it always is by sparse matrices.
+        solver: Solver wanted; None: sparse factors for a large mechanism.
+        few: Whether sparse matrices are worth it.
+        throw: Whether a failure raises, as it always does with sparse matrices.
 
     Raises:
-        ValueError: ``solver`` does not go with what is given, or ``at`` is of another model.
+        ValueError: ``solver`` does not suit what is given, or ``at`` is of another model.
         AnalysisError: The equilibrium was not found.
     """
     at, is_linearized = where.at, isinstance(given, Linearization)
     of_path = isinstance(at, ManyStates) and at.by_sparse
-    if of_path or any(isinstance(of, Linearization) and of.large for of in (at, given)):
+    if of_path or any(isinstance(each, Linearization) and each.large for each in (at, given)):
         if solver == DENSE:
             raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
         where.refuse(function, given=is_linearized)
@@ -190,8 +183,8 @@ def by_elements(
     if is_linearized or at is not None:
         if solver not in (None, DENSE):
             raise ValueError(
-                f"With `sparse` give fm.{function} a Model, or what fm.linearize(model, sparse=True) answers: dense"
-                " matrices and states of a path or a motion stay dense."
+                f"With `sparse` give fm.{function} a Model, or fm.linearize(model, sparse=True). Dense matrices and"
+                " states of a path or a motion stay dense."
             )
         return None
     model = as_model(given, function)
@@ -199,7 +192,7 @@ def by_elements(
         return None
     if not throw:
         raise ValueError(
-            f"By sparse matrices fm.{function} always raises where it fails: leave `throw` or `sparse` out."
+            f"With sparse matrices fm.{function} always raises if it fails. Leave `throw` or `sparse` out."
         )
     where.refuse(function)
     target = load_factors_of(model, 1.0, where.increment, function)
@@ -209,7 +202,7 @@ def by_elements(
 def asked_about(
     given: Any, function: str, where: Where | None = None, solver: LinearSolver | None = None, *, few: bool = True
 ) -> Linearization:
-    """What a public function is asked about, by elements or in the degrees of freedom, as of :func:`by_elements`."""
+    """Linearization that a public function is asked about, by elements or in the degrees of freedom."""
     where = where or Where()
     large = by_elements(given, function, where, solver, few=few)
     return linearized(given, function, where=where) if large is None else large

@@ -27,6 +27,13 @@ from ..mechanics.transfer import multipliers
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import (
+    BENT_BY_LOADS,
+    FAR_BEFORE_BUCKLING,
+    KNOWN_EIGENVALUE,
+    STRESS_ROUND_OFF,
+    UNBOUNDED_MULTIPLIER,
+)
 from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.newton_search import held_values
@@ -35,23 +42,14 @@ from .about import Where, few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, linearize, linearized_by_elements
 from .shapes import Shapes
 from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
-from .sparse_multipliers import ROUND_OFF, UNBOUNDED
 from .spectrum import is_real
-
-# Loads that move a mechanism by more than this before it buckles (extents, radians) are told.
-FAR = 0.3
-# Loads, all of which are scaled, that move a mechanism by more than this as they are, are told: multipliers are about
-# it as it lies then. A strip on edge that is turned by 0.1 rad has one that is off by 5 %.
-BENT = 0.1
-# An eigenvalue of an unsymmetric matrix is known where round-off moves it by less than this share.
-TOLD = 1e-3
 
 
 class Buckling(Shapes, Labelled, Record):
     """Load multipliers and buckling modes, by magnitude.
 
-    Asked by name, as ``buckled.position("top")``, it answers of the state that the multipliers refer to;
-    ``buckled.shape("top")`` is how a node moves in each mode.
+    Asked by name, as ``buckled.position("top")``, it returns values of the state that the multipliers refer to;
+    ``buckled.shape("top")`` is the motion of a node in each mode.
 
     Attributes:
         multipliers: Lambda of det(K0 + N0 + lambda G0) = 0, sign kept, (n,) [-].
@@ -65,9 +63,9 @@ class Buckling(Shapes, Labelled, Record):
     one_axis = "multipliers"
 
     def states(self) -> States:
-        """The modes about their state, each with its load multiplier."""
+        """Return the modes about their state, each with its load multiplier."""
         told = enumerate(np.asarray(self.multipliers).tolist())
-        titles = [f"buckling mode {i + 1}: λ = {own:.5g}" for i, own in told]
+        titles = [f"buckling mode {i + 1}: λ = {multiplier:.5g}" for i, multiplier in told]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
     def quantities_by_name(self) -> Quantities:
@@ -75,32 +73,28 @@ class Buckling(Shapes, Labelled, Record):
         return numbered_quantities("mode", {"multiplier": (self.multipliers, "-")})
 
     def summary(self) -> Summary:
-        """Load multipliers."""
-        told = [f"load multiplier {own:.5g}" for own in np.asarray(self.multipliers).tolist()]
+        """Return the load multipliers."""
+        told = [f"load multiplier {multiplier:.5g}" for multiplier in np.asarray(self.multipliers).tolist()]
         return modal_summary("Buckling", self.states(), told, {} if told else {"load multipliers": "none"})
 
 
 def curvature_of_increment(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"]
 ) -> tuple[Float[Array, "n_x n_x"], Float[Array, "n_e"], Float[Array, "n_x"]]:
-    """Stiffness of the stresses that the incremental loads add, to first order, at the preloaded geometry ``at``.
-
-    Returns:
-        In the coordinates, (n_x, n_x) [N/m, N m/rad]; stresses, (n_e,) [N, N m]; displacements, (n_x,) [m, rad, -].
-    """
+    """Stiffness in the coordinates, stresses and displacements that the incremental loads add, to first order."""
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
     force = nodal_forces(topology, parameters, no_preload, at.x)
     wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
     shift = wanted_x - parameters.reference
     extra = stress_of_loads(topology, unloaded, scaled_loads(unloaded, no_preload), at.S)
-    # What an element adds to a deformation that is held is balanced there, and moves nothing.
+    # Constraints balance what an element adds to a held deformation.
     extra = jnp.zeros(topology.n_e) if extra is None else put(extra, topology.e.held, 0.0)
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
     elastic = at.S @ (at.jacobian @ dx) + extra
-    # What turns the stresses of the preload as the mechanism moves is balanced too; else the multipliers would depend
-    # on which degrees of freedom are named.
+    # The turned stresses of the preload are balanced too; otherwise multipliers would depend on the choice of degrees
+    # of freedom.
     turned = 0.0 if at.curvature is None else at.curvature @ dx
     sigma = multipliers(topology, at.transfer, at.jacobian, elastic, force - turned)
     curvature = deformation_curvature(topology, parameters, at.x, near, sigma)
@@ -114,15 +108,10 @@ def scaled_stiffness(
     near: Float[Array, "n_e"],
     raised: tuple[Topology, Parameters, State] | None = None,
 ) -> tuple[Float[Array, "n_q n_q"], Float[Array, "n_q n_q"], Float[Array, ""]]:
-    """Stiffness that stays and stiffness that is scaled with the loads, about a state, THEORY.md 7, eq. (7.4).
+    """Constant and scaled stiffness about a state (THEORY.md 7, eq. (7.4)), and 1/lambda of round-off.
 
-    Args:
-        near: Deformations there, (n_e,) [m, rad].
-        raised: Structure, numbers and the same state in which the incremental loads grow, where that holds more.
-
-    Returns:
-        Both, (n_q, n_q) [N/m, N m/rad], and how large 1/lambda comes out where it is but round-off, () [-]; infinite
-        where all that is scaled is.
+    The last is infinite if all scaled stiffness is round-off. `raised`: topology, parameters and state in which the
+    incremental loads grow, if more is held there.
     """
     if parameters.increment is None:
         stays, scaled, curvature = at.K0, at.G0, at.curvature
@@ -145,21 +134,21 @@ def _noise(
     sigma: Float[Array, "n_e"],
     moved: Float[Array, "n_x"],
 ) -> Float[Array, ""]:
-    """Largest 1/lambda that the round-off of the stress resultants makes.
+    """Largest 1/lambda that round-off of the stress resultants causes.
 
-    Elastic ones are wrong by the stiffness times the round-off of the deformations, all of them by that of the forces
-    that they balance; ``moved`` is what the round-off of the coordinates is a share of.
+    Elastic stress resultants are wrong by stiffness times the round-off of the deformations, all of them by the
+    round-off of the forces that they balance. `moved` are the coordinates whose round-off counts.
     """
     x, near, jacobian, stiffness, dfx = tangent
     rows = jnp.abs(jacobian) * sizes_of(topology, parameters)
     largest = jnp.max(rows.T @ jnp.abs(sigma), initial=0.0)
     reach = jnp.max(rows, axis=1, initial=0.0)
     elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), topology.e.held, 0.0)
-    wrong = ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
+    wrong = STRESS_ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
     relative = factorise(stiffnesses[0]).solve(
         dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx
     )
-    # Root of the trace of its square: an upper bound of its eigenvalues.
+    # The root of the trace of its square bounds its eigenvalues.
     noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
     nothing = _is_nothing(topology, parameters, stiffnesses[1], curvature, dfx)
     return jax.lax.stop_gradient(jnp.where(nothing, jnp.inf, jnp.where(jnp.isfinite(noise), noise, 0.0)))
@@ -172,32 +161,34 @@ def _is_nothing(
     curvature: Float[Array, "n_x n_x"] | None,
     dfx: Float[Array, "n_x n_q"],
 ) -> Bool[Array, ""]:
-    """Whether the stiffness that is scaled is but round-off, as that of a bar along its own axis.
+    """Whether the scaled stiffness is round-off, as for a bar along its own axis.
 
-    An entry of an element's curvature may be the difference of numbers as large as its largest entry, all measured by
-    the sizes of the coordinates: it is wrong by the round-off of that.
+    Each entry of an element's curvature may be wrong by the round-off of the element's largest entry, in sizes of the
+    coordinates.
     """
     if curvature is None:
         return jnp.array(True)
     sizes, most = jnp.asarray(sizes_of(topology, parameters)), jnp.zeros_like(scaled)
     for block in topology.blocks:
         if block.e.shape[1]:
-            own, size = curvature[block.x[:, :, None], block.x[:, None, :]], sizes[block.x]
-            largest = jnp.max(jnp.abs(own) * size[:, :, None] * size[:, None, :], axis=(1, 2), initial=0.0)
+            element_curvature, size = curvature[block.x[:, :, None], block.x[:, None, :]], sizes[block.x]
+            largest = jnp.max(
+                jnp.abs(element_curvature) * size[:, :, None] * size[:, None, :], axis=(1, 2), initial=0.0
+            )
             reached = jnp.sum(jnp.abs(dfx[block.x]) / size[:, :, None], axis=1)
             most = most + (reached.T * largest) @ reached
-    return jnp.all(jnp.abs(scaled) <= ROUND_OFF * most)
+    return jnp.all(jnp.abs(scaled) <= STRESS_ROUND_OFF * most)
 
 
 def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Array, "n"]:
-    """Load multipliers of 1/lambda, infinite where they are unbounded, or round-off below ``noise``."""
-    least = jnp.maximum(jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED, noise)
+    """Load multipliers from 1/lambda; infinite if unbounded, or below the round-off `noise`."""
+    least = jnp.maximum(jnp.max(jnp.abs(inverse), initial=0.0) / UNBOUNDED_MULTIPLIER, noise)
     bounded = (jnp.abs(inverse) > least) & (inverse != 0)
     return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
 
 
 def _of_unsymmetric(k: Float[Array, "n n"], g: Float[Array, "n n"]):
-    """Real values 1/lambda, zero for complex ones and what round-off makes, vectors, and the largest size of those."""
+    """Real 1/lambda (zero for complex ones and round-off), vectors, and the largest size of complex ones."""
     operator = factorise(k).solve(-g)
     inverse, vectors, conditions = general_eigen(operator)
     real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(operator, inverse, conditions)
@@ -208,42 +199,39 @@ def _of_unsymmetric(k: Float[Array, "n n"], g: Float[Array, "n n"]):
 def _is_told(
     operator: Float[Array, "n n"], values: Complex[Array, "n"], conditions: Float[Array, "n"]
 ) -> Bool[Array, "n"]:
-    """Which eigenvalues of an unsymmetric matrix are known, (n,): round-off is that of the matrix times its condition.
+    """Whether each eigenvalue of an unsymmetric matrix is known beside its round-off, which grows with its condition.
 
-    A load that follows may have no multipliers at all: of K^-1 G without an eigenvalue but zero round-off makes some,
-    by a root of it as high as the matrix has coordinates.
+    Follower loads may have no multipliers: round-off then makes eigenvalues of K^-1 G, by a root of the order of its
+    size.
     """
     operator, values = jax.lax.stop_gradient((operator, values))
-    return len(values) * np.finfo(float).eps * jnp.linalg.norm(operator) * conditions < TOLD * jnp.abs(values)
+    return len(values) * np.finfo(float).eps * jnp.linalg.norm(operator) * conditions < KNOWN_EIGENVALUE * jnp.abs(
+        values
+    )
 
 
 @jit
 def multipliers_of(
     k: Float[Array, "n n"], g: Float[Array, "n n"], noise: Float[Array, ""], *, unsymmetric: bool = False
 ) -> Float[Array, "n"]:
-    """Real load multipliers by magnitude, of a stiffness K that stays and one G that is scaled.
+    """Real load multipliers by magnitude (tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda).
 
-    ``noise`` is how large 1/lambda comes out where it is but round-off; ``unsymmetric`` says there is no potential.
-
-    Returns:
-        Lambda of det(K + lambda G) = 0, infinite where the load does not act or only in complex pairs, (n,) [-].
-
-    Source:
-        Tutorial WA 1239 (2012), eq. (A.2), solved for 1/lambda.
+    Infinite if the load does not act, or only in complex pairs. `noise` is the 1/lambda of round-off; `unsymmetric`
+    means no potential.
     """
     if unsymmetric:
         values, _, _ = _of_unsymmetric(k, g)
     else:
-        # The stiffness that stays may be of any definiteness.
+        # The constant stiffness may have any definiteness.
         inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
         values = jnp.where(jnp.isfinite(inverse.real) & is_real(inverse), inverse.real, 0.0)
-    found = bounded_of(values, noise)
-    return found[jnp.argsort(jnp.abs(found))]
+    bounded = bounded_of(values, noise)
+    return bounded[jnp.argsort(jnp.abs(bounded))]
 
 
 @kernel
 def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -> Float[Array, "n_q"]:
-    """Load multipliers where all loads of a linearised state are scaled, as :func:`multipliers_of`."""
+    """Load multipliers of a linearised state with all loads scaled."""
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
     curvature = deformation_curvature(topology, parameters, m.x, m.e, m.sigma)
     tangent, sizes = (m.x, m.e, jacobian, m.S, m.DFx), sizes_of(topology, parameters)
@@ -261,7 +249,7 @@ def _buckling(topology: Topology, parameters: Parameters, target: LoadFactors):
 def _buckling_at(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ):
-    """As :func:`_buckling` about a state that has been found."""
+    """:func:`_buckling` about a known state."""
     at = state(topology, parameters, factors, x, near)
     return _buckling_about(topology, parameters, at, near, jnp.asarray(RESULTS.successful, jnp.int32))
 
@@ -269,7 +257,7 @@ def _buckling_at(
 def _buckling_about(
     topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"], result: Int[Array, ""]
 ):
-    """Multipliers, modes in the coordinates, whether complex ones hide a lower load, how far loads move, and code."""
+    """Multipliers, modes in the coordinates, whether complex ones hide a lower load, motion by the loads, and code."""
     k, g, noise = scaled_stiffness(topology, parameters, at, near)
     dfx = at.transfer.DFx
     if lacks_potential(topology):
@@ -288,38 +276,36 @@ def _buckling_about(
 
 
 def _warn_of_moving(multiplier: Array, moved: Array, all_scaled: bool) -> None:
-    """Warn where the loads have moved the mechanism far when it is to buckle, or as it lies in what is asked about."""
+    """Warn if the loads move the mechanism far before it buckles, or in the given state."""
     lowest = np.min(np.abs(np.asarray(multiplier)), initial=np.inf)
-    if np.isfinite(lowest) and lowest * float(moved) > FAR:
+    if np.isfinite(lowest) and lowest * float(moved) > FAR_BEFORE_BUCKLING:
         warn(
-            f"Before it buckles, at the load multiplier {lowest:.4g} in size, these loads have moved the mechanism by"
-            f" {lowest * float(moved):.2g} of its extent, or radians, which linear buckling takes to be nothing: it may"
-            " be far off. Follow the path (fm.path, mode 10)."
+            f"At the load multiplier {lowest:.4g} these loads move the mechanism by {lowest * float(moved):.2g} of its"
+            " extent, or radians. Linear buckling neglects this motion, and may be far off. Follow the path (fm.path,"
+            " mode 10)."
         )
-    elif np.isfinite(lowest) and all_scaled and float(moved) > BENT:
+    elif np.isfinite(lowest) and all_scaled and float(moved) > BENT_BY_LOADS:
         warn(
-            f"As they are, these loads move the mechanism by {float(moved):.2g} of its extent, or radians, and load"
-            f" multipliers are about it as it lies then: the lowest, {lowest:.4g} in size, depends on how large the"
-            " loads are, unless it is one. Give the loads increment=True for multipliers about the mechanism without"
-            " them, or follow the path (fm.path, mode 10)."
+            f"With factor one, these loads move the mechanism by {float(moved):.2g} of its extent, or radians. Load"
+            f" multipliers are about this state: the lowest, {lowest:.4g} in size, depends on the size of the loads,"
+            " unless it is one. Give the loads increment=True for multipliers about the mechanism without them, or"
+            " follow the path (fm.path, mode 10)."
         )
 
 
 def _asked(model: Model, function: str, throw: bool, where: Where):
-    """Multipliers and modes of what a public function is asked about, and the linearisation of a path's state."""
+    """Multipliers and modes that a public function is asked for, and the linearisation of a path's state."""
     as_determined(model, function)
     lin, factors = _about(model, where, function)
-    if lin is None:
-        found = _buckling(model.topology, model.parameters, factors)
-    else:
-        found = _buckling_at(model.topology, model.parameters, factors, lin.x, lin.e)
-    multiplier, shapes, hidden, moved, result = found
+    about = (model.topology, model.parameters, factors)
+    answer = _buckling(*about) if lin is None else _buckling_at(*about, lin.x, lin.e)
+    multiplier, shapes, hidden, moved, result = answer
     check_stiffness(model, result, throw)
     if is_concrete(hidden) and hidden:
         warn(
-            "Loads that follow, moments about fixed axes or laws without a potential act here, and the load multipliers"
-            " of smallest size are complex: before it buckles the mechanism may flutter, which no load multiplier"
-            " tells. Ask the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
+            "Loads that follow, moments about fixed axes or laws without a potential act here. The load multipliers of"
+            " smallest size are complex: before it buckles the mechanism may flutter, and load multipliers do not show"
+            " flutter. Compute the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
         )
     if is_concrete((multiplier, moved, result)) and int(result) == RESULTS.successful:
         _warn_of_moving(multiplier, moved, model.parameters.increment is None and where.at is None)
@@ -328,7 +314,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
 
 
 def _about(model: Model, where: Where, function: str) -> tuple[Linearization | None, LoadFactors]:
-    """A state of a path and its load factors, or those of the equilibrium to find."""
+    """State of a path and its load factors, or None and those of the equilibrium to find."""
     where.refuse(function)
     at = where.at
     if at is None:
@@ -336,8 +322,7 @@ def _about(model: Model, where: Where, function: str) -> tuple[Linearization | N
         return None, load_factors_of(model, 1.0, increment, function)
     if not isinstance(at, ManyStates) or at.states().kind != "path":
         raise TypeError(f"Argument `at` of fm.{function} must be a Path of the model, not {kind_of(at)}.")
-    found = where.state(model, function)
-    return found, at.factors(-1 if where.step is None else where.step)
+    return where.state(model, function), at.factors(-1 if where.step is None else where.step)
 
 
 @unguarded
@@ -352,57 +337,57 @@ def buckling_loads(
     step: int | None = None,
     increment: float | None = None,
 ) -> Float[Array, "n_q"]:
-    """Load multipliers of linear buckling.
+    """Return the load multipliers of linear buckling.
 
     Args:
-        model: Mechanism with loads; differentiable in ``model.parameters``. With incremental loads, those are scaled
-            and the others are a constant preload; otherwise all loads are scaled, and the state is the equilibrium
-            under the loads as they are: where they bend the mechanism, multipliers depend on their size, but for one.
-        count: How many of the smallest size; all unless given or where there are fewer.
-        sparse: ``count`` multipliers by sparse factors, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. Chosen by size unless given, where ``count`` is and no stiffness is negative.
-            They can be differentiated once.
+        model: Mechanism with loads; differentiable in ``model.parameters``. Incremental loads are scaled, and the
+            others are a constant preload. Without incremental loads, all loads are scaled about the equilibrium under
+            them; if they bend the mechanism, multipliers other than one depend on their size.
+        count: Number of multipliers of smallest size; all by default.
+        sparse: Use sparse factors, with ``count``, for a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. By default chosen by size, if ``count`` is given and no stiffness is negative.
+            Multipliers by sparse factors can be differentiated once.
         solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
-        throw: Raise where the equilibrium fails or is unstable; by sparse factors it is raised in any case.
-        at: Path of the model, about a state of which it is asked in place of an equilibrium.
+        throw: Raise if the equilibrium fails or is unstable; sparse factors always raise.
+        at: Path of the model; the multipliers are about one of its states instead of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
-        increment: Factor of the incremental loads in the state to begin from, () [-]; zero unless given.
+        increment: Factor of the incremental loads in the initial state, () [-]; zero by default.
 
     Returns:
-        (n_q,) or (count,) [-], by magnitude, sign kept, infinite where the load does not act: where round-off
-        alone gives one.
+        (n_q,) or (count,) [-], by magnitude, sign kept; infinite if the load does not act except by round-off.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
-        NotImplementedError: A second derivative is asked of sparse factors.
+        NotImplementedError: A second derivative with sparse factors.
 
     Warns:
-        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or the
-            loads move the mechanism far before it buckles, or as they are.
+        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or the loads
+            move the mechanism far, before it buckles or with factor one.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
     how = throw, Where(at, step, None, increment)
-    found = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, asked_solver(sparse, solver))
-    if found is not None:
-        return found[0]
+    answer = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, asked_solver(sparse, solver))
+    if answer is not None:
+        return answer[0]
     return _asked(model, "buckling_loads", *how)[0][:count]
 
 
 def _by_sparse(
     model: Model,
     function: str,
-    found: Callable[..., Any],
+    compute: Callable[..., Any],
     throw: bool,
     where: Where,
     count: int | None,
     solver: LinearSolver | None,
 ) -> Any:
-    """What a public function is asked by sparse factors; None where dense matrices are to answer.
+    """Answer of ``found`` by sparse factors; None if dense matrices answer.
 
-    ``found`` answers of model, load factors, count, and a state of a path: multipliers first, how far loads move last.
+    ``found`` is a function of model, load factors, count, and a state of a path. It returns multipliers first, and the
+    motion by the loads last.
     """
     if count is not None:
         check_whole("count", count, 1)
@@ -416,7 +401,7 @@ def _by_sparse(
         return None
     about, factors = _about(model, where, function)
     try:
-        *answer, moved = found(model, factors, int(count), about, solver or SPARSE)
+        *answer, moved = compute(model, factors, int(count), about, solver or SPARSE)
         if is_concrete((answer[0], moved)):
             _warn_of_moving(answer[0], moved, model.parameters.increment is None and where.at is None)
         return answer
@@ -424,7 +409,7 @@ def _by_sparse(
         try:
             as_determined(model, function)
         except ModelError:
-            # Dense matrices cannot answer either: why sparse ones do not is what to tell.
+            # Dense matrices cannot answer either: report the reason of the sparse ones.
             raise refused from None
         if by_factors:
             raise
@@ -434,7 +419,7 @@ def _by_sparse(
 def _sparse_buckling(
     model: Model, factors: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
 ) -> tuple[Any, Any, Linearization, Any]:
-    """Multipliers, modes, the state that they are about, and how far loads move the mechanism."""
+    """Multipliers, modes, the state that they are about, and the motion by the loads."""
     lin = linearized_by_elements(model, factors) if about is None else about
     multipliers, shapes, moved = sparse_modes(model, factors, count, lin, solver)
     return multipliers, shapes, lin, moved
@@ -452,30 +437,30 @@ def buckling(
     step: int | None = None,
     increment: float | None = None,
 ) -> Buckling:
-    """Load multipliers and modes of linear buckling.
+    """Return load multipliers and modes of linear buckling.
 
     Args:
         model: Mechanism with loads; see :func:`buckling_loads`.
-        count, sparse, solver, throw, at, step, increment: As of :func:`buckling_loads`.
+        count, sparse, solver, throw, at, step, increment: As for :func:`buckling_loads`.
 
     Returns:
-        Buckling with multipliers (n,) [-] and shapes (n_x, n); unbounded ones are left out.
+        Buckling with multipliers (n,) [-] and shapes (n_x, n), without unbounded ones.
 
     Raises:
         AnalysisError: See :func:`buckling_loads`.
-        TypeError: Called under a trace; :func:`buckling_loads` can be.
+        TypeError: Called under a trace; use :func:`buckling_loads`.
 
     Source:
         See :func:`buckling_loads`.
     """
     if not is_concrete(model):
         raise TypeError(
-            "How many load multipliers are bounded depends on numbers: ask for fm.buckling_loads under jax.grad and"
+            "The number of bounded load multipliers depends on traced numbers. Use fm.buckling_loads under jax.grad and"
             " jax.jit."
         )
     where = Where(at, step, None, increment)
-    found = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, asked_solver(sparse, solver))
-    multiplier, shapes, lin = _asked(model, "buckling", throw, where) if found is None else found
+    answer = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, asked_solver(sparse, solver))
+    multiplier, shapes, lin = _asked(model, "buckling", throw, where) if answer is None else answer
     bounded = int(np.sum(np.isfinite(multiplier)[:count]))
     multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]

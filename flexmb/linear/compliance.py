@@ -1,4 +1,4 @@
-"""Compliance of the mechanism at its nodes, about the static equilibrium."""
+"""Compliance of a mechanism at its nodes, about the static equilibrium."""
 
 from typing import Any
 
@@ -16,15 +16,13 @@ from ..math.linear import diagonal_of, factorise
 from ..math.linear_solver import LinearSolver, asked_solver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
+from ..numerical_limits import NEGATIVE_WORK
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.equilibrium import Equilibrium
 from .about import Where, asked_about, linearized
 from .linearize import Linearization, ManyStates, Matrices
 from .loose import free_motions, named, naming_culprit, takes_part
 from .sparse_solve import solved
-
-# Forces on a node in a stable state do no negative work but for round-off, of compliances scaled to one.
-NEGATIVE = 1e-6
 
 
 def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
@@ -36,7 +34,7 @@ _rates_of_rotation = jit(_rates)
 
 
 def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
-    """As of :func:`_rates`, on the host by one program at most, of a position, an angle or a rotation."""
+    """:func:`_rates` of a position, an angle or a rotation, on the host."""
     n = coordinates.shape[0]
     return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
 
@@ -54,26 +52,26 @@ def compliance(
     time: float | None = None,
     increment: float | None = None,
 ) -> Float[Array, "n n"]:
-    """Displacements and rotations of a node under unit forces and moments on it.
+    """Return displacements and rotations of a node under unit forces and moments on it.
 
     Args:
         model: Mechanism, or its linearisation.
-        node: Name of the node. A position with a rotation "name.rotation" gives both.
-        local: In axes that turn with the node instead of the global ones; needs a rotation.
-        sparse: By sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
+        node: Name of the node. A position with a rotation "name.rotation" includes both.
+        local: Use axes that turn with the node instead of global axes; the node needs a rotation.
+        sparse: Use sparse matrices in all coordinates, for a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. By default chosen by size.
         solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
-        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
+        at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
         u = C f with u = (displacements, rotations) and f = (forces, moments): (3, 3) in the plane, (6, 6) in space,
         or the node's own coordinates if it has no rotation [m/N, rad/N, m/(N m), rad/(N m)].
 
     Raises:
-        KeyError: No such node.
-        ValueError: ``local``, of a node without a rotation.
-        AnalysisError: singular_stiffness where the node takes part in a motion that meets no stiffness; of other nodes
-            the compliance is that of the rest, but not where ``sparse`` is asked for.
+        KeyError: Unknown node.
+        ValueError: ``local`` for a node without a rotation.
+        AnalysisError: singular_stiffness if the node takes part in a motion without stiffness. Other nodes still have a
+            compliance, but not with ``sparse``.
 
     Warns:
         FlexmbWarning: The state is not stable, and forces on the node show it.
@@ -87,45 +85,43 @@ def compliance(
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
-        raise ValueError(f"Node '{node}' has no rotation, so that no axes turn with it: leave `local` out.")
+        raise ValueError(f"Node '{node}' has no rotation: no axes turn with it. Leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     if lin.large:
         try:
-            found = compliance_of_large(lin, places, local)
-            _warn_of_instability(found, node)
-            return found
+            flexibility = compliance_of_large(lin, places, local)
+            _warn_of_instability(flexibility, node)
+            return flexibility
         except AnalysisError:
             if chosen is not None or lin is model or lin is at:
                 raise
-        # Dense matrices know of nodes that no free motion takes along.
+        # Dense matrices find nodes that take no part in free motions.
         lin = linearized(model, "compliance", where=where)
-    found, jacobian, result = _compliance(lin.matrices, places, local=local)
+    flexibility, jacobian, result = _compliance(lin.matrices, places, local=local)
     if is_concrete(known := undifferentiated((lin, jacobian, result))) and int(known[2]) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, jacobian, node, known)
     check(result, True)
-    _warn_of_instability(found, node)
-    return or_nan(found, result)
+    _warn_of_instability(flexibility, node)
+    return or_nan(flexibility, result)
 
 
-def _warn_of_instability(found: Float[Array, "n n"], node: str) -> None:
-    """Warn where forces move a node against themselves, which in a stable state of a potential none do."""
-    if not is_concrete(found):
+def _warn_of_instability(flexibility: Float[Array, "n n"], node: str) -> None:
+    """Warn if forces do negative work on a node, which they do not in a stable state."""
+    if not is_concrete(flexibility):
         return
-    own = np.sqrt(np.abs(np.diag(np.asarray(found))))
-    scaled = np.asarray(found) / np.outer(np.where(own > 0, own, 1.0), np.where(own > 0, own, 1.0))
-    if np.allclose(scaled, scaled.T, rtol=0, atol=NEGATIVE) and np.min(np.linalg.eigvalsh(scaled)) < -NEGATIVE:
+    sizes = np.sqrt(np.abs(np.diag(np.asarray(flexibility))))
+    scaled = np.asarray(flexibility) / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))
+    symmetric = np.allclose(scaled, scaled.T, rtol=0, atol=NEGATIVE_WORK)
+    if symmetric and np.min(np.linalg.eigvalsh(scaled)) < -NEGATIVE_WORK:
         collect(RESULTS.unstable_state)
         warn(
-            f"Forces on node '{node}' do negative work: the state is not stable, as its negative or imaginary"
-            " frequencies tell too. Follow the way to a stable one by fm.path, or lower the load."
+            f"Forces on node '{node}' do negative work: the state is not stable, and has negative or imaginary"
+            " frequencies. Follow the path to a stable state by fm.path, or lower the load."
         )
 
 
 def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: Any) -> Float[Array, "n n"]:
-    """Compliance in what is not free, of a node whose directions, ``jacobian``, take part in no free motion.
-
-    ``known`` has the linearisation and the jacobian as concrete numbers.
-    """
+    """Compliance of a node whose directions, ``jacobian``, must take part in no free motion of ``known`` numbers."""
     m, at = known[0].matrices, np.asarray(known[1])
     flexibility, free, held = free_motions(m)
     if np.any(takes_part(at, free)):
@@ -137,7 +133,7 @@ def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: An
         )
     if is_concrete(lin):
         return jnp.asarray(at @ flexibility @ at.T)
-    # With springs on the free motions the rest is as it was, and has derivatives.
+    # Springs on the free motions leave the rest as it is, and differentiable.
     return jacobian @ jnp.linalg.solve(lin.matrices.K + held @ held.T, jacobian.T)
 
 
@@ -155,7 +151,7 @@ def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], loc
 
 
 def compliance_of_large(lin: Linearization, parts: tuple[Any, ...], local: bool = False) -> Float[Array, "n n"]:
-    """Compliance by sparse factors: displacements under the forces dual to them."""
+    """Compliance by sparse factors."""
     forces = _unit_forces(lin.x, parts, lin.elements.free, lin.elements.held, local=local)
     with naming_culprit(lin):
         moved = solved(lin.elements, forces, solver=lin.solver)
@@ -166,7 +162,7 @@ def compliance_of_large(lin: Linearization, parts: tuple[Any, ...], local: bool 
 def _unit_forces(
     x: Float[Array, "n_x"], parts: tuple[Any, ...], free: Int[Array, "n"], held: Int[Array, "h"], *, local: bool
 ) -> Float[Array, "n_and_h r"]:
-    """Unit forces along displacements and about rotations, on the coordinates that move, and none on multipliers."""
+    """Unit forces along displacements and about rotations, on the coordinates that move, and zeros for multipliers."""
     rows = _directions(x, parts, local)
     along = jnp.zeros((sum(row.shape[0] for row in rows), x.shape[0]))
     start = 0
@@ -176,14 +172,14 @@ def _unit_forces(
     return jnp.concatenate([along.T[free], jnp.zeros((held.shape[0], along.shape[0]))])
 
 
-def compliance_of(found: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
-    """Compliance, rows of the node's directions by the degrees of freedom, and code of RESULTS."""
-    rows = _directions(found.x, parts, local)
-    jacobian = jnp.concatenate([row @ found.DFx[part] for row, part in zip(rows, parts, strict=True)])
-    # Each degree of freedom in a unit that makes the stiffnesses that meet in it one: what is singular then is free.
-    meeting = diagonal_of(jnp.abs(found.DFe).T @ jnp.abs(found.S) @ jnp.abs(found.DFe)) + jnp.abs(diagonal_of(found.K))
+def compliance_of(m: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):
+    """Compliance, the node's directions by the degrees of freedom, and code of RESULTS."""
+    rows = _directions(m.x, parts, local)
+    jacobian = jnp.concatenate([row @ m.DFx[part] for row, part in zip(rows, parts, strict=True)])
+    # Scale each degree of freedom by the stiffnesses at it, to find free motions.
+    meeting = diagonal_of(jnp.abs(m.DFe).T @ jnp.abs(m.S) @ jnp.abs(m.DFe)) + jnp.abs(diagonal_of(m.K))
     scale = jax.lax.stop_gradient(1 / jnp.sqrt(jnp.where(meeting > 0, meeting, 1.0)))
-    factors = factorise(found.K * scale[:, None] * scale)
+    factors = factorise(m.K * scale[:, None] * scale)
     result = jnp.where(factors.regular(), RESULTS.successful, RESULTS.singular_stiffness)
     scaled = jacobian * scale
     return scaled @ factors.solve(scaled.T), jacobian, result.astype(jnp.int32)
@@ -200,15 +196,15 @@ def directional_compliance(
     time: float | None = None,
     increment: float | None = None,
 ) -> dict[str, np.ndarray]:
-    """Displacement of every node along each axis under a unit force along that axis.
+    """Return the displacement of each node along each axis under a unit force along that axis.
 
     Args:
         model: Mechanism, or its linearisation.
-        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
+        at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        For each node: one value a coordinate [m/N]; three rotations about global axes, or the angle [rad/(N m)].
-        Infinite in directions that take part in a motion that meets no stiffness.
+        For each node one value per coordinate [m/N]; for rotations three about global axes, or one angle [rad/(N m)].
+        Infinite in directions that take part in a motion without stiffness.
 
     Raises:
         TypeError: Numbers are traced.
@@ -222,17 +218,17 @@ def directional_compliance(
     lin = linearized(model, "directional_compliance", where=Where(at, step, time, increment))
     if not is_concrete(lin.matrices):
         raise TypeError(
-            "fm.linear.directional_compliance takes a model of known numbers: ask fm.compliance of one node inside"
+            "fm.linear.directional_compliance needs a model of known numbers. Use fm.compliance of one node inside"
             " jax.jit, jax.grad and jax.vmap."
         )
     x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
     flexibility, free, _ = free_motions(lin.matrices)
     if free.shape[1]:
         warn(f"The compliance is unbounded in motions that meet no stiffness: {named(lin.model, dfx @ free)}.")
-    found = {}
+    by_node = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
         indices = lin.labels.coordinates(node)
         rows = rates_on_host(x[indices]) @ dfx[indices]
-        own = np.einsum("ij,jk,ik->i", rows, flexibility, rows)
-        found[node] = np.where(takes_part(rows, free), np.inf, own)
-    return found
+        values = np.einsum("ij,jk,ik->i", rows, flexibility, rows)
+        by_node[node] = np.where(takes_part(rows, free), np.inf, values)
+    return by_node

@@ -17,15 +17,13 @@ from ..elements.section import Material
 from ..math.linear import cholesky, solved_by_factor
 from ..math.matrix_functions import harmonic, spectral
 from ..model.model import Model
+from ..numerical_limits import MASSLESS_SHARE, VIBRATES_ABOVE_SHIFT
 from ..results import RESULTS, or_nan
 from .about import linearized
 from .linearize import Linearization, Matrices
 from .loose import refuse_negative_mass
 from .modes import check_spectrum, modal_frequencies, refuse_unsymmetric
-from .spectrum import MASSLESS, shift_to_definite
-
-# Where K had to be shifted by s, a motion vibrates whose omega^2 is above this share of s; others meet no stiffness.
-VIBRATES = 1e-6
+from .spectrum import shift_to_definite
 
 Ratio = float | Sequence[Any] | Float[Array, "*n"] | Callable[[Any], Any]
 Losses = float | Mapping[str | Material, float]
@@ -40,39 +38,38 @@ def damped(
     loss_factor: Losses | None = None,
     elements: bool = True,
 ) -> Linearization:
-    """The linearised mechanism with damping stated for all of it, for poles, state spaces and Bode plots.
+    """Return the linearised mechanism with damping of the whole model, for poles, state spaces and Bode plots.
 
-    Give one or several of ``ratio``, ``rayleigh`` and ``loss_factor``: their damping matrices are added, and by default
-    added to that of the elements. Motions that do not vibrate, of rigid bodies, unstable or without mass, have no
-    damping ratio, and neither ``ratio`` nor ``loss_factor`` damps them. Equations of motion (:func:`flexmb.simulate`)
-    do not know
-    of it: there elements are damped, by a time constant of their material or by dampers.
+    Give one or several of ``ratio``, ``rayleigh`` and ``loss_factor``: their damping matrices are added, by default
+    also to the damping of the elements. Motions that do not vibrate (rigid, unstable or massless) have no damping
+    ratio, and ``ratio`` and ``loss_factor`` do not damp them. :func:`flexmb.simulate` does not use this damping: there,
+    elements are damped by a time constant of their material or by dampers.
 
     Args:
-        model: Mechanism, or its linearisation such as that at a stroke. Differentiable in its parameters, also where
-            frequencies are repeated, and in the numbers below.
-        ratio: Damping ratio of the modes about this state [-]: one number for all; or one a mode, (n,), in the order of
-            :func:`flexmb.modes`, of which the last holds for all higher ones; or pairs (frequency [Hz], ratio), (k, 2),
-            with straight lines in between and constant beyond; or a function of frequencies, (n,) [Hz], that returns
-            ratios, (n,).
+        model: Mechanism, or its linearisation. Differentiable in its parameters, also for repeated frequencies, and in
+            the numbers below.
+        ratio: Damping ratio of the modes about this state [-]: one number for all; or one per mode, (n,), in the order
+            of :func:`flexmb.modes`, the last for all higher ones; or pairs (frequency [Hz], ratio), (k, 2), linear in
+            between and constant beyond; or a function of frequencies, (n,) [Hz], that returns ratios, (n,).
         rayleigh: Numbers alpha [1/s] and beta [s] of D0 = alpha M0 + beta K0. A mode of the unloaded mechanism has the
-            ratio alpha/(2 w) + beta w/2; both are zeta at two frequencies f and g [Hz] with alpha = 4 pi zeta f g/(f +
-            g) and beta = zeta/(pi (f + g)).
-        loss_factor: Loss factor eta of the elastic elements [-], one for all, or by name of an element, where "*" and
-            "?" stand for any characters, or by Material; of several that fit an element the last counts, and others
-            have none. Structural damping does not depend on the frequency, which no differential equation with real
-            numbers has: taken is the viscous damping that dissipates as much in each mode, of ratio eta/2 of the
-            elements weighted by their share of the strain energy.
-        elements: Whether the damping of the elements stays beside it.
+            ratio alpha/(2 w) + beta w/2. For the ratio zeta at two frequencies f and g [Hz] use alpha = 4 pi zeta f
+            g/(f + g) and beta = zeta/(pi (f + g)).
+        loss_factor: Loss factor eta of the elastic elements [-]: one for all, or by name of an element, with "*" and
+            "?" for any characters, or by Material. If several fit an element the last counts; others have none.
+            Structural damping does not depend on the frequency, which real differential equations cannot state. Used is
+            the viscous damping that dissipates equally in each mode: ratio eta/2, weighted by the elements' share of
+            strain energy.
+        elements: Whether to keep the damping of the elements.
 
     Returns:
-        Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero, too; what
-        is added is in no stress output.
+        Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero too.
+            Stress
+        outputs do not include the added damping.
 
     Raises:
-        ValueError: Nothing is given, a number that is negative or not finite, more ratios than modes, frequencies that
-            do not ascend, a name that no element has, or one of what has no stiffness.
-        NotImplementedError: The stiffness is unsymmetric, which gives no modes, and ``rayleigh`` alone is not all.
+        ValueError: Nothing is given, a number is negative or not finite, more ratios than modes, frequencies that do
+            not ascend, an unknown name, or an element without stiffness.
+        NotImplementedError: The stiffness is unsymmetric, has no modes, and more than ``rayleigh`` is given.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
     Source:
@@ -83,7 +80,7 @@ def damped(
     lin = linearized(model, "damped")
     m = lin.matrices
     if ratio is None and rayleigh is None and loss_factor is None:
-        raise ValueError("fm.damped needs a damping: give `ratio`, `rayleigh` or `loss_factor`.")
+        raise ValueError("fm.damped needs a damping. Give `ratio`, `rayleigh` or `loss_factor`.")
     added, result = np.zeros(m.D0.shape), m.result
     if rayleigh is not None:
         _check_positive("rayleigh", rayleigh, (2,))
@@ -96,16 +93,16 @@ def damped(
         modal, result = _modal_damping(m, ratios, losses)
         check_spectrum(result, True, lin)
         added = added + or_nan(modal, result)
-    own = {"D0": m.D0 + added} if elements else {"D0": added, "S_d": jnp.zeros_like(m.S_d)}
-    return Linearization(dataclasses.replace(m, result=result, **own), lin.model)
+    damping = {"D0": m.D0 + added} if elements else {"D0": added, "S_d": jnp.zeros_like(m.S_d)}
+    return Linearization(dataclasses.replace(m, result=result, **damping), lin.model)
 
 
 @jit
 def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None):
-    """Damping matrix of modal damping ratios and of loss factors of the deformations, and a code of RESULTS.
+    """Damping matrix of modal ratios and loss factors, and a code of RESULTS.
 
     With B = K + s M0 = L L^T all functions of (K, M0) are functions of the matrix L^-1 M0 L^-T between factors L and
-    L^T; its eigenvalue mu of a motion is 1/(w^2 + s), and zero of one without mass.
+    L^T. Its eigenvalue mu of a motion is 1/(w^2 + s), and zero for one without mass.
     """
     shift, _, found = shift_to_definite(m.K, m.M0)
     factor = cholesky(m.K + shift * m.M0)
@@ -127,15 +124,15 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
 
 
 def _vibrations(mu: Float[Array, "n"], shift: Float[Array, ""]):
-    """Which motions vibrate, and their angular frequencies, one for others."""
-    massive = mu > MASSLESS * mu.shape[0] * jnp.max(mu, initial=0.0)
+    """Whether each motion vibrates, and its angular frequency; one for others."""
+    massive = mu > MASSLESS_SHARE * mu.shape[0] * jnp.max(mu, initial=0.0)
     values = 1 / jnp.where(massive, mu, 1.0) - shift
-    vibrates = massive & (values > VIBRATES * shift)
+    vibrates = massive & (values > VIBRATES_ABOVE_SHIFT * shift)
     return vibrates, jnp.sqrt(jnp.where(vibrates, values, 1.0))
 
 
 def _by_ratios(mu: Float[Array, "n"], shift: Float[Array, ""], ratios: Float[Array, "n"], slopes: Float[Array, "n"]):
-    """2 zeta w mu, of ratios with their slopes by w."""
+    """2 zeta w mu, from ratios and their slopes by w."""
     vibrates, w = _vibrations(mu, shift)
     zeta = ratios + slopes * (w - jax.lax.stop_gradient(w))
     return jnp.where(vibrates, 2 * zeta * w * mu, 0.0)
@@ -162,23 +159,23 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Any, Any]:
         given = library_of(ratio).asarray(ratio, float)
         return given[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
     by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
-    # Where there is nothing to damp, any frequency does.
+    # Without vibration any frequency will do.
     library = library_of(hertz)
     hertz = library.where(library.isfinite(hertz) & (hertz > 0), hertz, 1.0)[::-1]
     if is_concrete(lin.matrices):
-        found = by_frequency(np.asarray(hertz))
-        slopes = np.zeros(n)
+        ratios, slopes = by_frequency(np.asarray(hertz)), np.zeros(n)
     else:
-        found, slopes = jax.jvp(by_frequency, (hertz,), (jnp.ones(n),))
-    _check_positive("ratio", found, (n,), ", a function,")
-    return library_of(found).asarray(found, float), slopes / (2 * np.pi)
+        ratios, slopes = jax.jvp(by_frequency, (hertz,), (jnp.ones(n),))
+    _check_positive("ratio", ratios, (n,), ", a function,")
+    return library_of(ratios).asarray(ratios, float), slopes / (2 * np.pi)
 
 
 def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
     """Straight lines between pairs of frequency and ratio."""
     if len(sizes) != 2 or sizes[1] != 2:
         raise ValueError(
-            f"Argument `ratio` must be one number, one a mode, or pairs (frequency [Hz], ratio), but has shape {sizes}."
+            "Argument `ratio` must be one number, one per mode, or pairs (frequency [Hz], ratio), but has shape"
+            f" {sizes}."
         )
     table = as_reals("Argument `ratio`", pairs)
     if is_concrete(table) and not np.all(np.diff(np.asarray(table)[:, 0]) > 0):
@@ -193,12 +190,7 @@ def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None,
 
 
 def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
-    """Loss factor of each deformation, (n_e,) [-], as :func:`damped` takes them.
-
-    Raises:
-        ValueError: One is negative or not finite, or of what has no stiffness, or no element has that name.
-        TypeError: A key that is neither a name nor a Material.
-    """
+    """Loss factor of each deformation [-]; raise ValueError or TypeError for wrong ones."""
     losses = np.zeros(lin.model.topology.n_e)
     if not isinstance(given, Mapping):
         _check_positive("loss_factor", given, ())
@@ -213,7 +205,7 @@ def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
             names = among(name for name, *_ in lin.labels.elements)
             raise ValueError(f"Argument `loss_factor`: no element is of {called}. There are: {names}.")
         if is_concrete(lin.matrices) and not _has_stiffness(lin, rows):
-            raise ValueError(f"Argument `loss_factor`: what is of {called} has no stiffness that could dissipate.")
+            raise ValueError(f"Argument `loss_factor`: elements of {called} have no stiffness that could dissipate.")
         of_key = np.isin(np.arange(len(losses)), rows)
         losses = library_of((losses, factor)).where(of_key, factor, losses)
     return jnp.asarray(losses)
@@ -224,7 +216,7 @@ def _has_stiffness(lin: Linearization, rows: Int[np.ndarray, "k"]) -> bool:
     if not lin.large:
         return bool(np.any(np.asarray(lin.matrices.S)[rows] @ np.asarray(lin.matrices.DFe)))
     pieces = lin.elements.elastic
-    return any(np.any(np.asarray(own)[np.isin(np.asarray(at), rows)]) for at, _, own in pieces)
+    return any(np.any(np.asarray(matrix)[np.isin(np.asarray(at), rows)]) for at, _, matrix in pieces)
 
 
 def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
@@ -234,22 +226,22 @@ def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
     if not isinstance(key, Material):
         raise TypeError(f"Argument `loss_factor` goes by names of elements or by Materials, not by {shown(key)}.")
     if not is_concrete((model.parameters.properties, key)):
-        raise ValueError("Argument `loss_factor`: under a trace, name the elements: materials cannot be compared.")
-    found = []
+        raise ValueError("Argument `loss_factor`: materials cannot be compared under a trace. Name the elements.")
+    rows = []
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         sections, first = properties.get("section"), 0
-        # Sections of several kinds are a tuple, one stack a kind, of elements in that order.
+        # Sections of several kinds are a tuple with one stack per kind, in the order of the elements.
         for stack in sections if isinstance(sections, tuple) else (sections,):
             after = first + (np.shape(leaves[0])[0] if (leaves := jax.tree.leaves(stack)) else 0)
-            for own in jax.tree.leaves(stack, is_leaf=lambda value: isinstance(value, Material)):
-                if isinstance(own, Material):
-                    found += [row for i in range(after - first) if _is_same(own, i, key) for row in block.e[first + i]]
+            for leaf in jax.tree.leaves(stack, is_leaf=lambda value: isinstance(value, Material)):
+                if isinstance(leaf, Material):
+                    rows += [row for i in range(after - first) if _is_same(leaf, i, key) for row in block.e[first + i]]
             first = after
-    return np.array(found, int)
+    return np.array(rows, int)
 
 
 def _is_same(stacked: Material, i: int, wanted: Material) -> bool:
-    """Whether a material of stacked elements is that wanted, in element i."""
+    """Whether a material of stacked elements is the wanted one, in element i."""
     pairs = [(getattr(stacked, f.name), getattr(wanted, f.name)) for f in dataclasses.fields(Material)]
     return all((own is None) == (other is None) for own, other in pairs) and all(
         np.all(np.asarray(own)[i] == other) for own, other in pairs if own is not None

@@ -1,4 +1,4 @@
-"""Eigenvalues by Lanczos iterations with sparse factors: none of repeated ones is passed over, none is round-off."""
+"""Eigenvalues by Lanczos iterations with sparse factors, with all copies of repeated ones."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -10,24 +10,19 @@ from ..errors import AnalysisError
 from ..math.linear import uneven
 from ..math.linear_solver import FactoredEquations
 from ..math.sparse import SparseFactors, equilibrating
+from ..numerical_limits import INDEFINITE_FLEXIBILITY, LANCZOS_CONVERGED
 from ..results import RESULTS
 
-# Where constraints leave so few motions, or three times those that are asked for, they are found one and all: Lanczos
-# iterations that exhaust them go on with vectors of round-off.
+# All motions are computed if constraints leave at most this number, or three times the number wanted: Lanczos
+# iterations that exhaust the motions continue with round-off.
 FEW = 60
-# One more iteration changes what was found by less than this share of it, whose square is the error of an eigenvalue.
-TRUE = 1e-4
-# A flexibility is negative below this share of the largest; nearer to zero it is round-off of a stiff motion.
-INDEFINITE = 1e-10
-# Eigenvalues are counted up to this share before the last of those found.
-BEFORE = 1e-6
-# Searches for what others passed over; each finds one copy of every repeated eigenvalue at least.
+# Searches for missed eigenvalues; each finds at least one copy of every repeated one.
 SEARCHES = 100
 
 
 @contextlib.contextmanager
 def named(try_this: str = "Ask for fewer") -> Iterator[None]:
-    """Within, iterations of ARPACK that find nothing end in not_converged, with what to ``try_this`` way."""
+    """Context in which failures of ARPACK raise not_converged, with the advice ``try_this``."""
     import scipy.sparse.linalg
 
     try:
@@ -46,14 +41,14 @@ def with_all_copies(
     farness: Callable[[np.ndarray], np.ndarray],
     size: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and motions, as many of each as there are: (count,) and (n, count) of ``size`` n and count, sorted.
+    """Sorted eigenvalues (count,) and motions (n, count) with all copies of repeated ones; ``size`` is (n, count).
 
-    From one start, iterations see one motion of each eigenvalue; only round-off shows them others.
+    From one start, iterations find one motion of each eigenvalue; only round-off adds others.
 
     Args:
-        search: Eigenvalues (count,) and motions (n, count), orthonormal, beside known ones, from a start.
-        passed_over: Whether there are more up to the last of some eigenvalues, sorted.
-        farness: By which eigenvalues are sorted.
+        search: Finds eigenvalues (count,) and orthonormal motions (n, count) beside known ones, from a start.
+        passed_over: Whether there are more up to the last of some sorted eigenvalues.
+        farness: Sorting key of eigenvalues.
     """
 
     def searched(*given: np.ndarray):
@@ -84,21 +79,21 @@ def eigenvalues_beside(
     start: np.ndarray,
     **how: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of A v = m K v where constraints hold, with v^T K v = 1, by ARPACK in the inner product of K.
+    """Eigenvalues of A v = m K v under constraints, with v^T K v = 1, by ARPACK in the inner product of K.
 
     Args:
-        matrix, stiffness: Sparse symmetric A, and K, positive definite where the constraints hold, (n, n).
+        matrix, stiffness: Sparse symmetric A, and K, positive definite under the constraints, (n, n).
         moved: Motions under forces by K and the constraints.
-        known: Eigenvalues (k,) and motions (n, k) beside which others are sought, ``count`` of them.
-        start: A motion that the constraints allow, (n,).
-        how: Which and how accurate, as for :func:`scipy.sparse.linalg.eigsh`.
+        known: Known eigenvalues (k,) and motions (n, k); ``count`` others are sought.
+        start: Allowed motion, (n,).
+        how: Options of :func:`scipy.sparse.linalg.eigsh`.
     """
     import scipy.sparse.linalg
 
     linalg: Any = scipy.sparse.linalg
     values, motions = known
-    # ARPACK takes the product with the first matrix for that of the inner product and the operator: what is known is
-    # taken out of that matrix.
+    # ARPACK uses the product with the first matrix for inner product and operator: remove known motions from this
+    # matrix.
     forces = stiffness @ motions
 
     def beside(motion: np.ndarray):
@@ -111,14 +106,14 @@ def eigenvalues_beside(
 
 
 def changed(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
-    """How much one more iteration changes motions, by ``left``, beside their own size, as a matrix measures both."""
-    wrong, own = (np.einsum("ij,ij->j", of, matrix @ of) for of in (left, motions))
-    return np.sqrt(np.abs(wrong) / own)
+    """Change of motions by one more iteration, ``left``, over their own size, in the norm of a matrix."""
+    wrong, size = (np.einsum("ij,ij->j", columns, matrix @ columns) for columns in (left, motions))
+    return np.sqrt(np.abs(wrong) / size)
 
 
 def check_modes(wrong: np.ndarray, what: str) -> None:
-    """Raise not_converged where iterations for ``what`` ended with motions that are none, as :func:`changed` tells."""
-    if not np.all(wrong <= TRUE):
+    """Raise not_converged if iterations for ``what`` have not converged, by :func:`changed`."""
+    if not np.all(wrong <= LANCZOS_CONVERGED):
         raise AnalysisError(
             RESULTS.not_converged.name,
             f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
@@ -127,7 +122,7 @@ def check_modes(wrong: np.ndarray, what: str) -> None:
 
 
 class Constrained:
-    """A symmetric K where constraints D v = 0 hold, and its factors.
+    """A symmetric K under constraints D v = 0, and its factors.
 
     Attributes:
         tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
@@ -148,11 +143,11 @@ class Constrained:
         return self.solved(forces)[: self.n]
 
     def few(self, count: int) -> bool:
-        """Whether constraints leave so few motions that all are found."""
+        """Whether constraints leave so few motions that all are computed."""
         return 2 * self.n - self.tangent.shape[0] <= max(FEW, 3 * count)
 
     def searched(self, matrix: Any, count: int, known: tuple[Any, Any] | None, start: np.ndarray, **how: Any):
-        """As :func:`eigenvalues_beside`, from a motion under the forces A x of a start x."""
+        """:func:`eigenvalues_beside`, from a motion under the forces A x of a start x."""
         known = known or (np.zeros(0), np.zeros((self.n, 0)))
         first = self.moved(matrix @ start)
         return eigenvalues_beside(matrix, self.stiffness, self.moved, known, count, first, **how)
@@ -165,17 +160,12 @@ class Constrained:
         negative: Callable[[float], int | None],
         both: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Largest m of A v = m K v, as many of each as there are, and their motions with v^T K v = 1.
+        """Largest m of A v = m K v with all copies, and motions with v^T K v = 1; LinAlgError if K is indefinite.
 
         Args:
-            matrix: Sparse symmetric A, (n, n).
-            count: How many.
-            last: Up to which value all are counted, by inertia, of those found; None: no matter.
-            negative: Number of negative eigenvalues of K - A/m where the constraints hold, of m; None: not known.
-            both: Whether negative ones are large too.
-
-        Raises:
-            numpy.linalg.LinAlgError: K is not positive definite.
+            last: Value up to which all are counted by inertia, from those found; None: no count.
+            negative: Number of negative eigenvalues of K - A/m under the constraints, for m; None: not known.
+            both: Whether to include negative ones, by size.
         """
         if self.few(count):
             return AllowedMotions(self.tangent, SparseFactors(self.tangent), self.n).largest(matrix, count)
@@ -195,49 +185,45 @@ class Constrained:
 
 
 class AllowedMotions:
-    """The motions that constraints D v = 0 leave, where they are few, and an operator in them.
+    """The motions that constraints D v = 0 leave, if they are few, and an operator in them.
 
     Attributes:
-        basis: One a column, orthonormal in coordinates whose stiffnesses are alike, as in the factors, (n, n - h).
-        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h); of motions so stiff that only
-            round-off tells their flexibility, zero.
+        basis: Orthonormal columns, in coordinates of alike stiffness as in the factors, (n, n - h).
+        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h); zero for motions so stiff that
+            their flexibility is round-off.
     """
 
     def __init__(self, tangent: Any, factored: SparseFactors, n: int):
-        """Find them, of a sparse [[K, D^T], [D, 0]] and its factors, K (n, n) positive definite where D v = 0.
-
-        Raises:
-            numpy.linalg.LinAlgError: K is not positive definite.
-        """
+        """Compute them from a sparse [[K, D^T], [D, 0]] and its factors; LinAlgError if K is indefinite."""
         import scipy.sparse
 
-        rest, own = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
-        alike = scipy.sparse.diags_array(own)
+        rest, scale = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
+        alike = scipy.sparse.diags_array(scale)
         basis = orthonormal_allowed(alike @ tangent @ alike, n) if rest else np.eye(n)
-        self.basis = own[:n, None] * basis
-        moved = factored.solve(np.vstack([basis / own[:n, None], np.zeros((rest, n - rest))]))[:n]
-        flexible = basis.T @ (moved / own[:n, None])
+        self.basis = scale[:n, None] * basis
+        moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((rest, n - rest))]))[:n]
+        flexible = basis.T @ (moved / scale[:n, None])
         values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
-        if len(values) and not values[0] > -INDEFINITE * values[-1]:
+        if len(values) and not values[0] > -INDEFINITE_FLEXIBILITY * values[-1]:
             raise np.linalg.LinAlgError("not positive definite")
         self.flexibility = turned * np.sqrt(np.maximum(values, 0.0))
 
     def largest(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """The ``count`` eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1, (n, count)."""
-        own = self.flexibility.T @ (self.basis.T @ (matrix @ self.basis)) @ self.flexibility
-        values, vectors = np.linalg.eigh((own + own.T) / 2)
+        """The ``count`` eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1."""
+        small = self.flexibility.T @ (self.basis.T @ (matrix @ self.basis)) @ self.flexibility
+        values, vectors = np.linalg.eigh((small + small.T) / 2)
         chosen = np.argsort(-np.abs(values), kind="stable")[:count]
         return values[chosen], self.basis @ (self.flexibility @ vectors[:, chosen])
 
 
 def orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
-    """Any motions, projected onto those that the constraints leave, (n, n - h)."""
+    """Orthonormal basis of the motions that the constraints leave, (n, n - h)."""
     import scipy.sparse
 
     rest, rows = tangent.shape[0] - n, tangent[n:, :n].tocsr()
     rows = scipy.sparse.diags_array(1 / abs(rows).max(axis=1).toarray().ravel()) @ rows
     projector = SparseFactors(scipy.sparse.block_array([[scipy.sparse.eye_array(n), rows.T], [rows, None]]))
-    found = np.random.default_rng(0).standard_normal((n, n - rest))
+    basis = np.random.default_rng(0).standard_normal((n, n - rest))
     for _ in range(2):
-        found = np.linalg.qr(projector.solve(np.vstack([found, np.zeros((rest, n - rest))]))[:n])[0]
-    return found
+        basis = np.linalg.qr(projector.solve(np.vstack([basis, np.zeros((rest, n - rest))]))[:n])[0]
+    return basis

@@ -33,18 +33,18 @@ from ..statics.sparse import sparse_equilibrium
 from ..statics.stable import collect_unstable
 from ..statics.tangent import by_deformations, element_matrices
 
-# Matrices in the degrees of freedom, which a large mechanism does not form.
+# Matrices in the degrees of freedom; a large mechanism has none.
 DENSE = ("M0", "C0", "D0", "K0", "N0", "G0", "K", "DFx", "DFe", "S", "S_d")
 
 
 class Rates(Record):
-    """Motion of a state that is linearised about, and how fast the transfer functions change along it.
+    """Motion of a linearised state, and rates of the transfer functions along it.
 
     Attributes:
-        xd: Velocities of the nodal coordinates, (n_x,) [1/s].
-        xdd: Their accelerations, (n_x,) [1/s^2].
-        DFx_d, DFx_dd: First and second rate of DFx, (n_x, n_q).
-        DFe_d, DFe_dd: First and second rate of DFe, (n_e, n_q).
+        xd: Velocities of the nodal coordinates [1/s].
+        xdd: Their accelerations [1/s^2].
+        DFx_d, DFx_dd: First and second rate of DFx.
+        DFe_d, DFe_dd: First and second rate of DFe.
     """
 
     xd: Float[Array, "n_x"]
@@ -67,20 +67,20 @@ class Matrices(Result, Record):
         G0: Geometric stiffness of stress resultants, constraint forces and loads, (n_q, n_q).
         DFx: First-order transfer function of the coordinates, (n_x, n_q).
         DFe: First-order transfer function of the deformations, (n_e, n_q).
-        S: Stiffness of the elements, tangent where it is not constant, (n_e, n_e).
-        S_d: Damping of the elements likewise, (n_e, n_e).
+        S: Stiffness of the elements, tangent if it is not constant, (n_e, n_e).
+        S_d: Damping of the elements, likewise, (n_e, n_e).
         x: Nodal coordinates of the state, (n_x,) [m, rad, -].
         e: Deformations there, (n_e,) [m, rad].
         sigma: Stress resultants there, (n_e,) [N, N m].
         felt: Gravity and motion there, which act along the elements.
         reactions: Forces of the supports there, (n_x,) [N, N m].
-        external: Forces from outside there, loads but weight and the supports' together, (n_x,) [N, N m].
+        external: Loads except weight, plus reactions, there, (n_x,) [N, N m].
         iterations: Newton iterations of the equilibrium.
         result: Code of RESULTS.
-        symmetric: Whether the stiffness is symmetric by the nature of the loads and laws.
-        moving: How the state moves; None where it is at rest.
-        factors: Of the two sets of loads there.
-        turning: Nodal forces by coordinates, of moments that are functions of time, (n_x, n_x); None without them.
+        symmetric: Whether loads and laws have a potential, so that the stiffness is symmetric.
+        moving: Motion of the state; None at rest.
+        factors: Factors of the two sets of loads there.
+        turning: Matrix from coordinates to nodal forces of moments that are functions of time, (n_x, n_x), or None.
     """
 
     M0: Float[Array, "n_q n_q"]
@@ -108,16 +108,16 @@ class Matrices(Result, Record):
 
     @property
     def K(self) -> Float[Array, "*states n_q n_q"]:
-        """Whole stiffness K0 + N0 + G0."""
+        """Total stiffness K0 + N0 + G0."""
         return computed(lambda _, *parts: sum(parts), self.K0, self.N0, self.G0)
 
 
 class LargeMatrices(Record):
-    """Linearised equations of a large mechanism at rest, element by element; the rest is as of :class:`Matrices`.
+    """Linearised equations of a large mechanism at rest, element by element; other attributes as in :class:`Matrices`.
 
     Attributes:
         elements: In all coordinates, with multipliers of the constraints.
-        solver: Factors of these equations.
+        solver: Solver of these equations.
     """
 
     elements: ElementMatrices
@@ -139,11 +139,11 @@ T = TypeVar("T")
 
 
 class _Of(Generic[T]):
-    """An attribute of ``matrices`` that the result which holds them has too, by the same name."""
+    """An attribute of ``matrices``, offered by the same name on the result that has them."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
-        # What ``help`` says of it is what is said of the matrix.
+        # ``help`` shows the description of the matrix.
         told = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
         self.__doc__ = " ".join(told.group(1).split()) if told else None
 
@@ -153,21 +153,17 @@ class _Of(Generic[T]):
             return own
         if self.name in DENSE and isinstance(result.matrices, LargeMatrices):
             raise AttributeError(
-                f"The linearisation of a large mechanism has no {self.name}, a matrix in the degrees of freedom: ask"
+                f"The linearisation of a large mechanism has no {self.name}, a matrix in the degrees of freedom. Use"
                 " its sparse() for K, C, M and D in the coordinates, or give fm.linearize(model, sparse=False)."
             )
         return getattr(result.matrices, self.name)
 
     def __set__(self, result: Any, value: Any) -> None:
-        raise AttributeError(f"{self.name} is not to be changed: it is {self.name} of .matrices.")
+        raise AttributeError(f"{self.name} cannot be changed: it is {self.name} of .matrices.")
 
 
 class AboutState:
-    """Base class of results with the matrices of one state, or of several in front: ``lin.K0`` is ``lin.matrices.K0``.
-
-    Attributes:
-        matrices: The numbers.
-    """
+    """Base class of results with the matrices of one or several states: ``lin.K0`` is ``lin.matrices.K0``."""
 
     M0 = _Of[Float[Array, "*states n_q n_q"]]()
     C0 = _Of[Float[Array, "*states n_q n_q"]]()
@@ -194,8 +190,8 @@ class AboutState:
 class Linearization(ByName, AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
-    The matrices and states of :class:`Matrices` are attributes of this object too (``lin.K0``). Of a large mechanism
-    the equations are in all coordinates, ``lin.elements`` and ``lin.sparse()``; then it needs no degrees of freedom.
+    The attributes of :class:`Matrices` are attributes of this object too (``lin.K0``). A large mechanism has equations
+    in all coordinates, ``lin.elements`` and ``lin.sparse()``, and needs no degrees of freedom.
 
     Attributes:
         matrices: The numbers: :class:`Matrices`, or :class:`LargeMatrices`.
@@ -220,35 +216,36 @@ class Linearization(ByName, AboutState, Result, Record):
         return self.model.labels
 
     def sparse(self) -> SparseMatrices:
-        """Matrices M v'' + C v' + K v + D^T m = f, D v = 0 of the coordinates v that move, as SciPy's sparse ones.
+        """Return SciPy's sparse matrices of M v'' + C v' + K v + D^T m = f, D v = 0, for the coordinates v that move.
 
         Returns:
             K, C, M, (n, n), and the constraints D, (h, n) [SI]. The coordinates are ``lin.elements.free``; the
-            multipliers m are changes of the stress resultants ``lin.elements.held``.
+                multipliers m
+            are changes of the stress resultants ``lin.elements.held``.
 
         Raises:
-            TypeError: Under a trace, or of a linearisation in degrees of freedom.
+            TypeError: Under a trace, or for a linearisation in degrees of freedom.
         """
         if not self.large:
-            raise TypeError("Sparse matrices are those of fm.linearize(model, sparse=True).")
+            raise TypeError("This linearisation has no sparse matrices. Give fm.linearize(model, sparse=True).")
         if not is_concrete(self.elements):
-            raise TypeError("Sparse matrices are those of concrete numbers: ask for them outside jax.jit and jax.grad.")
+            raise TypeError("Sparse matrices need concrete numbers. Use them outside jax.jit and jax.grad.")
         return Whole(jax.tree.map(np.asarray, self.elements)).apart()
 
     def at_time(self, number: int) -> "Linearization":
-        """Linearised equations at one of the times of a motion, of what :func:`flexmb.motion.linearize_motion` gives.
+        """Return the linearised equations at one time of a motion, from :func:`flexmb.motion.linearize_motion`.
 
         Args:
-            number: Which, from 0; from the end where negative.
+            number: Number of the time, from 0; negative from the end.
 
         Raises:
-            ValueError, IndexError: This is the linearisation of one state; there are not so many times.
+            ValueError, IndexError: This is the linearisation of one state; there are fewer times.
         """
         if self.large or self.matrices.M0.ndim == 2:
-            raise ValueError("This linearisation is that of one state: it has no times to choose from.")
+            raise ValueError("This is the linearisation of one state: it has no times to choose from.")
         count, chosen = self.matrices.M0.shape[0], check_whole("number", number)
         if not -count <= chosen < count:
-            raise IndexError(f"There are {count} times, numbered from 0, and {chosen} is none of them.")
+            raise IndexError(f"There are {count} times, numbered from 0. Number {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: computed(lambda _, a: a[chosen], a), self.matrices), self.model)
 
     instant = at_time
@@ -257,7 +254,7 @@ class Linearization(ByName, AboutState, Result, Record):
     def condition(self) -> float:
         """Condition number of the stiffness, in units that make each freedom's own stiffness one; infinite if singular.
 
-        The derivatives of the equilibrium, and of all that follows from it, lose as many digits as it has.
+        Derivatives of the equilibrium, and of all that follows from it, lose its number of digits.
 
         Source:
             Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
@@ -267,11 +264,11 @@ class Linearization(ByName, AboutState, Result, Record):
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
     def states(self) -> States:
-        """The state that the equations are about."""
+        """Return the state that the equations are about."""
         return States(self.model, self.x)
 
     def summary(self) -> Summary:
-        """Outcome, largest displacement, and the diagonals of mass and stiffness or the sizes of a large mechanism."""
+        """Return outcome, largest displacement, and diagonals of mass and stiffness or sizes of a large mechanism."""
         model, names = self.model, self.labels.x
         positions = [i for i, entry in enumerate(names) if entry.kind == "position"]
         moved = np.asarray(self.x - model.parameters.reference)[positions]
@@ -300,7 +297,7 @@ class Stressed(NamedTuple):
 
 
 class ManyStates:
-    """Base class of a path and a motion: results with many states, each of which questions can be asked about.
+    """Base class of a path and a motion, results with many states that questions can be about.
 
     Attributes:
         by_sparse: Whether states are linearised element by element.
@@ -309,28 +306,28 @@ class ManyStates:
     by_sparse: ClassVar[bool] = False
 
     def states(self) -> States:
-        """The states, one after the other."""
+        """The states in their order."""
         raise NotImplementedError
 
     def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
-        """Linearised equations of motion about one state, by its number or time [s]; the last unless given."""
+        """Linearised equations about one state, by its number or time [s]; by default the last."""
         raise NotImplementedError
 
     def linearizations(self) -> Linearization:
-        """Linearised equations of all states, which stand in front."""
+        """Linearised equations of all states, states as first axis."""
         raise NotImplementedError
 
     def factors(self, step: int) -> LoadFactors:
-        """Load factors of one state, of a path alone."""
+        """Load factors of one state; of a path only."""
         raise NotImplementedError
 
     def stressed(self) -> Stressed:
-        """What the stress of all states is computed from."""
+        """What stress of all states is computed from."""
         raise NotImplementedError
 
 
 def matrices(topology: Topology, parameters: Parameters, target: LoadFactors) -> Matrices:
-    """Equilibrium under loads with these factors and linearisation in one; part of the compiled kernels."""
+    """Equilibrium under loads with these factors, and linearisation; part of compiled kernels."""
     at, _, result, iterations, _ = solve_state(topology, parameters, target)
     return matrices_at(topology, parameters, target, at, iterations, result)
 
@@ -343,7 +340,7 @@ def matrices_at(
     iterations: Int[Array, ""],
     result: Int[Array, ""],
 ) -> Matrices:
-    """Linearisation about a state in equilibrium, which was found in so many iterations and with this code."""
+    """Linearisation about a state in equilibrium, with the iterations and code of its solution."""
     z, dfe = at.transfer.DFx, at.transfer.DFe
     mass = z.T @ mass_matrix(topology, parameters, at.x) @ z
     damping = element_damping(topology, parameters)
@@ -390,16 +387,12 @@ def moving_element_matrices(
     e: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ) -> ElementMatrices:
-    """Matrices of all elements about a state at rest, damping and mass among them; ``sigma`` has all multipliers.
-
-    Source:
-        THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3), before they are projected.
-    """
-    found, _ = element_matrices(topology, parameters, factors, x, jax.lax.stop_gradient(e), sigma, e)
+    """Matrices of all elements about a state at rest (THEORY.md 7, eq. (7.15); 6, eq. (6.2) and (6.3))."""
+    at_rest, _ = element_matrices(topology, parameters, factors, x, jax.lax.stop_gradient(e), sigma, e)
     strain = strain_of(topology, parameters, scaled_loads(parameters, factors), e)
-    viscous = by_deformations(topology, parameters, strain, found.constraints, "damping")
-    damping = by_coordinates(found.constraints, viscous)
-    return found._replace(damping=damping, mass=mass_pieces(topology, parameters, x), viscous=viscous)
+    viscous = by_deformations(topology, parameters, strain, at_rest.constraints, "damping")
+    damping = by_coordinates(at_rest.constraints, viscous)
+    return at_rest._replace(damping=damping, mass=mass_pieces(topology, parameters, x), viscous=viscous)
 
 
 def about_state(
@@ -411,10 +404,9 @@ def about_state(
     *more: Any,
     solver: LinearSolver = SPARSE,
 ) -> Linearization:
-    """Linearised equations about a state at rest that has been found, element by element.
+    """Linearised equations about a known state at rest, element by element.
 
-    Args:
-        more: What :class:`LargeMatrices` has between ``sigma`` and ``factors``.
+    ``more`` are the attributes of :class:`LargeMatrices` between ``sigma`` and ``factors``.
     """
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
     elements = moving_element_matrices(model.topology, model.parameters, factors, x, e, sigma)
@@ -428,17 +420,13 @@ def about_state(
 def linearized_by_elements(
     model: Model, target: LoadFactors, throw: bool = True, solver: LinearSolver = SPARSE
 ) -> Linearization:
-    """Linearised equations about the equilibrium of a large mechanism, element by element.
-
-    Raises:
-        AnalysisError: singular_configuration, singular_stiffness or not_converged, with ``throw``.
-    """
-    found, unstable = sparse_equilibrium(model.topology, model.parameters, target)
+    """Linearised equations about the equilibrium of a large mechanism, element by element."""
+    equilibrium, unstable = sparse_equilibrium(model.topology, model.parameters, target)
     if is_concrete(unstable) and unstable:
         collect(RESULTS.unstable_state)
-    check_stiffness(model, found[-1], throw)
-    warn_of_coarse(model, found[1])
-    return about_state(model, target, *or_nan(found, found[-1], throw), solver=solver)
+    check_stiffness(model, equilibrium[-1], throw)
+    warn_of_coarse(model, equilibrium[1])
+    return about_state(model, target, *or_nan(equilibrium, equilibrium[-1], throw), solver=solver)
 
 
 def linearized_by_freedoms(model: Model, target: LoadFactors, throw: bool) -> Linearization:
@@ -494,18 +482,18 @@ def linearize(
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
 ) -> Linearization:
-    """Linearised equations of motion about the static equilibrium under the constant loads.
+    """Return the linearised equations of motion about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-]; zero unless given.
-        throw: Raise where the equilibrium fails; otherwise the code is in ``result``.
-        sparse: Of a mechanism of thousands of elements, which needs no degrees of freedom: the equations in all
-            coordinates, element by element. Modes, compliance, stress, responses and a state space of few modes are
-            asked of them as of others. See :func:`flexmb.equilibrium` for what it takes.
-        solver: "sparse" or a :class:`flexmb.math.linear_solver.LinearSolver` for the same, by which these questions are
-            answered; "dense" for the equations in the degrees of freedom.
+        increment: Factor of the incremental loads, () [-]; zero by default.
+        throw: Raise if the equilibrium fails; otherwise the code is in ``result``.
+        sparse: Return equations in all coordinates, element by element, for a mechanism of thousands of elements, which
+            needs no degrees of freedom; see :func:`flexmb.equilibrium`. Modes, compliance, stress, responses and a
+            state space of few modes accept them.
+        solver: "sparse" or a :class:`flexmb.math.linear_solver.LinearSolver` for the same, used by these questions;
+            "dense" for the equations in the degrees of freedom.
 
     Returns:
         Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
@@ -517,7 +505,7 @@ def linearize(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
+        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
 
     Source:
         THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.

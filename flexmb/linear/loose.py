@@ -1,4 +1,4 @@
-"""Motions that meet no stiffness, carry no mass or a negative one, and what is too stiff: found and named."""
+"""Finds and names motions without stiffness, without mass or with negative mass, and elements that are too stiff."""
 
 import contextlib
 from collections.abc import Iterator
@@ -19,36 +19,27 @@ from ..mechanics.extent import sizes_of
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
+from ..numerical_limits import FREE_STIFFNESS, NO_MASS, TAKES_PART
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
 from .spectrum import masses_of_motions
 
-# A motion is free whose stiffness is below this share of the stiffnesses that meet in it.
-FREE = 1e-13
-# A direction does not take part in a motion where it has less than this share of it.
-APART = 1e-9
-# A motion has no mass where it is below this share of the largest.
-MASSLESS = 1e-12
 TINY = np.finfo(float).tiny
 
 
 def named(model: Model, motions: np.ndarray) -> str:
-    """What moves most in each motion, one a column, (n_x, k)."""
-    found = []
+    """Names of what moves most in each motion, one a column, (n_x, k)."""
+    names = []
     for motion in motions.T:
         largest = shares(motion / np.max(np.abs(motion), initial=np.finfo(float).tiny), model.labels.x)[:4]
-        found.append(", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in largest))
-    return "; ".join(found)
+        names.append(", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in largest))
+    return "; ".join(names)
 
 
 def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Flexibility in all motions that meet stiffness, and the motions that meet none, by singular values of K.
+    """Inverse of K on what is not free, free motions (n_q, k), and forces of springs that hold each alone, (n_q, k).
 
-    Each degree of freedom has a unit that makes the stiffnesses that meet in it one.
-
-    Returns:
-        Inverse of K on what is not free, (n_q, n_q), free motions in the degrees of freedom, (n_q, k), and for each of
-        these the forces of springs that hold it alone, (n_q, k).
+    By singular values of K, with each degree of freedom scaled by the stiffnesses at it.
     """
     k, dfe = np.asarray(m.K), np.abs(np.asarray(m.DFe))
     if not np.all(np.isfinite(k)):
@@ -56,7 +47,7 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     meeting = np.diag(dfe.T @ np.abs(np.asarray(m.S)) @ dfe) + np.abs(np.diag(k))
     scale = 1 / np.sqrt(np.where(meeting > 0, meeting, 1.0))
     left, sizes, right = np.linalg.svd(k * scale[:, None] * scale)
-    stiff = sizes > FREE * len(k) * max(1.0, np.max(sizes, initial=0.0))
+    stiff = sizes > FREE_STIFFNESS * len(k) * max(1.0, np.max(sizes, initial=0.0))
     inverse = right[stiff].T @ (left[:, stiff] / sizes[stiff]).T
     free = right[~stiff].T
     return inverse * scale[:, None] * scale, free * scale[:, None], free / scale[:, None]
@@ -64,25 +55,25 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Whether directions, (k, n_q), take part in any of some motions, (k,)."""
-    return np.any(np.abs(rows @ free) > APART * (np.abs(rows) @ np.abs(free)), axis=1)
+    return np.any(np.abs(rows @ free) > TAKES_PART * (np.abs(rows) @ np.abs(free)), axis=1)
 
 
 def negative_mass(lin: Linearization) -> str:
-    """Coordinates whose mass is negative in a motion of negative mass, at the first time that has one; or empty."""
+    """Coordinates of negative mass in a motion of negative mass, at the first time with one; or empty."""
     m = lin.matrices
     mass = np.asarray(m.M0)
     if not mass.size:
         return ""
     if mass.ndim > 2:
-        wrong = next((i for i, own in enumerate(mass) if _is_negative(own)), None)
+        wrong = next((i for i, at_time in enumerate(mass) if _is_negative(at_time)), None)
         return "" if wrong is None else negative_mass(lin.at_time(wrong))
     if not _is_negative(mass):
         return ""
     _, motions = masses_of_motions(mass)
     motion = np.asarray(m.DFx) @ motions[:, 0]
     share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
-    own = [i for i in np.argsort(share) if share[i] < 0][:4]
-    return ", ".join(str(lin.labels.x[i]) for i in own) or named(lin.model, motion[:, None])
+    negative = [i for i in np.argsort(share) if share[i] < 0][:4]
+    return ", ".join(str(lin.labels.x[i]) for i in negative) or named(lin.model, motion[:, None])
 
 
 def _is_negative(mass: np.ndarray) -> bool:
@@ -92,35 +83,35 @@ def _is_negative(mass: np.ndarray) -> bool:
 
 
 def refuse_negative_mass(lin: Linearization) -> None:
-    """Raise singular_mass, with the names of the nodes, where known numbers have a negative eigenvalue of the mass."""
+    """Raise singular_mass with names if the known mass matrix has a negative eigenvalue."""
     known = undifferentiated(lin)
     if is_concrete(known) and (names := negative_mass(known)):
         raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {of_negative_mass(names)}")
 
 
 def of_negative_mass(names: str) -> str:
-    """What a message says of them."""
+    """Sentence of a message."""
     return f"Here a motion has a negative mass, that of {names}."
 
 
 def without_mass(model: Model) -> str:
-    """Names of the motions of the undeformed mechanism that carry no mass, for a message; empty where none is known."""
+    """Sentence on motions of the undeformed mechanism without mass; empty if there is none or numbers are traced."""
     model = undifferentiated(model)
     if not is_concrete(model):
         return ""
     motions = dense(motions_of(model)[0]) * constraints(model).columns[:, None]
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
     values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
-    light = values <= MASSLESS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)
+    light = values <= NO_MASS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)
     return f"Motions without mass: {named(model, motions @ vectors[:, light])}." if np.any(light) else ""
 
 
 def without_anything(lin: Linearization, *, damped: bool = True) -> str:
-    """Names of motions with neither mass nor stiffness, nor damping unless ``damped``, and a remedy; or empty."""
-    # On the host from the first: sums of arrays of JAX would be traced within another program.
+    """Sentence on motions with neither mass nor stiffness, nor damping unless ``damped``, with a remedy; or empty."""
+    # On the host from the start: within another program JAX would trace sums of its arrays.
     m = jax.tree.map(np.asarray, lin.matrices)
     _, free, _ = free_motions(m)
-    # Scale each motion so that its mass, without cancellation, is one.
+    # Scale each motion to a mass of one, without cancellation.
     sizes = np.sqrt(_uncancelled(free, m.M0))
     free = free / np.where(sizes > 0, sizes, 1.0)
     held = free.T @ m.M0 @ free
@@ -128,26 +119,23 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
         damping = m.C0 + m.D0
         held = held + free.T @ damping @ free / max(np.max(_uncancelled(free, damping), initial=0.0), TINY)
     shares, combinations = np.linalg.eigh((held + held.T) / 2)
-    light = free @ combinations[:, shares <= MASSLESS]
+    light = free @ combinations[:, shares <= NO_MASS]
     if not light.size:
         return ""
     moving = named(lin.model, np.asarray(m.DFx) @ light)
     return (
-        f"Here that is {moving}. It has no mass either: give it a mass or an inertia (sections have rotary inertia"
+        f"Here that is {moving}. It has no mass either. Give it a mass or an inertia (sections have rotary inertia"
         " unless rotary=False), or hold it."
     )
 
 
 def _uncancelled(motions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """A quadratic form of each motion, had all its terms one sign, (k,)."""
+    """A quadratic form of each motion, as if all its terms had one sign, (k,)."""
     return np.sum(np.abs(motions) * (np.abs(matrix) @ np.abs(motions)), axis=0)
 
 
 def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
-    """Raise singular_stiffness, with names, where a motion has neither mass nor stiffness, nor damping if not damped.
-
-    Asked about one state where numbers are known.
-    """
+    """Raise singular_stiffness with names of motions of one state with neither mass nor stiffness, nor damping."""
     lin = undifferentiated(lin)
     m = lin.matrices
     if not is_concrete(m) or np.ndim(m.K0) != 2 or not np.size(m.K0):
@@ -158,19 +146,19 @@ def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
 
 
 def of_stiffest(model: Model) -> str:
-    """What a message says of the element that is stiffest, by motions of the mechanism's extent and radians."""
+    """Sentence on the stiffest element, by motions of the mechanism's extent and radians."""
     topology, parameters = model.topology, model.parameters
     sizes, size, stiff = sizes_of(topology, parameters), np.zeros(topology.n_e), np.zeros(topology.n_e)
-    for at, columns, own in jacobian_pieces(topology, parameters, parameters.reference, jnp.zeros(topology.n_e))[1]:
-        size[at] = np.linalg.norm(np.asarray(own) * sizes[columns][:, None, :], axis=2)
-    for at, _, own in known_stiffness_pieces(topology, parameters):
-        np.maximum.at(stiff, np.asarray(at), np.abs(np.einsum("eii->ei", np.asarray(own))))
+    for at, columns, rows in jacobian_pieces(topology, parameters, parameters.reference, jnp.zeros(topology.n_e))[1]:
+        size[at] = np.linalg.norm(np.asarray(rows) * sizes[columns][:, None, :], axis=2)
+    for at, _, matrices in known_stiffness_pieces(topology, parameters):
+        np.maximum.at(stiff, np.asarray(at), np.abs(np.einsum("eii->ei", np.asarray(matrices))))
     stiff[np.asarray(topology.e.held)] = 0.0
     return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."
 
 
 def of_unresisted(lin: Linearization) -> str:
-    """What a message says of the motion that a singular stiffness does not resist; empty where constraints repeat."""
+    """Sentence on the motion that a singular stiffness does not resist; empty if constraints are redundant."""
     elements = jax.tree.map(np.asarray, lin.elements)
     whole = Whole(elements)
     motion = unresisted(whole.at(), whole.n)
@@ -183,7 +171,7 @@ def of_unresisted(lin: Linearization) -> str:
 
 @contextlib.contextmanager
 def naming_culprit(lin: Linearization) -> Iterator[None]:
-    """Errors name what a singular stiffness lets move, or, where answers are lost in round-off, what is too stiff."""
+    """Context whose errors name the motion that a singular stiffness frees, or an element that is too stiff."""
     try:
         yield
     except AnalysisError as fault:

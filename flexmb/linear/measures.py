@@ -14,21 +14,19 @@ from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import ONE_CLUSTER
 from ..results import RESULTS, or_nan
 from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
 from .modes import Modes, check_spectrum, refuse_unsymmetric
 from .spectrum import spectrum, to_frequency
 
-# Eigenvalues this near to each other, relatively, share one space of modes: a vector of either is round-off there.
-CLUSTER = 1e-6
-
 
 def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
-    """Lower estimate (sum of v^-p)^(-1/p) of the least of positive values, smooth where several are equal.
+    """Return the lower estimate (sum of v^-p)^(-1/p) of the minimum of positive values, smooth where several are equal.
 
-    Of eigenvalues or loads it is a symmetric function, whose first derivative is right where they are repeated although
-    that of each alone does not exist. It lies between n^(-1/p) of the minimum and the minimum.
+    It lies between n^(-1/p) times the minimum and the minimum. As a symmetric function of eigenvalues or loads, it has
+    a first derivative where they are repeated.
 
     Args:
         values: Positive, infinite ones allowed, (n,).
@@ -51,10 +49,12 @@ def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
 
 
 def smooth_maximum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
-    """Upper estimate (sum of v^p)^(1/p) of the largest of positive values, between it and n^(1/p) of it.
+    """Return the upper estimate (sum of v^p)^(1/p) of the maximum of positive values.
+
+    It is at most n^(1/p) times the maximum.
 
     Args:
-        values, sharpness: As of :func:`smooth_minimum`, values finite.
+        values, sharpness: As for :func:`smooth_minimum`, values finite.
 
     Returns:
         () [unit of the values].
@@ -83,7 +83,7 @@ def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
 
 
 def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
-    """How alike the modes of two states or designs are.
+    """Return how alike the modes of two states or designs are.
 
     Args:
         one: Modes of a model.
@@ -93,7 +93,7 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
         (n, m) [-]: 1 for equal shapes, 0 for orthogonal ones, in the masses and the degrees of freedom of the first.
 
     Raises:
-        TypeError: They are no Modes, or such by sparse matrices.
+        TypeError: They are no Modes, or sparse ones.
         ValueError: The models have other nodes or elements.
 
     Source:
@@ -101,43 +101,43 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     """
     for given in (one, other):
         _check_modes(given, "mode_assurance")
-    a, b = (_shapes_in(one.lin.model, of, "mode_assurance") for of in (one, other))
+    a, b = (_shapes_in(one.lin.model, modes, "mode_assurance") for modes in (one, other))
     m = np.asarray(one.lin.matrices.M0)
     return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))
 
 
 def _check_modes(modes: Any, function: str) -> None:
-    """Refuse what is no modes, or has no degrees of freedom."""
+    """Refuse anything but modes in degrees of freedom."""
     if not isinstance(modes, Modes):
-        raise TypeError(f"fm.linear.{function} takes Modes, of fm.modes(model), not {kind_of(modes)}.")
+        raise TypeError(f"fm.linear.{function} needs Modes, of fm.modes(model), not {kind_of(modes)}.")
     if modes.lin.large:
-        raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices: give fm.modes(model, sparse=False).")
+        raise TypeError(f"fm.linear.{function} takes no modes by sparse matrices. Give fm.modes(model, sparse=False).")
 
 
 def _shapes_in(model: Model, modes: Modes, function: str) -> Float[np.ndarray, "n_q n"]:
-    """Shapes of modes in the degrees of freedom of a model, whatever those of their own are."""
-    own, shapes = modes.lin.model, np.asarray(modes.q_shapes)
-    if (own.labels.x, own.labels.e) != (model.labels.x, model.labels.e):
-        raise ValueError(f"fm.linear.{function}: the models differ, their nodes or elements have other names.")
-    if own.q_labels == model.q_labels:
+    """Shapes of modes in the degrees of freedom of a model."""
+    of_modes, shapes = modes.lin.model, np.asarray(modes.q_shapes)
+    if (of_modes.labels.x, of_modes.labels.e) != (model.labels.x, model.labels.e):
+        raise ValueError(f"fm.linear.{function}: the models differ. Their nodes or elements have other names.")
+    if of_modes.q_labels == model.q_labels:
         return shapes
-    x, e = (np.asarray(of.dof) for of in (model.topology.x, model.topology.e))
+    x, e = (np.asarray(roles.dof) for roles in (model.topology.x, model.topology.e))
     m = modes.lin.matrices
     return np.concatenate([np.asarray(m.DFx)[x], np.asarray(m.DFe)[e]]) @ shapes
 
 
 def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
-    """Which mode of another state each mode has become, by shape and not by order.
+    """Return which mode of another state each mode has become, by shape.
 
     Args:
-        one, other: As of :func:`mode_assurance`.
+        one, other: As for :func:`mode_assurance`.
 
     Returns:
-        (n,) [-]: number, from 0, of the mode in ``other`` that continues each mode of ``one``; -1 where ``other`` has
-        fewer.
+        (n,) [-]: number, from 0, of the mode in ``other`` that continues each mode of ``one``; -1 if ``other`` has
+            fewer.
 
     Raises:
-        TypeError, ValueError: As of :func:`mode_assurance`.
+        TypeError, ValueError: As :func:`mode_assurance`.
 
     Source:
         Assignment of the largest sum of :func:`mode_assurance` (Kuhn 1955).
@@ -146,32 +146,32 @@ def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
 
     assurance = mode_assurance(one, other)
     rows, columns = scipy.optimize.linear_sum_assignment(assurance, maximize=True)
-    found = np.full(len(assurance), -1)
-    found[rows] = columns
-    return found
+    numbers = np.full(len(assurance), -1)
+    numbers[rows] = columns
+    return numbers
 
 
 def frequency_like(
     model: Model, shape: Modes | Float[Array, "n_q"], number: int | None = None, *, throw: bool = True
 ) -> Float[Array, ""]:
-    """Frequency of the mode that looks most like a given one, through crossings.
+    """Return the frequency of the mode most like a given one, through crossings.
 
-    Where other modes have the same frequency, the shape's part in their common space is the mode, and the derivative is
-    that of the mode that goes on with this shape; of the first order there.
+    If other modes have the same frequency, the mode is the shape's part in their common space. The derivative is that
+    of the mode that continues this shape, of first order only.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        shape: Modes of a design such as ``fm.modes(start)``, whatever their degrees of freedom; or one in those of the
-            model, (n_q,), which fits where they are named: those that are found may be others in another design.
-        number: Of the mode, from 0, where Modes are given.
-        throw: Raise where the equilibrium or the eigenproblem fails.
+        shape: Modes of a design such as ``fm.modes(start)``, in any degrees of freedom; or one shape in those of the
+            model, (n_q,). Name degrees of freedom for the latter: found ones may differ in another design.
+        number: Number of the mode, from 0, if Modes are given.
+        throw: Raise if the equilibrium or the eigenproblem fails.
 
     Returns:
-        () [Hz]; negative where the motion grows.
+        () [Hz]; negative if the motion grows.
 
     Raises:
-        ValueError: The shape has another number of entries than the model has degrees of freedom; no mode of that
-            number, or none named; Modes of a model with other nodes or elements.
+        ValueError: The shape and the degrees of freedom differ in number; a wrong or missing number of the mode; Modes
+            of a model with other nodes or elements.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
 
     Source:
@@ -203,15 +203,15 @@ def frequency_like(
 
 @kernel
 def _frequency_like(topology: Topology, parameters: Parameters, shape: Float[Array, "n_q"]):
-    found: Matrices = matrices(topology, parameters, LoadFactors(1.0, 0.0))
-    values, vectors, _, result = spectrum(found.K, found.M0)
-    parts = jax.lax.stop_gradient(vectors.T @ (found.M0 @ shape))
+    m: Matrices = matrices(topology, parameters, LoadFactors(1.0, 0.0))
+    values, vectors, _, result = spectrum(m.K, m.M0)
+    parts = jax.lax.stop_gradient(vectors.T @ (m.M0 @ shape))
     # Massless motions have no vector.
     parts = jnp.where(jnp.isfinite(values), parts, 0.0)
     best = jnp.argmax(jnp.abs(parts))
     finite = jnp.where(jnp.isfinite(values), values, 0.0)
-    together = (jnp.abs(finite - finite[best]) <= CLUSTER * jnp.abs(finite[best])) & jnp.isfinite(values)
+    together = (jnp.abs(finite - finite[best]) <= ONE_CLUSTER * jnp.abs(finite[best])) & jnp.isfinite(values)
     mode = jax.lax.stop_gradient(vectors @ jnp.where(together, parts, 0.0))
-    quotient = (mode @ (found.K @ mode)) / (mode @ (found.M0 @ mode))
+    quotient = (mode @ (m.K @ mode)) / (mode @ (m.M0 @ mode))
     value = jnp.where(jnp.sum(together) > 1, quotient, finite[best])
-    return to_frequency(value[None])[0], jnp.where(found.result == RESULTS.successful, result, found.result)
+    return to_frequency(value[None])[0], jnp.where(m.result == RESULTS.successful, result, m.result)

@@ -42,17 +42,17 @@ from .traced_poles import poles_of_elements, traced_poles
 
 
 class Modes(Shapes, Labelled, Record):
-    """Natural frequencies and mode shapes, by ascending eigenvalue; massless motions are left out.
+    """Natural frequencies and mode shapes, by ascending eigenvalue, without massless motions.
 
-    Asked by name, as ``modes.position("top")``, it answers of the state that the modes are about, and
-    ``modes.shape("top")`` is how a node moves in each mode.
+    Asked by name, as ``modes.position("top")``, it returns values of the state that the modes are about;
+    ``modes.shape("top")`` is the motion of a node in each mode.
 
     Attributes:
-        eigenvalues: Of (K0 + N0 + G0, M0), negative where unstable, (n,) [rad^2/s^2].
+        eigenvalues: Of (K0 + N0 + G0, M0), negative if unstable, (n,) [rad^2/s^2].
         frequencies: Square root over 2 pi with the sign of the eigenvalue, (n,) [Hz].
         shapes: Mass-normalised mode shapes in the coordinates, one a column, (n_x, n) [1/sqrt(kg) ..].
         q_shapes: The same in the degrees of freedom, (n_q, n).
-        massless: Number of motions without mass; of modes by sparse matrices 0 where no fewer than asked for have mass.
+        massless: Number of motions without mass; by sparse matrices 0 if all modes wanted have mass.
         stable: Whether the stiffness is positive definite.
         lin: Linearization they belong to.
     """
@@ -67,7 +67,7 @@ class Modes(Shapes, Labelled, Record):
     one_axis = "eigenvalues"
 
     def states(self) -> States:
-        """The modes about their state, each with its frequency."""
+        """Return the modes about their state, each with its frequency."""
         titles = [f"mode {i + 1}: {text}" for i, text in enumerate(self._told())]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
@@ -78,10 +78,10 @@ class Modes(Shapes, Labelled, Record):
 
     def _told(self) -> list[str]:
         values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
-        return [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {own:.4g} rad²/s²" for hertz, own in values]
+        return [f"{hertz:.5g} Hz" if hertz >= 0 else f"unstable, ω² = {square:.4g} rad²/s²" for hertz, square in values]
 
     def summary(self) -> Summary:
-        """Frequencies and stability."""
+        """Return frequencies and stability."""
         rows = {"stable": "yes" if self.stable else "no"}
         if self.massless:
             rows["motions without mass"] = str(self.massless)
@@ -89,9 +89,9 @@ class Modes(Shapes, Labelled, Record):
 
 
 @jit
-def _frequencies_at(found: Matrices, *, count: int | None):
-    values, _, _, result = spectrum(found.K, found.M0, count)
-    return to_frequency(values), jnp.where(found.result == RESULTS.successful, result, found.result)
+def _frequencies_at(m: Matrices, *, count: int | None):
+    values, _, _, result = spectrum(m.K, m.M0, count)
+    return to_frequency(values), jnp.where(m.result == RESULTS.successful, result, m.result)
 
 
 @kernel
@@ -100,25 +100,24 @@ def _frequencies(topology: Topology, parameters: Parameters, target: LoadFactors
 
 
 def _frequencies_of_motion(lin: Linearization, count: int | None) -> Float[Array, "n"]:
-    """Frequencies about a state of motion, of a stiffness that need not be symmetric; NaN where they are complex."""
+    """Frequencies about a state of motion, whose stiffness may be unsymmetric; NaN if complex."""
     values, _ = general_spectrum(np.asarray(lin.matrices.K), np.asarray(lin.matrices.M0))
     return jnp.asarray(np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))[:count])
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:
-    """Raise NotImplementedError where frequencies are asked of a stiffness without a potential."""
+    """Raise NotImplementedError for frequencies of a stiffness without a potential."""
     if not symmetric:
         raise NotImplementedError(
             "Loads or laws without a potential, such as moments about fixed axes in space, or the speed of a state of"
-            " motion make the stiffness unsymmetric, so that frequencies may be complex: ask for fm.poles of the same"
-            " instead."
+            " motion make the stiffness unsymmetric. Frequencies may be complex. Use fm.poles instead."
         )
 
 
 def _asked(
     model: Any, function: str, count: int | None, where: Where, solver: LinearSolver | None, throw: bool = True
 ) -> tuple[Linearization | None, int | None]:
-    """What is asked about by sparse matrices, or None, and how many are wanted, which these are told always."""
+    """Linearization for sparse matrices, or None, and the number wanted, which these need."""
     count = None if count is None else check_whole("count", count, 1)
     large = None
     by_factors = solver not in (None, DENSE)
@@ -142,27 +141,25 @@ def frequencies(
     time: float | None = None,
     increment: float | None = None,
 ) -> Float[Array, "n"]:
-    """Natural frequencies about the static equilibrium under the constant loads.
+    """Return the natural frequencies about the static equilibrium under the constant loads.
 
-    What is prescribed is held: the motion that a drive prescribes is none of the modes.
+    Prescribed coordinates are held: the motion of a drive is no mode.
 
     Args:
         model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
-        count: How many of the lowest; all unless given or where there are fewer. With many degrees of freedom a few are
-            found much quicker.
-        sparse: ``count`` frequencies by sparse matrices in all coordinates, of a model that needs no degrees of
-            freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where ``count``
-            is.
+        count: Number of the lowest frequencies; all by default. A few of many are computed much faster.
+        sparse: Compute ``count`` frequencies by sparse matrices in all coordinates, for a model that needs no degrees
+            of freedom; see :func:`flexmb.equilibrium`. By default chosen by size, if ``count`` is given.
         solver: "sparse", "dense", or a :class:`flexmb.math.linear_solver.LinearSolver` in place of sparse factors.
-        throw: Raise where the equilibrium or the eigenproblem fails.
-        at: Equilibrium, Path, Motion or Linearization of the model, about a state of which it is asked.
+        throw: Raise if the equilibrium or the eigenproblem fails.
+        at: Equilibrium, Path, Motion or Linearization of the model, whose state replaces the equilibrium.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
-        increment: Factor of the incremental loads of the equilibrium, () [-]; zero unless given.
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.
 
     Returns:
-        (n_q,) or (count,) [Hz], ascending; negative where the motion grows, infinite for motions without mass. About a
-        state of motion those of K0 + N0 + G0 and M0 alone, of concrete numbers, NaN where complex: see :func:`poles`.
+        (n_q,) or (count,) [Hz], ascending; negative if the motion grows, infinite for motions without mass. About a
+            state of motion: of K0 + N0 + G0 and M0 alone, of concrete numbers, NaN if complex; see :func:`poles`.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
@@ -177,7 +174,7 @@ def frequencies(
         refuse_unsymmetric(large.symmetric)
         with naming_culprit(large):
             return to_frequency(lowest_values(large.elements, cast(int, count), large.solver))
-    # Of designs it is also told where a state is not stable.
+    # Studies of designs also collect whether a state is stable.
     if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
         if at is not None and model.matrices.moving is not None:
@@ -194,12 +191,12 @@ def frequencies(
 
 
 def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array, ""]]:
-    """Frequencies of a linearisation as of :func:`frequencies`, (n_q,) [Hz], and a code of RESULTS, unchecked."""
+    """Frequencies of a linearisation, (n_q,) [Hz], and an unchecked code of RESULTS."""
     return _frequencies_at(lin.matrices, count=None)
 
 
 def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
-    """As :func:`flexmb.results.check`, with the names of what moves where mass or stiffness is at fault."""
+    """:func:`flexmb.results.check`, with the names of what moves if mass or stiffness is at fault."""
     about, model, known = "", undifferentiated(model), undifferentiated(result)
     if throw and is_concrete((model, known)):
         code = int(known)
@@ -215,9 +212,9 @@ def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
 
 
 @jit
-def _modes(found: Matrices):
-    values, vectors, stable, result = spectrum(found.K, found.M0)
-    return values, to_frequency(values), found.DFx @ vectors, vectors, stable, result
+def _modes(m: Matrices):
+    values, vectors, stable, result = spectrum(m.K, m.M0)
+    return values, to_frequency(values), m.DFx @ vectors, vectors, stable, result
 
 
 @unguarded
@@ -233,22 +230,22 @@ def modes(
     time: float | None = None,
     increment: float | None = None,
 ) -> Modes:
-    """Natural frequencies and mode shapes about the static equilibrium under the constant loads.
+    """Return natural frequencies and mode shapes about the static equilibrium under the constant loads.
 
     Args:
         model: Mechanism, or its linearisation.
-        count: How many of the lowest; all unless given or where there are fewer.
-        sparse, solver: As for :func:`frequencies`. Modes by sparse matrices are differentiable in the parameters:
-            eigenvalues always, shapes where no eigenvalue is repeated.
-        throw: Raise where the equilibrium or the eigenproblem fails.
-        at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
+        count: Number of the lowest modes; all by default.
+        sparse, solver: As for :func:`frequencies`. Sparse modes are differentiable in the parameters: eigenvalues
+            always, shapes if no eigenvalue is repeated.
+        throw: Raise if the equilibrium or the eigenproblem fails.
+        at, step, time, increment: State, as for :func:`frequencies`.
 
     Returns:
         Modes with eigenvalues (n,) [rad^2/s^2], frequencies (n,) [Hz] and shapes (n_x, n).
 
     Raises:
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
-        TypeError: Called under a trace; :func:`frequencies` can be.
+        TypeError: Called under a trace; use :func:`frequencies`.
 
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
@@ -262,9 +259,7 @@ def modes(
     values, hertz, shapes, q_shapes, stable, result = _modes(lin.matrices)
     check_spectrum(result, throw, lin)
     if isinstance(values, jax.core.Tracer):
-        raise TypeError(
-            "How many modes there are depends on numbers: ask for fm.frequencies under jax.grad and jax.jit."
-        )
+        raise TypeError("The number of modes depends on traced numbers. Use fm.frequencies under jax.grad and jax.jit.")
     finite = int(np.sum(np.isfinite(values)))
     some = finite if count is None else min(count, finite)
     return Modes(
@@ -279,15 +274,15 @@ def modes(
 
 
 def _modes_of_large(lin: Linearization, count: Any) -> Modes:
-    """A few modes by sparse matrices, whose shapes in the degrees of freedom are changes of those."""
+    """A few modes by sparse matrices, with shapes in the degrees of freedom."""
     refuse_unsymmetric(lin.symmetric)
     with naming_culprit(lin):
-        found: Any = lowest(lin.elements, count, lin.solver)
+        answer: Any = lowest(lin.elements, count, lin.solver)
+    values, motions, massless, stable = answer.values, answer.motions, 0, False
     roles = lin.model.topology
-    deformed = times(lin.elements.constraints, found.motions, size=roles.n_e)
-    q_shapes = jnp.concatenate([found.motions[roles.x.dof], deformed[roles.e.dof]])
-    values, motions, massless, stable = found.values, found.motions, 0, False
-    if is_concrete(found):
+    deformed = times(lin.elements.constraints, motions, size=roles.n_e)
+    q_shapes = jnp.concatenate([motions[roles.x.dof], deformed[roles.e.dof]])
+    if is_concrete(answer):
         stable, some = bool(np.all(values[:1] > 0)), int(np.sum(np.isfinite(values)))
         if some < len(values):
             moving, constraints = lin.elements.unknowns
@@ -309,24 +304,24 @@ def poles(
     time: float | None = None,
     increment: float | None = None,
 ) -> Complex[np.ndarray, "n"]:
-    """Poles of lambda^2 M0 + lambda (C0 + D0) + K0 + N0 + G0, ordered by |Im|.
+    """Return the poles of lambda^2 M0 + lambda (C0 + D0) + K0 + N0 + G0, ordered by |Im|.
 
     Args:
         model: Mechanism, or its linearisation.
-        count: How many of those nearest to zero, and one more where the last is one of a complex pair; all unless given
-            or where there are fewer. Under ``jax.grad`` and ``jax.jit`` it must be given, and so many are answered.
-        sparse, solver: ``count`` poles by sparse matrices, as for :func:`frequencies`.
-        at, step, time, increment: About which state it is asked, as for :func:`frequencies`.
+        count: Number of poles nearest to zero, one more if the last is one of a complex pair; all by default. Needed
+            under ``jax.grad`` and ``jax.jit``, which return this number.
+        sparse, solver: Compute ``count`` poles by sparse matrices, as for :func:`frequencies`.
+        at, step, time, increment: State, as for :func:`frequencies`.
 
     Returns:
-        (n,) [rad/s]; those at infinity, of motions without mass, are left out. Differentiable in ``model.parameters``
-        but where two of them meet, as in critical damping or of a free motion: there derivatives are NaN.
+        (n,) [rad/s], without those at infinity, of motions without mass. Differentiable in ``model.parameters``, except
+        where two poles meet, as in critical damping or of a free motion: derivatives are NaN there.
 
     Raises:
-        AnalysisError: The equilibrium was not found, or a motion has a negative mass; singular_stiffness, where one has
-            neither mass, stiffness nor damping, by sparse matrices neither mass nor stiffness; by those also
+        AnalysisError: The equilibrium was not found, or a motion has a negative mass; singular_stiffness: a motion has
+            neither mass, stiffness nor damping, with sparse matrices neither mass nor stiffness; with these also
             not_converged.
-        ValueError: ``count`` is not positive, or missing with sparse matrices, or more than there can be.
+        ValueError: ``count`` is not positive, or missing with sparse matrices, or too large.
         TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing.
 
     Source:
@@ -339,11 +334,11 @@ def poles(
         return _poles_of_large(large, count)
     lin = linearized(model, "poles", where=where)
     refuse_negative_mass(lin)
-    # Nothing but damping leaves a pole at zero; without it any number would be one.
+    # Damping alone leaves a pole at zero; without damping any number would be a pole.
     refuse_without_anything(lin, damped=False)
     if not is_concrete(lin.matrices):
         return _poles_of_traced(lin.matrices, count)
-    # On the host from the first: sums of arrays of JAX would be traced within another program.
+    # On the host from the start: within another program JAX would trace sums of its arrays.
     m = jax.tree.map(np.asarray, lin.matrices)
     return slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)
 
@@ -352,7 +347,7 @@ def _poles_of_traced(m: Matrices, count: int | None) -> Any:
     n = len(m.M0)
     if count is None:
         raise TypeError(
-            "How many poles there are depends on numbers: under jax.grad and jax.jit give fm.poles `count`."
+            "The number of poles depends on traced numbers. Under jax.grad and jax.jit give fm.poles `count`."
         )
     if count > 2 * n:
         raise ValueError(
@@ -368,8 +363,7 @@ def _poles_of_large(lin: Linearization, count: Any) -> Any:
     if not is_concrete(lin.elements):
         with naming_culprit(lin):
             return poles_of_elements(lin.elements, count)
-    elements = jax.tree.map(np.asarray, lin.elements)
-    whole = Whole(elements)
+    whole = Whole(jax.tree.map(np.asarray, lin.elements))
     refuse_negative_masses(whole)
     with naming_culprit(lin):
         return poles_of_sparse(whole, count, lin.solver)

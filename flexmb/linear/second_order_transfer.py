@@ -41,7 +41,7 @@ def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
 def second_transfer(
     lin: Linearization,
 ) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
-    """Second-order geometric transfer functions about the linearised state.
+    """Return the second-order geometric transfer functions about the linearised state.
 
     Args:
         lin: Linearization.
@@ -50,15 +50,14 @@ def second_transfer(
         D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
 
     Raises:
-        TypeError: It is no Linearization.
+        TypeError: `lin` is no Linearization.
 
     Source:
-        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations,
-        THEORY.md 4, eq. (4.4).
+        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, THEORY.md 4, eq. (4.4).
     """
     if not isinstance(lin, Linearization):
         raise TypeError(
-            f"fm.linear.second_transfer takes a Linearization, not {kind_of(lin)}: give fm.linearize(model)."
+            f"fm.linear.second_transfer needs a Linearization, not {kind_of(lin)}. Give fm.linearize(model)."
         )
     linearized(lin, "second_transfer")
     return _second_transfer(lin.model.topology, lin.model.parameters, lin.matrices)

@@ -1,4 +1,4 @@
-"""What modes of vibration and of buckling share: they are motions about a linearised state."""
+"""Base class of modes of vibration and of buckling: motions about a linearised state."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from .linearize import AboutState
 
 
 class Shapes(ByName, AboutState):
-    """Base class of modes, which are asked by name as the state that they are about is.
+    """Base class of modes, asked by name as the state that they are about.
 
     Attributes:
         shapes: Modes in the coordinates, one a column, (n_x, n).
@@ -22,7 +22,7 @@ class Shapes(ByName, AboutState):
 
     @property
     def matrices(self) -> Any:
-        """Linearised equations of the state that the modes are about."""
+        """Linearised equations of the state."""
         return self.lin.matrices
 
     @property
@@ -31,14 +31,15 @@ class Shapes(ByName, AboutState):
         return self.lin.labels
 
     def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
-        """How a node moves in each mode.
+        """Return the motion of a node in each mode.
 
         Args:
-            node: Name of the node, or of its rotation as "name.rotation" for its rotation alone.
-            component: One component alone: "x", "y", "z", "phi", "rx", "ry" or "rz".
+            node: Name of the node, or "name.rotation" for its rotation alone.
+            component: One component: "x", "y", "z", "phi", "rx", "ry" or "rz".
 
         Returns:
-            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) of one
-            component; of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
+            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) for one
+                component; of
+            vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
         """
         return node_motions(self.labels, self.lin.x, self.shapes, node, component)

@@ -1,4 +1,4 @@
-"""Load multipliers and buckling modes of large mechanisms, by sparse factors, and derivatives of the multipliers."""
+"""Load multipliers and buckling modes of large mechanisms by sparse factors, with derivatives of the multipliers."""
 
 import functools
 from typing import Any, NamedTuple
@@ -24,18 +24,19 @@ from ..mechanics.loads import LoadFactors, scaled_loads
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import STRESS_ROUND_OFF
 from ..results import RESULTS
 from ..statics.newton_search import held_values
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
 from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization
-from .sparse_multipliers import ROUND_OFF, Buckled, MultiplierMatrices, smallest_of_sparse
+from .sparse_multipliers import Buckled, MultiplierMatrices, smallest_of_sparse
 from .sparse_solve import on_host
 from .sparse_spectrum import asks_for_all
 
 
 class _Growth(NamedTuple):
-    """What the incremental loads add to first order: displacements, (n_x,), and stress resultants, (n_e,)."""
+    """Displacements and stress resultants that the incremental loads add, to first order."""
 
     x: Float[Array, "n_x"]
     sigma: Float[Array, "n_e"]
@@ -45,13 +46,13 @@ class _Growth(NamedTuple):
 def _rates(
     topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
 ) -> Array:
-    """Rates of coordinates that move and of multipliers with the factor of the increment, (n + h,), in this state."""
-    still = jnp.zeros(sum(of.shape[0] for of in unknowns(topology)[::2]))
+    """Rates of coordinates that move and of multipliers with the increment's factor, in this state."""
+    still = jnp.zeros(sum(indices.shape[0] for indices in unknowns(topology)[::2]))
     right = -_imbalance(topology, parameters, factors, near, at, still)
-    found, code = solution_at(topology, parameters, factors, near, at, right)
+    rates, code = solution_at(topology, parameters, factors, near, at, right)
     if is_concrete(code) and int(code) != RESULTS.successful:
         raise AnalysisError(RESULTS(int(code)).name, RESULTS(int(code)).message)
-    return found
+    return rates
 
 
 @kernel
@@ -63,15 +64,15 @@ def _imbalance(
     at: Balanced,
     rates: Float[Array, "r"],
 ) -> Array:
-    """Rate of what the equations lack, where the state changes at given rates, (n + h,)."""
+    """Rate of the residual when the state changes at given rates."""
     free = unknowns(topology)[0]
     n = free.shape[0]
     motion = put(jnp.zeros(topology.n_x), free, rates[:n])
 
     def lacking(more: Float[Array, ""]):
-        own = LoadFactors(factors.initial, factors.increment + more)
+        more_load = LoadFactors(factors.initial, factors.increment + more)
         moved = at._replace(x=at.x + more * motion, multipliers=at.multipliers + more * rates[n:])
-        return lacking_at(topology, parameters, own, near, moved)
+        return lacking_at(topology, parameters, more_load, near, moved)
 
     return jax.jvp(lacking, (jnp.zeros(()),), (jnp.ones(()),))[1]
 
@@ -92,7 +93,7 @@ def _rates_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 def _growth(
     topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
 ) -> _Growth | None:
-    """What the incremental loads add; None where all loads are scaled."""
+    """What the incremental loads add; None if all loads are scaled."""
     if parameters.increment is None:
         return None
     near = jax.lax.stop_gradient(near)
@@ -108,7 +109,7 @@ def _grown(
     at: Balanced,
     rates: Float[Array, "r"],
 ) -> _Growth:
-    """Displacements and stress resultants of rates of the unknowns."""
+    """Displacements and stress resultants from rates of the unknowns."""
     free, fast, held = unknowns(topology)
 
     def moving(increment: Float[Array, ""]):
@@ -134,30 +135,30 @@ def _matrices(
     at: Balanced,
     growth: _Growth | None,
 ) -> MultiplierMatrices:
-    """What stays and what is scaled as in :func:`.buckling.scaled_stiffness`, element by element."""
+    """Constant and scaled stiffness as in :func:`.buckling.scaled_stiffness`, element by element."""
     x, sigma = at.x, put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
-    found, _ = element_matrices(topology, parameters, factors, x, near, sigma)
-    sizes, stressed, preload, moved = found.sizes, found.curved, None, found.sizes
+    elements, _ = element_matrices(topology, parameters, factors, x, near, sigma)
+    sizes, stressed, preload, moved = elements.sizes, elements.curved, None, elements.sizes
 
     def of_stress(factors: LoadFactors, sigma: Float[Array, "n_e"]):
         pieces = curvature_pieces(topology, parameters, x, near, sigma)
         gravity = scaled_loads(parameters, factors).gravity
         heavy = [] if gravity is None else weight_pieces(topology, parameters, x, gravity)
-        return [*pieces, *((rows, columns, -own) for rows, columns, own in heavy)]
+        return [*pieces, *((rows, columns, -matrix) for rows, columns, matrix in heavy)]
 
     if growth is not None:
         moved, sigma, preload = growth.x, growth.sigma, stressed
         stressed = of_stress(LoadFactors(0.0, 1.0), sigma)
-    sized = [(r, c, jnp.abs(d) * sizes[c][:, None, :]) for r, c, d in found.constraints]
+    sized = [(r, c, jnp.abs(d) * sizes[c][:, None, :]) for r, c, d in elements.constraints]
     forces = times_transposed(sized, jnp.abs(sigma)[:, None], size=topology.n_x)
     reach = jnp.zeros(topology.n_e)
     for r, _, d in sized:
         reach = accumulate(reach, r, jnp.max(d, axis=2, initial=0.0))
     stretched = times(sized, (jnp.abs(moved) / sizes)[:, None], size=topology.n_e)
-    elastic = times([(r, c, jnp.abs(own)) for r, c, own in found.elastic], stretched, size=topology.n_e)[:, 0]
+    elastic = times([(r, c, jnp.abs(k)) for r, c, k in elements.elastic], stretched, size=topology.n_e)[:, 0]
     share = jnp.where(reach > 0, jnp.max(forces, initial=0.0) / jnp.where(reach > 0, reach, 1.0), 0.0)
-    noise = of_stress(LoadFactors(0.0, 0.0), ROUND_OFF * (elastic + share))
-    return MultiplierMatrices(found._replace(curved=[]), preload, stressed, noise)
+    noise = of_stress(LoadFactors(0.0, 0.0), STRESS_ROUND_OFF * (elastic + share))
+    return MultiplierMatrices(elements._replace(curved=[]), preload, stressed, noise)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
@@ -169,19 +170,19 @@ def _found(
     count: Array,
     solver: LinearSolver,
 ) -> tuple[Buckled, Float[Array, ""]]:
-    """Smallest multipliers about a state with their modes, and how far what is scaled moves the mechanism."""
+    """Smallest multipliers about a state with their modes, and the motion by the scaled loads."""
     near, (free, _, held) = _deformed(topology, parameters, at), unknowns(topology)
     growth = _growth(topology, parameters, factors, near, at)
-    own = _matrices(topology, parameters, factors, near, at, growth)
+    matrices = _matrices(topology, parameters, factors, near, at, growth)
     n, h, k = free.shape[0], held.shape[0], count.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n, k), (h, k), (k,))]
     moved = moved_by_loads(topology, parameters, at.x, None if growth is None else growth.x)
-    return on_host(functools.partial(smallest_of_sparse, count=k, solver=solver), Buckled(*like), own), moved
+    return on_host(functools.partial(smallest_of_sparse, count=k, solver=solver), Buckled(*like), matrices), moved
 
 
 @_found.defjvp
 def _no_second_derivative(*_: Any):
-    raise NotImplementedError("Load multipliers by sparse factors can be differentiated once: give sparse=False.")
+    raise NotImplementedError("Load multipliers by sparse factors can be differentiated once. Give sparse=False.")
 
 
 @kernel
@@ -198,21 +199,21 @@ def _load_multipliers(
     count: Array,
     solver: LinearSolver,
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-    found, moved = _found(topology, parameters, factors, at, count, solver)
-    return found.values, moved
+    buckled, moved = _found(topology, parameters, factors, at, count, solver)
+    return buckled.values, moved
 
 
 def moved_by_loads(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], grown: Float[Array, "n_x"] | None
 ) -> Float[Array, ""]:
-    """How far what is scaled moves the mechanism at a multiplier of one, at most, () [extents, rad].
+    """Largest motion of the mechanism by the scaled loads at a multiplier of one [extents, rad].
 
-    ``grown`` is what the incremental loads add to the coordinates, or None where all loads are scaled.
+    ``grown`` is what the incremental loads add to the coordinates, or None if all loads are scaled.
     """
     if grown is None and (topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]):
         # A stroke is no load.
         return jnp.zeros(())
-    # Of known numbers by NumPy, which compiles nothing.
+    # NumPy for known numbers: it compiles nothing.
     x, reference, grown, sizes = as_known((x, parameters.reference, grown, sizes_of(topology, parameters)))
     dx = x - reference if grown is None else grown
     share = as_known(jax.lax.stop_gradient(abs(dx) / sizes))
@@ -229,7 +230,7 @@ def _quotients(
     growth: _Growth | None,
     modes: Buckled,
 ) -> Array:
-    """Second variations of the Lagrangian along modes, stresses scaled, whose changes are those of the multipliers."""
+    """Second variations of the Lagrangian along modes, whose changes are those of the multipliers."""
     free, _, held = unknowns(topology)
     loads = scaled_loads(parameters, factors)
     strained = deformations(topology, parameters, at.x, near)
@@ -266,21 +267,21 @@ def _quotients(
 @_load_multipliers.defjvp
 def _load_multipliers_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors, at, count = primals
-    found, moved = _found(topology, parameters, factors, at, count, solver)
+    buckled, moved = _found(topology, parameters, factors, at, count, solver)
     near = _deformed(topology, parameters, at)
-    bounded = jnp.isfinite(found.values)
+    bounded = jnp.isfinite(buckled.values)
 
     def quotients(parameters: Parameters, factors: LoadFactors, at: Balanced):
         growth = _growth(topology, parameters, factors, near, at)
-        return _quotients(topology, parameters, factors, near, at, growth, found)
+        return _quotients(topology, parameters, factors, near, at, growth, buckled)
 
     _, change = jvp_of_varied(quotients, primals[1:4], tangents[1:4])
-    changes = jnp.where(bounded, -1 / jnp.where(bounded, found.geometric, 1.0), 0.0) * change
-    return (found.values, moved), (changes, jnp.zeros(()))
+    changes = jnp.where(bounded, -1 / jnp.where(bounded, buckled.geometric, 1.0), 0.0) * change
+    return (buckled.values, moved), (changes, jnp.zeros(()))
 
 
 def _about(model: Model, target: LoadFactors, count: int, about: Linearization | None):
-    """What load multipliers are asked of: topology, parameters, factors, state, and their number as a shape."""
+    """Topology, parameters, factors and state of load multipliers, and their number as a shape."""
     topology, parameters = model.topology, model.parameters
     refuse_what_is_not_sparse(topology)
     free, _, held = unknowns(topology)
@@ -295,7 +296,7 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
     else:
         at = Balanced(about.x, about.sigma[held], about.e, jnp.zeros((), jnp.int32), jnp.zeros((), jnp.int32))
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in target))
-    # The number is handed on as a shape, which stays known.
+    # The number is a shape, which stays known under a trace.
     return topology, parameters, factors, at, np.zeros(min(count, every))
 
 
@@ -303,28 +304,24 @@ def _about(model: Model, target: LoadFactors, count: int, about: Linearization |
 def sparse_multipliers(
     model: Model, target: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
-    """Load multipliers of smallest size by a solver, (count,) or fewer, and as of :func:`moved_by_loads`.
+    """Load multipliers of smallest size by a solver, and the result of :func:`moved_by_loads`.
 
     About the equilibrium under ``target``, or another state ``about`` with these loads. THEORY.md 7, eq. (7.4), with
     multipliers in place of degrees of freedom; derivative eq. (7.19).
-
-    Raises:
-        ModelError: See :func:`refuse_what_is_not_sparse`, too large a count, or an element of negative stiffness.
-        AnalysisError: singular_stiffness, not_converged, or unstable under the preload.
     """
-    asked = _about(model, target, count, about)
-    found, moved = _load_multipliers(*asked, solver)
-    # Under a trace nothing is raised of an equilibrium that was not found.
-    failed = jnp.asarray(asked[3].result)
-    return jnp.where((failed == RESULTS.successful) | (failed == RESULTS.critical_state), found, jnp.nan), moved
+    arguments = _about(model, target, count, about)
+    values, moved = _load_multipliers(*arguments, solver)
+    # Under a trace, an equilibrium that was not found cannot raise.
+    code = jnp.asarray(arguments[3].result)
+    return jnp.where((code == RESULTS.successful) | (code == RESULTS.critical_state), values, jnp.nan), moved
 
 
 @one_thread()
 def sparse_modes(
     model: Model, target: LoadFactors, count: int, about: Linearization, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, "n_x k"], Float[Array, ""]]:
-    """As :func:`sparse_multipliers`, with the buckling modes in the coordinates, one a column, as the second."""
+    """:func:`sparse_multipliers`, with the buckling modes in the coordinates as second result."""
     topology, *rest = _about(model, target, count, about)
-    found, moved = _found(topology, *rest, solver)
-    whole = jnp.zeros((topology.n_x, found.motions.shape[1]))
-    return found.values, put(whole, unknowns(topology)[0], found.motions), moved
+    buckled, moved = _found(topology, *rest, solver)
+    whole = jnp.zeros((topology.n_x, buckled.motions.shape[1]))
+    return buckled.values, put(whole, unknowns(topology)[0], buckled.motions), moved

@@ -10,27 +10,19 @@ from ..math.element_matrices import ElementMatrices, Pieces, Whole
 from ..math.linear import uneven
 from ..math.linear_solver import LinearSolver
 from ..math.sparse import SparseFactors
+from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
-from .lanczos import BEFORE, AllowedMotions, Constrained, changed, check_modes, named
-
-# Multipliers beyond this many times the smallest are called unbounded: the load does not act in that motion.
-UNBOUNDED = 1e9
-# Stress resultants are wrong by their round-off: that of a deformation beside what the whole mechanism's extent would
-# make of it, and that of a constraint force beside the largest of the forces that it balances. An
-# element's curvature is wrong by that of its largest entry.
-ROUND_OFF = 1e-15
-# Stiffness of an element below zero by more than this share is negative.
-NEGATIVE = 1e-9
+from .lanczos import AllowedMotions, Constrained, changed, check_modes, named
 
 
 class MultiplierMatrices(NamedTuple):
     """Matrices of elements.
 
     Attributes:
-        elements: Those of the state; what is curved is not looked at.
-        preload: Stiffness of stress resultants and loads that stay, in pieces; None where all are scaled.
-        scaled: The same of what is scaled.
-        noise: The same of the round-off of its stress resultants.
+        elements: Of the state, without curvature.
+        preload: Stiffness of constant stress resultants and loads, in pieces; None if all are scaled.
+        scaled: Stiffness of scaled ones.
+        noise: Stiffness of the round-off of scaled stress resultants.
     """
 
     elements: ElementMatrices
@@ -43,9 +35,9 @@ class Buckled(NamedTuple):
     """Load multipliers of a constrained mechanism in all its coordinates.
 
     Attributes:
-        values: By magnitude, infinite where unbounded, (count,) [-].
+        values: By magnitude, infinite if unbounded, (count,) [-].
         motions: Of the coordinates that move, one a column, (n, count).
-        multipliers: Those of the constraints in these motions, (h, count).
+        multipliers: Of the constraints in these motions, (h, count).
         geometric: v^T G v of each, (count,).
     """
 
@@ -56,59 +48,61 @@ class Buckled(NamedTuple):
 
 
 def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearSolver) -> Buckled:
-    """The ``count`` multipliers of smallest size, and their motions.
-
-    Raises:
-        ModelError: An element has a negative stiffness.
-        AnalysisError: singular_stiffness, unstable or not_converged.
-    """
-    own = given.elements
-    n, h = own.unknowns
+    """The ``count`` multipliers of smallest size, and their motions; raise ModelError or AnalysisError."""
+    elements = given.elements
+    n, h = elements.unknowns
     if n <= h:
-        # Nothing moves that could buckle.
+        # Nothing can move and buckle.
         return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((h, count)), np.zeros(count))
-    for pieces in (own.structural, own.constraints, own.elastic, given.preload or [], given.scaled, given.noise):
+    for pieces in (
+        elements.structural,
+        elements.constraints,
+        elements.elastic,
+        given.preload or [],
+        given.scaled,
+        given.noise,
+    ):
         if not all(np.all(np.isfinite(matrices)) for *_, matrices in pieces):
             raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    _refuse_negative(own.elastic)
-    scaled, noise = (Whole(own._replace(curved=pieces)).curved for pieces in (given.scaled, given.noise))
-    staying = Whole(own._replace(curved=given.preload or []))
+    _refuse_negative(elements.elastic)
+    scaled, noise = (Whole(elements._replace(curved=pieces)).curved for pieces in (given.scaled, given.noise))
+    staying = Whole(elements._replace(curved=given.preload or []))
     if abs(staying.curved).max() > 0:
         _refuse_unstable(staying, solver)
-    found = _smallest(staying, (scaled, given.scaled), noise, count, solver)
-    # By deformations: round-off of the matrix of many short beams is in the square of what it is in the values.
-    bounded, motions = np.isfinite(found.values), np.zeros((len(own.sizes), count))
-    motions[own.free] = found.motions
-    # As of dense matrices: where all of what is scaled is but round-off, no load acts.
-    bounded &= np.any(np.abs(found.geometric) > _round_off(own.sizes, given.scaled, motions))
-    elastic = energies(own, motions)
-    elastic += np.einsum("ij,ij->j", found.motions, staying.curved @ found.motions)
-    return found._replace(values=np.where(bounded, -elastic / np.where(bounded, found.geometric, 1.0), np.inf))
+    buckled = _smallest(staying, (scaled, given.scaled), noise, count, solver)
+    # By deformations: the round-off of a matrix of many short beams is much larger.
+    bounded, motions = np.isfinite(buckled.values), np.zeros((len(elements.sizes), count))
+    motions[elements.free] = buckled.motions
+    # As for dense matrices: no load acts if all scaled stiffness is round-off.
+    bounded &= np.any(np.abs(buckled.geometric) > _round_off(elements.sizes, given.scaled, motions))
+    elastic = energies(elements, motions)
+    elastic += np.einsum("ij,ij->j", buckled.motions, staying.curved @ buckled.motions)
+    return buckled._replace(values=np.where(bounded, -elastic / np.where(bounded, buckled.geometric, 1.0), np.inf))
 
 
 def _round_off(sizes: np.ndarray, scaled: Pieces, motions: np.ndarray) -> np.ndarray:
-    """How much of v^T G v of motions, (n_x, count), may be but round-off of curvatures: of each element's largest."""
+    """Part of v^T G v of motions, (n_x, count), that may be round-off of each element's largest curvature."""
     most = np.zeros(motions.shape[1])
-    for rows, columns, own in scaled:
-        largest = np.max(np.abs(own) * sizes[rows][:, :, None] * sizes[columns][:, None, :], axis=(1, 2), initial=0.0)
-        left, right = (np.sum(np.abs(motions[of]) / sizes[of][:, :, None], axis=1) for of in (rows, columns))
+    for rows, columns, g in scaled:
+        largest = np.max(np.abs(g) * sizes[rows][:, :, None] * sizes[columns][:, None, :], axis=(1, 2), initial=0.0)
+        left, right = (np.sum(np.abs(motions[at]) / sizes[at][:, :, None], axis=1) for at in (rows, columns))
         most += np.einsum("e,ek,ek->k", largest, left, right)
-    return ROUND_OFF * most
+    return STRESS_ROUND_OFF * most
 
 
 def _refuse_negative(elastic: Pieces) -> None:
-    """Raise where an element's stiffness is negative: the method's inner product relies on it."""
+    """Raise for an element of negative stiffness, which the inner product of the method excludes."""
     for *_, matrices in elastic:
         values = np.linalg.eigvalsh(matrices)
-        if np.any(values[:, 0] < -NEGATIVE * np.abs(values[:, -1])):
+        if np.any(values[:, 0] < -NEGATIVE_STIFFNESS * np.abs(values[:, -1])):
             raise ModelError(
-                "An element has a negative stiffness, which load multipliers by sparse factors cannot take: give"
+                "An element has a negative stiffness, which load multipliers by sparse factors exclude. Give"
                 " sparse=False and a model with degrees of freedom."
             )
 
 
 def _constrained(whole: Whole, solver: LinearSolver) -> Constrained:
-    """The stiffness of element matrices with constraints; or singular_stiffness."""
+    """The stiffness of element matrices with constraints; raise singular_stiffness."""
     at = Constrained(whole.at(), whole.n, solver.factored(whole.elements))
     if not at.factors.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
@@ -116,7 +110,7 @@ def _constrained(whole: Whole, solver: LinearSolver) -> Constrained:
 
 
 def _refuse_unstable(staying: Whole, solver: LinearSolver) -> None:
-    """Raise where the preload is beyond a buckling load of its own: K0 + G0 is not positive definite."""
+    """Raise if the preload is beyond its own buckling load: K0 + G0 is not positive definite."""
     at = _constrained(Whole(staying.elements._replace(curved=[])), solver)
     if at.few(1):
         most = AllowedMotions(at.tangent, SparseFactors(at.tangent), at.n).largest(-staying.curved, at.n)[0]
@@ -128,20 +122,19 @@ def _refuse_unstable(staying: Whole, solver: LinearSolver) -> None:
 
 
 def _smallest(staying: Whole, scales: tuple[Any, Pieces], noise: Any, count: int, solver: LinearSolver) -> Buckled:
-    """Multipliers of smallest size: -G v = (1/lambda) K v where the constraints hold, THEORY.md 7, eq. (7.4)."""
+    """Multipliers of smallest size: -G v = (1/lambda) K v under the constraints (THEORY.md 7, eq. (7.4))."""
     (scaled, pieces), n = scales, staying.n
     at, rest = _constrained(staying, solver), staying.elements.unknowns[1]
     if abs(scaled).max() == 0:
         return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
 
     def last(inverse: np.ndarray):
-        bounded = abs(inverse[-1]) > abs(inverse[0]) / UNBOUNDED
-        return abs(inverse[-1]) / (1 - BEFORE) if bounded else None
+        bounded = abs(inverse[-1]) > abs(inverse[0]) / UNBOUNDED_MULTIPLIER
+        return abs(inverse[-1]) / (1 - COUNTED_BEFORE_LAST) if bounded else None
 
     def negative(inverse: float):
-        own = staying.elements
-        curved = [*own.curved, *((rows, columns, g / inverse) for rows, columns, g in pieces)]
-        return solver.factored(own._replace(curved=curved)).negative()
+        curved = [*staying.elements.curved, *((rows, columns, g / inverse) for rows, columns, g in pieces)]
+        return solver.factored(staying.elements._replace(curved=curved)).negative()
 
     try:
         inverse, motions = at.largest(-scaled, count, last, negative, both=True)
@@ -151,9 +144,9 @@ def _smallest(staying: Whole, scales: tuple[Any, Pieces], noise: Any, count: int
     inverse, motions = inverse[order], motions[:, order]
     size = np.einsum("ij,ij->j", motions, at.stiffness @ motions)
     false = np.abs(np.einsum("ij,ij->j", motions, noise @ motions)) / size
-    bounded = np.abs(inverse) > np.maximum(np.max(np.abs(inverse)) / UNBOUNDED, false)
+    bounded = np.abs(inverse) > np.maximum(np.max(np.abs(inverse)) / UNBOUNDED_MULTIPLIER, false)
     values = np.where(bounded, 1 / np.where(bounded, inverse, 1.0), np.inf)
-    # Once more, for the multipliers too: K v + D^T m = -lambda G v.
+    # One more iteration gives the multipliers: K v + D^T m = -lambda G v.
     full = at.solved(-(scaled @ motions) / np.where(bounded, inverse, 1.0))
     check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], at.stiffness), "load multipliers")
     return Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))

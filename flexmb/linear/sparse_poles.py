@@ -1,7 +1,7 @@
 """Slowest poles of large mechanisms, by sparse factors and Arnoldi iterations.
 
-With p = lambda M v beside v, the inverse of a shifted pencil takes (v, p) to (v, p)/(lambda - s): the poles nearest to
-s have its largest values. Motions without mass have no p, so that their poles at infinity are zeros of it and no more.
+With p = lambda M v beside v, the inverse of a shifted pencil maps (v, p) to (v, p)/(lambda - s): poles nearest to s are
+its largest values. Motions without mass have no p, so that their poles at infinity are zeros.
 """
 
 import contextlib
@@ -15,22 +15,20 @@ from ..math.by_deformations import forces, refined, softness
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import uneven
 from ..math.linear_solver import SPARSE, LinearSolver
+from ..numerical_limits import FIRST_SHIFT, MASSLESS_SHARE, TRUE_POLE
 from ..results import RESULTS
 from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
 from .sparse_spectrum import GROWTH, MANY
-from .spectrum import FIRST_SHIFT, MASSLESS, MAX_SHIFTS, any_grows, in_order, is_real, slowest
+from .spectrum import MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
-# What an iteration leaves of a pole's motion beside it; where it is more, another shift is tried.
-TRUE = 1e-9
-# So many more than are asked for are looked for at first: a shift favours what is near to it.
 MORE = 2
-# So many are looked for beside those that are known.
+# Poles sought beside known ones.
 BESIDE = 4
-# Iterations begin anew at most so often; where digits settle at all, ten times are many.
+# Largest number of restarts; converging iterations need ten.
 RESTARTS = 100
-# So many eigenvalues of stiffness and mass tell whether a state is steady.
+# Number of eigenvalues that decide whether a state is steady.
 STEADY = 8
-# Turns of the power method for the unit of time; its size is all that matters.
+# Iterations of the power method for the unit of time, of which the order of size counts.
 TURNS = 8
 
 
@@ -39,7 +37,7 @@ class _ShiftedPoles:
 
     Attributes:
         shift: s [1/s].
-        motions: How many of the coordinates that move, n, constraints leave.
+        motions: Number of motions that constraints leave.
         regular: Whether it exists.
     """
 
@@ -53,11 +51,11 @@ class _ShiftedPoles:
         self.regular = self._factors.regular
         if not self.regular:
             return
-        own, stiff = self._mass.diagonal(), np.abs(tangent.diagonal()[: self.n])
-        fastest = np.max(stiff[own > 0] / own[own > 0], initial=0.0) or 1.0
-        # A force that no motion with mass makes is no p, and would not be a zero at once.
-        self._heavy = own != 0
-        size = own + stiff / fastest
+        masses, stiff = self._mass.diagonal(), np.abs(tangent.diagonal()[: self.n])
+        fastest = np.max(stiff[masses > 0] / masses[masses > 0], initial=0.0) or 1.0
+        # A force without mass is no p, and would not map to zero at once.
+        self._heavy = masses != 0
+        size = masses + stiff / fastest
         self._scale = 1 / np.sqrt(np.where(size > 0, size, np.max(size, initial=0.0) or 1.0))
         self._unit = 1.0
         sizes = self._elements.sizes[self._elements.free]
@@ -65,7 +63,7 @@ class _ShiftedPoles:
         try:
             self._unit = 1 / (np.sqrt(self._slowness(self._mass)) + self._slowness(self._damping) or 1.0)
         except AnalysisError:
-            # A pole is so near to the shift that round-off hides it.
+            # Round-off hides a pole next to the shift.
             self.regular = False
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
@@ -77,18 +75,18 @@ class _ShiftedPoles:
         return np.concatenate([moved / scale, scale * (self._mass @ (v + self.shift * moved)) / self._unit])
 
     def moved_by(self, matrix: Any, v: np.ndarray) -> np.ndarray:
-        """Motions under the forces of a matrix on motions v, (n,), all in these units."""
+        """Motions under the forces of a matrix on motions v, (n,), in these units."""
         return self._moved(matrix @ (self._scale * v)) / self._scale
 
     def allowed(self) -> np.ndarray:
-        """All that constraints leave of (v, p), orthonormal, one a column."""
+        """Orthonormal basis of all (v, p) that constraints leave."""
         import scipy.sparse
 
         scale = scipy.sparse.diags_array(np.concatenate([self._scale, np.ones(self._rest)]))
         basis = orthonormal_allowed(scale @ self._tangent @ scale, self.n) if self._rest else np.eye(self.n)
         across = self._scale[:, None]
         p, sizes, _ = np.linalg.svd(across * (self._mass @ (across * basis)), full_matrices=False)
-        p = p[:, sizes > MASSLESS * self.n * np.max(sizes, initial=0.0)]
+        p = p[:, sizes > MASSLESS_SHARE * self.n * np.max(sizes, initial=0.0)]
         return np.block([[basis, np.zeros((self.n, p.shape[1]))], [np.zeros_like(basis), p]])
 
     def _moved(self, loads: np.ndarray) -> np.ndarray:
@@ -98,30 +96,29 @@ class _ShiftedPoles:
             return forces(self._elements, z, s=self.shift)
 
         sizes = self._elements.sizes[self._elements.free]
-        found = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes, soft=self._soft)
-        return found[: self.n].reshape(loads.shape)
+        motions = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes, soft=self._soft)
+        return motions[: self.n].reshape(loads.shape)
 
     def _slowness(self, matrix: Any) -> float:
-        """Size of what the shifted stiffness makes of forces of a matrix."""
-        found, v = 0.0, uneven(self.n)
+        """Norm of the shifted flexibility times a matrix."""
+        size, v = 0.0, uneven(self.n)
         for _ in range(TURNS):
             v = self.moved_by(matrix, v)
-            found = float(np.linalg.norm(v))
-            if not found > 0:
+            size = float(np.linalg.norm(v))
+            if not size > 0:
                 return 0.0
-            v = v / found
-        return found
+            v = v / size
+        return size
 
 
 def poles_of_sparse(whole: Whole, count: int, solver: LinearSolver = SPARSE) -> Complex[np.ndarray, "n"]:
     """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 nearest to zero, ordered by |Im| [rad/s].
 
-    Args:
-        whole: The matrices, of which K and C may be unsymmetric.
-        count: How many; one more where the last is one of a complex pair, fewer where there are not so many.
+    ``count`` of them, one more if the last is one of a complex pair, fewer if there are fewer; K and C may be
+    unsymmetric.
 
     Raises:
-        ModelError: ``count`` is so large a part of very many.
+        ModelError: ``count`` is too large a part of very many.
         AnalysisError: singular_stiffness or not_converged.
 
     Source:
@@ -137,23 +134,23 @@ def poles_of_sparse(whole: Whole, count: int, solver: LinearSolver = SPARSE) -> 
             " give sparse=False and a model with degrees of freedom."
         )
     if at.shift > 0 and whole.mass.count_nonzero() + whole.damping.count_nonzero():
-        # As small a shift leaves few digits to what is far above it.
+        # Such a small shift leaves few digits for poles far above it.
         at = _better(at, whole, _nearest(at, count)[0])
-    found, wrong = _complete(at, count)
-    if wrong > TRUE:
-        at = _better(at, whole, found)
-        found, wrong = _complete(at, count)
-    if not wrong <= TRUE:
+    values, wrong = _complete(at, count)
+    if wrong > TRUE_POLE:
+        at = _better(at, whole, values)
+        values, wrong = _complete(at, count)
+    if not wrong <= TRUE_POLE:
         raise AnalysisError(
             RESULTS.not_converged.name,
             "The poles were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
             " of freedom.",
         )
-    return in_order(slowest(found, count))
+    return in_order(slowest(values, count))
 
 
 class _Undamped:
-    """v to K^-1 M v where constraints hold, in units in which masses are about one: 1/w^2 are its values."""
+    """v to K^-1 M v under the constraints, in units in which masses are about one; its values are 1/w^2."""
 
     def __init__(self, at: _ShiftedPoles, mass: Any):
         self.size, self._at, self._mass = at.n, at, mass
@@ -164,7 +161,7 @@ class _Undamped:
 
 
 def is_steady(elements: ElementMatrices) -> bool:
-    """Whether the eigenvalues of stiffness and mass nearest to zero are real and positive; damped, poles decay."""
+    """Whether the eigenvalues nearest to zero are real and positive; with damping, whether poles decay."""
     import jax
 
     whole = Whole(jax.tree.map(np.asarray, elements))
@@ -173,26 +170,26 @@ def is_steady(elements: ElementMatrices) -> bool:
         return False
     if whole.damping.count_nonzero():
         with contextlib.suppress(AnalysisError):
-            return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE)
-        # Where these are not found, what is without damping tells.
+            return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE_POLE)
+        # Without convergence, the undamped equations decide.
         whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
         at = _ShiftedPoles(whole, 0.0, SPARSE)
     if at.motions <= FEW:
         values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
     else:
-        # Without damping these are half as many in half as many unknowns; copies of a value tell nothing more.
-        found, _ = _searched(_Undamped(at, whole.mass), np.zeros((at.n, 0)), STEADY, 0)
-        values = 1 / found[np.abs(found) > MASSLESS * at.n * np.max(np.abs(found), initial=0.0)]
+        # Without damping there are half as many values in half as many unknowns; copies do not matter.
+        inverse, _ = _searched(_Undamped(at, whole.mass), np.zeros((at.n, 0)), STEADY, 0)
+        values = 1 / inverse[np.abs(inverse) > MASSLESS_SHARE * at.n * np.max(np.abs(inverse), initial=0.0)]
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
 def _regular(whole: Whole, solver: LinearSolver) -> _ShiftedPoles:
-    """Shifted by as little as makes it regular: by nothing, but where a motion meets no stiffness."""
+    """Shifted by the smallest shift that makes it regular: zero, unless a motion meets no stiffness."""
     at = _ShiftedPoles(whole, 0.0, solver)
     if at.regular:
         return at
     stiff = np.max(np.abs(whole.at().diagonal()[: whole.n]), initial=0.0) or 1.0
-    heavy, viscous = (np.max(np.abs(of.diagonal()), initial=0.0) for of in (whole.mass, whole.damping))
+    heavy, viscous = (np.max(np.abs(m.diagonal()), initial=0.0) for m in (whole.mass, whole.damping))
     first = np.sqrt(FIRST_SHIFT * stiff / heavy) if heavy > 0 else FIRST_SHIFT * stiff / viscous if viscous > 0 else 0.0
     for i in range(MAX_SHIFTS if first > 0 else 0):
         at = _ShiftedPoles(whole, float(first * GROWTH**i), solver)
@@ -201,29 +198,29 @@ def _regular(whole: Whole, solver: LinearSolver) -> _ShiftedPoles:
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def _better(at: _ShiftedPoles, whole: Whole, found: np.ndarray) -> _ShiftedPoles:
-    """Shifted by as much as the slowest pole that is no zero beside the shift before."""
-    sizes = np.abs(found)
+def _better(at: _ShiftedPoles, whole: Whole, poles: np.ndarray) -> _ShiftedPoles:
+    """Shifted by the slowest pole that is not zero beside the previous shift."""
+    sizes = np.abs(poles)
     sizes = sizes[sizes > at.shift]
     better = _ShiftedPoles(whole, float(np.min(sizes)), at.solver) if len(sizes) else at
     return better if better.regular else at
 
 
 def _complete(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, float]:
-    """Poles of which the nearest to zero are known one and all, ``count`` if there are, and how far these are off."""
+    """All poles up to some distance from zero, at least ``count`` if there are, and their largest residual."""
     every, wanted = 2 * at.motions, min(count + MORE, 2 * at.motions)
     while True:
-        found, wrong, rest = _nearest(at, wanted)
-        # What is nearer to zero than this is nearer to the shift than what was not found.
+        poles, wrong, rest = _nearest(at, wanted)
+        # All poles within this radius of zero are nearer to the shift than those not found.
         radius = np.inf if rest == 0 or wanted == every else 1 / rest - at.shift
-        sure = np.abs(found) <= radius * (1 + TRUE)
+        sure = np.abs(poles) <= radius * (1 + TRUE_POLE)
         if np.sum(sure) >= count or wanted == every:
-            return found[sure], float(np.max(wrong[sure], initial=0.0))
+            return poles[sure], float(np.max(wrong[sure], initial=0.0))
         wanted = min(2 * wanted, every)
 
 
 def _nearest(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Poles nearest to the shift, how far their motions are from such, and the least of their inverse distances."""
+    """Poles nearest to the shift, residuals of their motions, and the smallest of their inverse distances."""
     every = at.motions <= FEW or 3 * count >= 2 * at.motions
     basis = at.allowed() if every else _all_copies(at, count)
     taken = at(basis)
@@ -231,35 +228,35 @@ def _nearest(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, flo
     inverse, shares = np.linalg.eig(small)
     order = np.argsort(-np.abs(inverse), kind="stable")
     inverse, shares = inverse[order], shares[:, order]
-    finite = np.abs(inverse) > MASSLESS * len(basis) * np.max(np.abs(inverse), initial=0.0)
+    finite = np.abs(inverse) > MASSLESS_SHARE * len(basis) * np.max(np.abs(inverse), initial=0.0)
     rest = 0.0 if np.sum(finite) < count else float(np.abs(inverse[count - 1]))
     finite &= np.abs(inverse) >= rest
     inverse, shares = inverse[finite], shares[:, finite]
-    # Of all that constraints leave nothing is beyond the basis but forces that move nothing.
+    # A basis of all motions leaves out only forces that move nothing.
     left = 0 * basis if every else taken - basis @ small
     wrong = np.linalg.norm(left @ shares, axis=0) / np.abs(inverse)
     return at.shift + 1 / inverse, wrong, rest
 
 
 def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
-    """Orthonormal basis of the motions of the ``count`` largest values, each as often as it stands, as in Lanczos."""
+    """Orthonormal basis of the motions of the ``count`` largest values with all copies, as in Lanczos."""
     basis, least = np.zeros((2 * at.n, 0)), 0.0
     for i in range(SEARCHES):
         values, vectors = _searched(at, basis, count if i == 0 else BESIDE, i)
-        if i > 0 and np.max(np.abs(values), initial=0.0) <= least * (1 + TRUE):
+        if i > 0 and np.max(np.abs(values), initial=0.0) <= least * (1 + TRUE_POLE):
             return basis
         more = np.concatenate([vectors.real, vectors.imag], axis=1)
         for _ in range(2):
             more = more - basis @ (basis.T @ more)
         left, sizes, _ = np.linalg.svd(more, full_matrices=False)
-        basis = np.concatenate([basis, left[:, sizes > TRUE * np.max(sizes, initial=0.0)]], axis=1)
-        own = np.sort(np.abs(np.linalg.eigvals(basis.T @ at(basis))))[::-1]
-        least = max(own[min(count, len(own)) - 1], MASSLESS * len(basis) * own[0])
+        basis = np.concatenate([basis, left[:, sizes > TRUE_POLE * np.max(sizes, initial=0.0)]], axis=1)
+        sizes = np.sort(np.abs(np.linalg.eigvals(basis.T @ at(basis))))[::-1]
+        least = max(sizes[min(count, len(sizes)) - 1], MASSLESS_SHARE * len(basis) * sizes[0])
     raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
 
 
 def _searched(at: _ShiftedPoles | _Undamped, basis: np.ndarray, count: int, number: int) -> tuple[Any, Any]:
-    """Largest values and vectors where a basis of known ones is taken out."""
+    """Largest values and vectors outside a basis of known ones."""
     import scipy.sparse.linalg
 
     linalg: Any = scipy.sparse.linalg
@@ -274,12 +271,12 @@ def _searched(at: _ShiftedPoles | _Undamped, basis: np.ndarray, count: int, numb
     start = beside(at(at(np.cos((number + 1) * np.arange(at.size) ** 2 + number))))
     if not np.linalg.norm(start) > 0:
         return np.zeros(0), np.zeros((at.size, 0))
-    how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE * 1e-4, "maxiter": RESTARTS}
+    how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE_POLE * 1e-4, "maxiter": RESTARTS}
     with named():
         try:
             return linalg.eigs(operator, **how)
         except linalg.ArpackNoConvergence as fault:
-            # Round-off may keep the last digits from settling: how far these are off is seen to later.
+            # Round-off may keep the last digits from settling; residuals are checked later.
             if len(fault.eigenvalues) < count:
                 raise
             return fault.eigenvalues, fault.eigenvectors

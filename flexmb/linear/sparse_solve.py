@@ -20,35 +20,29 @@ from ..math.by_deformations import bordered, energies, forces, product, refined,
 from ..math.element_matrices import ElementMatrices, Whole, times
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..math.sparse import SparseFactors, on_host_thread
+from ..numerical_limits import FAINT, FREE_ENERGY, KNOWN_BY_FACTORS, REPEATED_EIGENVALUE
 from ..results import RESULTS
 from .sparse_spectrum import Lowest, lowest_of_sparse, refuse_negative_masses
-from .spectrum import EPS, FAINT
+from .spectrum import EPS
 
-# Eigenvalues nearer than this, relatively, are taken to be repeated.
-NEAR = 1e-8
-# A free motion has no more elastic energy than this share of what round-off of the largest stiffness would be.
-FREE = 1e-8
-# What stands for a complex number that is not known: NaN in both parts, each of which may be asked for.
 NOTHING = complex(np.nan, np.nan)
-# Factors that know an eigenvalue to this share make iterations converge, by a better product than the factored one.
-KNOWN = 0.1
 
 
 def on_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """Result of a function of arrays ``like`` such: at once of concrete numbers, by a callback under a trace."""
+    """Result of a function of arrays, with the shapes of ``like``: at once for concrete numbers, else by a callback."""
     if is_concrete(arguments):
-        # Within a trace too what is known stays so.
+        # Known numbers stay known within a trace.
         with one_thread(), jax.core.eval_context():
             return jax.device_put(function(*jax.tree.map(np.asarray, arguments)))
     return _traced(function, like, *arguments)
 
 
 def _traced(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """As :func:`on_host` inside compiled code: NaN of what fails, or of what is not finite since something failed."""
-    wanted = [(one.shape, np.dtype(one.dtype).str) for one in jax.tree.leaves(like)]
+    """:func:`on_host` inside compiled code; NaN for failures and for arguments that are not finite."""
+    wanted = [(leaf.shape, np.dtype(leaf.dtype).str) for leaf in jax.tree.leaves(like)]
     finite = functools.partial(_of_finite, function, wanted)
-    found = call_host(functools.partial(on_host_thread, finite), jax.tree.leaves(like), *arguments)
-    return jax.tree.unflatten(jax.tree.structure(like), found)
+    leaves = call_host(functools.partial(on_host_thread, finite), jax.tree.leaves(like), *arguments)
+    return jax.tree.unflatten(jax.tree.structure(like), leaves)
 
 
 def _of_finite(function: Callable[..., Any], wanted: list[tuple[Any, str]], *arguments: Any) -> list[np.ndarray]:
@@ -59,15 +53,9 @@ def _of_finite(function: Callable[..., Any], wanted: list[tuple[Any, str]], *arg
 
 
 def _false_stiffness(elements: ElementMatrices) -> float:
-    """What round-off of the largest stiffness may be to any motion of extents and radians [N m]."""
-    own = [np.abs(np.einsum("eii->ei", k)) * elements.sizes[at] ** 2 for at, _, k in elements.stiffness]
-    return EPS * max((float(np.max(one, initial=0.0)) for one in own), default=0.0)
-
-
-def _refuse_lost(lost: bool) -> None:
-    """Refuse answers that round-off hides."""
-    if lost:
-        raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
+    """Stiffness of any motion of extents and radians that round-off of the largest may cause [N m]."""
+    sized = [np.abs(np.einsum("eii->ei", k)) * elements.sizes[at] ** 2 for at, _, k in elements.stiffness]
+    return EPS * max((float(np.max(diagonal, initial=0.0)) for diagonal in sized), default=0.0)
 
 
 def _solved(
@@ -99,12 +87,8 @@ def solved(
 ) -> Float[Array, "r k"]:
     """Motions and multipliers under forces, [[K, D^T], [D, 0]] z = right; differentiable in all arguments.
 
-    Args:
-        right: Forces on the coordinates that move, and deformations of the constraints, one a column, (n + h, k).
-        border: Motions to which the solution is orthogonal by forces along them, (n, b); None: none.
-
-    Raises:
-        AnalysisError: singular_stiffness; under a trace it is NaN.
+    Columns of ``right`` are forces and deformations of the constraints. The solution is orthogonal to the motions
+    ``border``, by forces along them. A singular stiffness raises, and is NaN under a trace.
     """
     if border is None:
         return _bordered_solution(elements, right, np.zeros((elements.unknowns[0], 0)), solver)
@@ -144,22 +128,16 @@ def _solved_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[
 def lowest(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, with their motions; differentiable.
 
-    The sign of a motion makes its largest entry positive, coordinates in extents and radians. Where eigenvalues are
-    repeated, what depends on the choice of motions among theirs has no derivative.
-
-    Returns:
-        omega^2, ascending, infinite for motions without mass, (count,) [rad^2/s^2]; motions of all coordinates,
-        mass-normalised, zero for those, one a column, (n_x, count); multipliers of the constraints, (h, count).
-
-    Source:
-        THEORY.md 7, eq. (7.16): Lanczos method of ARPACK, shifted and inverted; derivatives as Nelson (1976).
+    Eigenvalues are infinite for motions without mass. Motions of all coordinates are mass-normalised; their largest
+    entry, in extents and radians, is positive. Results that depend on the choice of motions of a repeated eigenvalue
+    have no derivative. THEORY.md 7, eq. (7.16): shift-inverted Lanczos method of ARPACK; derivatives by Nelson (1976).
     """
-    # The number is handed on as a shape, which stays known.
+    # The number is a shape, which stays known under a trace.
     return _lowest(elements, np.zeros(_possible(elements, count)), solver)
 
 
 def _possible(elements: ElementMatrices, count: int) -> int:
-    """So many of the motions that constraints leave."""
+    """Number of motions, at most those that constraints leave."""
     n, h = elements.unknowns
     return min(count, n - h)
 
@@ -173,7 +151,7 @@ def _lowest(elements: ElementMatrices, count: Array, solver: LinearSolver) -> Lo
 
 
 def _lowest_on_host(elements: ElementMatrices, *, count: int, solver: LinearSolver):
-    """Lowest eigenvalues, motions of all coordinates and multipliers; NumPy and SciPy alone."""
+    """Lowest eigenvalues, motions of all coordinates and multipliers, by NumPy and SciPy alone."""
     n, h = elements.unknowns
     whole = Whole(elements)
     refuse_negative_masses(whole)
@@ -182,13 +160,15 @@ def _lowest_on_host(elements: ElementMatrices, *, count: int, solver: LinearSolv
     motions[elements.free] = moving
     heaviest = np.max(whole.mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
     false = _false_stiffness(elements) / heaviest if heaviest else 0.0
-    # A free motion is as near to zero, and has no elastic energy; that of a critical state is, beside the others.
-    near = np.abs(values) < false / KNOWN
-    if np.any(energies(elements, motions[:, near]) > FREE * false):
+    # A free motion has an eigenvalue near zero and no elastic energy; a critical state has one beside other
+    # eigenvalues.
+    near = np.abs(values) < false / KNOWN_BY_FACTORS
+    if np.any(energies(elements, motions[:, near]) > FREE_ENERGY * false):
         others = lowest_of_sparse(whole, count + 1, solver).values if np.all(near) and count < n - h else values
         others = np.abs(others[np.isfinite(others)])
-        apart = np.min(others[others >= false / KNOWN], initial=np.inf)
-        _refuse_lost(bool(np.isinf(apart) or false > FAINT * apart))
+        apart = np.min(others[others >= false / KNOWN_BY_FACTORS], initial=np.inf)
+        if np.isinf(apart) or false > FAINT * apart:
+            raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
     sized = motions / elements.sizes[:, None]
     signs = np.sign(sized[np.argmax(np.abs(sized), axis=0), np.arange(count)])
     return values, motions * signs, multipliers * signs
@@ -202,29 +182,29 @@ def _lowest_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[
     z = jnp.concatenate([at.motions[elements.free], at.multipliers])
     massive, values = jnp.isfinite(at.values), _finite(at.values)
     gaps = jnp.abs(values[:, None] - values)
-    near = gaps <= NEAR * jnp.maximum(jnp.abs(values)[:, None], jnp.abs(values))
+    near = gaps <= REPEATED_EIGENVALUE * jnp.maximum(jnp.abs(values)[:, None], jnp.abs(values))
     near = near & massive & massive[:, None]
     inertia = times(elements.mass, at.motions, size=n_x)[elements.free]
 
     def equations(elements: ElementMatrices):
-        """Balance of each mode, and how far the modes that are near it are from being orthonormal to it."""
+        """Balance of each mode, and its deviation from orthonormality to modes near it."""
         mass = jnp.einsum("ij,ik->jk", at.motions, times(elements.mass, at.motions, size=n_x))
         return jnp.concatenate([product(elements, z, values), jnp.where(near, mass, 0.0) / 2])
 
     _, change = jax.jvp(equations, (elements,), (tangents[0],))
 
     def matvec(y: Float[Array, "r k"]):
-        own, border = y[: n + h], y[n + h :]
-        balance = product(elements, own, values)
+        changes, border = y[: n + h], y[n + h :]
+        balance = product(elements, changes, values)
         balance = balance.at[:n].add(inertia @ jnp.where(near, border, 0.0))
-        return jnp.concatenate([balance, jnp.where(near, inertia.T @ own[:n], border)])
+        return jnp.concatenate([balance, jnp.where(near, inertia.T @ changes[:n], border)])
 
     def solve(_: Any, right: Float[Array, "r *k"]):
         like = jax.ShapeDtypeStruct(right.shape, float)
         return _traced(_bordered_by_near, like, elements, values, inertia, near, right)
 
     y = lax.custom_linear_solve(matvec, -change, solve, symmetric=True)
-    # Of each mode the border's own entry is less the change of its eigenvalue.
+    # The border's own entry of each mode is minus the change of its eigenvalue.
     slopes = -jnp.diagonal(y[n + h :])
     changed: Any = slopes, spread(elements, y[:n]), y[n : n + h]
     return at, Lowest(*changed)
@@ -233,45 +213,45 @@ def _lowest_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[
 def _bordered_by_near(
     elements: ElementMatrices, values: np.ndarray, inertia: np.ndarray, near: np.ndarray, right: np.ndarray
 ):
-    """Solution for each mode, orthogonal to those near it; NumPy and SciPy alone."""
+    """Solution for each mode, orthogonal to those near it, by NumPy and SciPy alone."""
     n, h = elements.unknowns
     whole, sizes = Whole(elements), elements.sizes[elements.free]
-    mass, found, ordering = whole.mass, np.array(right), None
+    mass, solutions, ordering = whole.mass, np.array(right), None
     for i, value in enumerate(values):
-        own = np.flatnonzero(near[:, i])
-        if not len(own):
-            # Without mass: nothing is asked of it.
-            found[:, i] = 0.0
+        neighbours = np.flatnonzero(near[:, i])
+        if not len(neighbours):
+            # A motion without mass has no change.
+            solutions[:, i] = 0.0
             continue
-        rows = np.concatenate([np.arange(n + h), n + h + own])
-        matrix = whole.bordered(whole.at(mass=-value), inertia[:, own])
+        rows = np.concatenate([np.arange(n + h), n + h + neighbours])
+        matrix = whole.bordered(whole.at(mass=-value), inertia[:, neighbours])
         alike = ordering is not None and len(ordering) == matrix.shape[0]
         factored = SparseFactors(matrix, ordering if alike else None)
         ordering = factored.ordering
 
-        def exact(y: np.ndarray, border: np.ndarray = inertia[:, own], value: float = value):
+        def exact(y: np.ndarray, border: np.ndarray = inertia[:, neighbours], value: float = value):
             held = forces(elements, y[: n + h])
             held[:n] += border @ y[n + h :] - value * (mass @ y[:n])
             return np.concatenate([held, border.T @ y[:n]])
 
-        found[rows, i] = refined(exact, factored.solve, right[rows, i : i + 1], sizes)[:, 0]
-    return found
+        solutions[rows, i] = refined(exact, factored.solve, right[rows, i : i + 1], sizes)[:, 0]
+    return solutions
 
 
 def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:
-    """Eigenvalues, zero for motions without mass, whose motions are zero."""
+    """Eigenvalues, zero for motions without mass."""
     return jnp.where(jnp.isfinite(values), values, 0.0)
 
 
 def lowest_values(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE) -> Float[Array, "count"]:
-    """Lowest eigenvalues alone, as :func:`lowest`; their derivatives are of Rayleigh's quotient, without a solution."""
+    """Lowest eigenvalues as in :func:`lowest`; derivatives are those of Rayleigh's quotient, without a solution."""
     return _lowest_values(elements, np.zeros(_possible(elements, count)), solver)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(2,))
 def _lowest_values(elements: ElementMatrices, count: Array, solver: LinearSolver) -> Float[Array, "count"]:
-    found: Any = _lowest(elements, count, solver)
-    return found.values
+    modes: Any = _lowest(elements, count, solver)
+    return modes.values
 
 
 @_lowest_values.defjvp

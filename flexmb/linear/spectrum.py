@@ -1,8 +1,8 @@
 """The one place that solves stiffness and mass: natural frequencies, poles, and motions that carry no mass.
 
-M v = mu K v is solved, with omega^2 = 1/mu: the lowest omega^2 come out with full relative accuracy, and motions
-without mass have mu = 0 where K v = omega^2 M v has no solution. Where K alone will not do, K + s M stands in its
-place, with omega^2 = 1/mu - s.
+M v = mu K v is solved, with omega^2 = 1/mu: the lowest omega^2 have full relative accuracy, and motions without mass
+have mu = 0, while K v = omega^2 M v has no solution for them. If K alone is not definite, K + s M replaces it, with
+omega^2 = 1/mu - s.
 """
 
 from collections.abc import Callable
@@ -17,65 +17,51 @@ from ..arguments import computed
 from ..errors import AnalysisError
 from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
 from ..math.subspace import independent_rows
+from ..numerical_limits import (
+    DEFINITE_STIFFNESS,
+    FAINT,
+    FIRST_SHIFT,
+    GENERAL_SHIFT,
+    GROWING_POLE,
+    LOST_EIGENVALUE,
+    MASSLESS_SHARE,
+    NEXT_SHIFT,
+    REAL_VALUE,
+    REGULAR_STIFFNESS,
+    ROUND_OFF_OF_POLES,
+    SIZES_APART,
+    SURE_EIGENVALUE,
+    TOLD_BESIDE_SHIFT,
+    WITHOUT_MASS,
+)
 from ..results import RESULTS
 
-# A stiffness is taken as it is where its lowest eigenvalue is above this share of |K|/|M|.
-LOWEST = 1e-14
-# Otherwise the shift starts at this share and grows by this factor until K + sM is positive definite, so that it is not
-# much larger than the most negative eigenvalue asks for. A smaller one leaves no digits for the others beside a free
-# motion.
-FIRST_SHIFT = 1e-8
-SHIFT_GROWTH = 8.0
-# Of an unsymmetric K, whose definiteness no factors tell: beside a free motion, eigenvalues from 1e-12 to 1 of |K|/|M|
-# then keep nine digits.
-GENERAL_SHIFT = 1e-6
-MAX_SHIFTS = 40
-# Beside a shift an eigenvalue is told from zero that is above this share of it. The next shift tried is this share of
-# the lowest that is told: what is below both shares of that is zero beside it.
-TOLD = 1e-10
-NEXT_SHIFT = 1e-4
+# Growth of the shift from one try to the next, and number of tries.
+SHIFT_GROWTH, MAX_SHIFTS = 8.0, 40
 EPS = float(np.finfo(float).eps)
-# An eigenvalue is told where it is so many times what round-off makes of it, and lost where that is this share of it,
-# and this share of others: a zero beside them, as at a critical state, is not.
-SURE = 10.0
-LOST = 1e-3
-FAINT = 1e-9
-# A motion has no mass where its mu is below this share of the largest, for each degree of freedom.
-MASSLESS = 100 * float(np.finfo(float).eps)
-# A combination of degrees of freedom has no mass where that is below this share of what the degrees of freedom have
-# that meet in it, for each of them.
-WITHOUT_MASS = 1e-13
-# Poles are solved from the stiffness side where it is as well conditioned as this, and taken apart where sizes differ.
-REGULAR = 1e12
-APART = 1e-6
-# A value is real where its imaginary part is below this share of it.
-REAL = 1e-8
-# A pole grows whose real part is above this share of its size, unless that is round-off beside the largest.
-GROWS, NOTHING = 1e-9, 1e-12
 
 
 def shift_to_definite(
     k: Float[Array, "n n"], m: Float[Array, "n n"]
 ) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
-    """Smallest tried s >= 0 for which K + s M is positive definite, THEORY.md 7, eq. (7.2).
+    """Smallest tried s >= 0 for which K + s M is positive definite [rad^2/s^2] (THEORY.md 7, eq. (7.2)).
 
-    Returns:
-        s, () [rad^2/s^2]; whether K itself is positive definite; whether an s was found.
+    Also whether K itself is positive definite, and whether an s was found.
     """
     s, stable, found, _ = _shift(k, m)
     return s, stable, found
 
 
 def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, Any, Any]:
-    """As :func:`shift_to_definite`, and whether eigenvalues are lost in round-off."""
+    """:func:`shift_to_definite`, and whether eigenvalues are lost in round-off."""
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
     ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
-    s, found, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, LOWEST * ratio)
+    s, found, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, DEFINITE_STIFFNESS * ratio)
     stable = found & (tries == 1)
 
-    # That is a share of the largest stiffness, which may be of a beam so short that no other motion has any of it, with
-    # eigenvalues far below the digits of s. Each turn tells lower ones, until none is left but zeros.
+    # This shift is a share of the largest stiffness, possibly of a beam too short to matter in any other motion. Then
+    # the eigenvalues are far below the digits of s. Each turn finds lower ones, until only zeros are left.
     def unfinished(carry: tuple[Any, ...]):
         s, after, *_ = carry
         return after < s
@@ -83,10 +69,10 @@ def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, An
     def lower(carry: tuple[Any, ...]):
         s, after, lowest, told, lost = carry
         values, _, doubt = _eigenvalues(k, m, after, *pencil(m, k + after * m))
-        sure = values > jnp.maximum(SURE * doubt, TOLD * after)
-        own = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
-        more = (own < lowest / 2) | jnp.isinf(s)
-        s, lowest = jnp.where(more, after, s), jnp.where(more, own, lowest)
+        sure = values > jnp.maximum(SURE_EIGENVALUE * doubt, TOLD_BESIDE_SHIFT * after)
+        now = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
+        more = (now < lowest / 2) | jnp.isinf(s)
+        s, lowest = jnp.where(more, after, s), jnp.where(more, now, lowest)
         told, lost = jnp.where(more, jnp.all(sure), told), jnp.where(more, is_lost(values, doubt), lost)
         goal, definite, _ = _smallest(k, m, NEXT_SHIFT * lowest, SHIFT_GROWTH * NEXT_SHIFT * lowest, 0.0)
         return s, jnp.where(more & definite & (lowest < s), goal, s), lowest, told, lost
@@ -104,7 +90,7 @@ def _smallest(
     second: Float[Array, ""],
     margin: float | Float[Array, ""],
 ) -> tuple[Any, Any, Any]:
-    """Smallest shift tried with K + (s - margin) M positive definite, whether there is one, and how many were tried."""
+    """Smallest shift tried with K + (s - margin) M positive definite, whether there is one, and number of tries."""
 
     def attempt(carry: tuple[Any, ...]):
         _, after, _, tries = carry
@@ -127,11 +113,8 @@ def _eigenvalues(
     mu: Float[Array, "k"],
     w: Float[Array, "n k"],
 ) -> tuple[Any, Any, Any]:
-    """Eigenvalues, infinite for motions without mass, their vectors, and how far round-off may move them.
-
-    Round-off is that of the terms whose sum v^T (K + s M) v is.
-    """
-    massive = mu > MASSLESS * k.shape[0] * jnp.max(mu, initial=0.0)
+    """Eigenvalues, infinite without mass, their vectors, and their round-off, that of the terms of v^T (K + s M) v."""
+    massive = mu > MASSLESS_SHARE * k.shape[0] * jnp.max(mu, initial=0.0)
     positive = jnp.where(massive, mu, 1.0)
     values = jnp.where(massive, 1 / positive - shift, jnp.inf)
     sizes = jnp.abs(lax.stop_gradient(w))
@@ -141,28 +124,30 @@ def _eigenvalues(
 
 
 def is_lost(values: Any, doubt: Any) -> Any:
-    """Whether round-off hides an eigenvalue that is no zero beside the lowest of those that are known well."""
+    """Whether round-off hides an eigenvalue that is not zero beside the lowest of those that are known well."""
     values = jnp.where(jnp.isfinite(values), values, 0.0)
-    lowest = jnp.min(jnp.where(LOST * values > doubt, values, jnp.inf), initial=jnp.inf)
-    return jnp.any((doubt > LOST * jnp.abs(values)) & (doubt > FAINT * lowest))
+    lowest = jnp.min(jnp.where(LOST_EIGENVALUE * values > doubt, values, jnp.inf), initial=jnp.inf)
+    return jnp.any((doubt > LOST_EIGENVALUE * jnp.abs(values)) & (doubt > FAINT * lowest))
 
 
 def spectrum(
     k: Float[Array, "n n"], m: Float[Array, "n n"], count: int | None = None
 ) -> tuple[Float[Array, "n"], Float[Array, "n n"], Bool[Array, ""], Int[Array, ""]]:
-    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v, THEORY.md 7, eq. (7.2).
+    """Eigenvalues and M-orthonormal vectors of K v = omega^2 M v (THEORY.md 7, eq. (7.2)).
 
-    M v = mu K v is solved, where the lowest omega^2 = 1/mu come out with full relative accuracy; solved as (K, M),
-    they are known only to round-off times the largest.
+    M v = mu K v is solved, which gives the lowest omega^2 = 1/mu full relative accuracy; solved as (K, M), their error
+    is round-off times the largest.
 
     Args:
-        k, m: Symmetric stiffness of any definiteness, and mass, positive semidefinite, (n, n).
-        count: How many of the lowest; all unless given.
+        k, m: Symmetric stiffness of any definiteness, and mass, positive semidefinite.
+        count: Number of the lowest; all by default.
 
     Returns:
         omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for these, (n, n); whether K
-        is positive definite; code of RESULTS: singular_mass where M has a negative eigenvalue, lost_in_round_off where
-        stiffnesses are too far apart.
+            is
+        positive definite; code of RESULTS: singular_mass if M has a negative eigenvalue, lost_in_round_off if
+            stiffnesses
+        are too far apart.
     """
     shift, stable, found, lost = _shift(k, m)
     n = k.shape[0]
@@ -180,25 +165,25 @@ def spectrum(
 
 
 def to_frequency(eigenvalues: Any) -> Any:
-    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2, (n,) [Hz]; the derivative at zero is taken as zero."""
+    """Frequencies sqrt(|omega^2|)/2 pi with the sign of omega^2 [Hz]; the derivative at zero is zero."""
 
-    def found(xp: Any, values: Any):
+    def convert(xp: Any, values: Any):
         usual = xp.isfinite(values) & (values != 0)
         root = xp.sqrt(xp.abs(xp.where(usual, values, 1.0))) / (2 * np.pi)
         return xp.where(usual, xp.sign(values) * root, values)
 
-    return computed(found, eigenvalues)
+    return computed(convert, eigenvalues)
 
 
 def is_real(values: Any) -> Any:
-    """Which of several complex values are real but for round-off, (n,)."""
-    return abs(values.imag) <= REAL * abs(values)
+    """Whether each of several complex values is real but for round-off."""
+    return abs(values.imag) <= REAL_VALUE * abs(values)
 
 
 def _with_shift(
     k: np.ndarray, m: np.ndarray, solve: Callable[[np.ndarray], Any], first: float = FIRST_SHIFT
 ) -> tuple[float, Any]:
-    """Smallest tried s >= 0 for which a problem in K + s M has a solution, and that solution; on the host."""
+    """Smallest tried s >= 0 for which a problem in K + s M has a solution, and the solution; on the host."""
     heaviest = np.max(np.diag(m), initial=0.0)
     ratio = np.max(np.abs(np.diag(k)), initial=0.0) / heaviest if heaviest > 0 else 1.0
     ratio, shift = ratio or 1.0, 0.0
@@ -209,21 +194,21 @@ def _with_shift(
         except np.linalg.LinAlgError:
             return None
 
-    def lowest_told(shift: float, found: Any):
-        mu = found[0][np.abs(found[0]) > MASSLESS * len(m) * np.max(np.abs(found[0]), initial=0.0)]
+    def lowest_told(shift: float, solution: Any):
+        mu = solution[0][np.abs(solution[0]) > MASSLESS_SHARE * len(m) * np.max(np.abs(solution[0]), initial=0.0)]
         values = np.real(1 / mu - shift)
-        return np.min(values[values > TOLD * shift], initial=np.inf)
+        return np.min(values[values > TOLD_BESIDE_SHIFT * shift], initial=np.inf)
 
     for _ in range(MAX_SHIFTS + 1):
         found = attempt(shift)
-        # Zero stiffness but for round-off would leave no digits for the others.
-        if found is not None and np.all(np.abs(found[0]) * LOWEST * ratio < 1):
+        # A stiffness of round-off would leave no digits for the others.
+        if found is not None and np.all(np.abs(found[0]) * DEFINITE_STIFFNESS * ratio < 1):
             break
         shift = max(SHIFT_GROWTH * shift, first * ratio)
     else:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
     lowest = lowest_told(shift, found)
-    # As in :func:`shift_to_definite`, of a shift that is longer than eigenvalues.
+    # As in :func:`shift_to_definite`, for a shift above the eigenvalues.
     while lowest < shift:
         after = NEXT_SHIFT * lowest
         beside = attempt(after)
@@ -235,51 +220,49 @@ def _with_shift(
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """Eigenvalues of the motions with mass as of :func:`spectrum`, on the host, where compiling takes longer."""
+    """Eigenvalues of the motions with mass as in :func:`spectrum`, on the host, without compilation."""
     import scipy.linalg
 
     shift, (mu,) = _with_shift(k, m, lambda shifted: (scipy.linalg.eigh(m, shifted, eigvals_only=True)[::-1],))
-    return 1 / mu[mu > MASSLESS * len(mu) * np.max(mu, initial=0.0)] - shift
+    return 1 / mu[mu > MASSLESS_SHARE * len(mu) * np.max(mu, initial=0.0)] - shift
 
 
 def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
-    """Eigenvalues and vectors of K v = omega^2 M v where K may be unsymmetric, on the host; or singular_stiffness.
+    """Eigenvalues and vectors of K v = omega^2 M v for an unsymmetric K, on the host; or singular_stiffness.
 
-    Returns:
-        omega^2 by ascending real part, complex, infinite for motions without mass, (n,) [rad^2/s^2]; vectors, (n, n).
+    Complex omega^2 by ascending real part, infinite for motions without mass [rad^2/s^2].
     """
     shift, (mu, vectors) = _with_shift(k, m, lambda shifted: np.linalg.eig(np.linalg.solve(shifted, m)), GENERAL_SHIFT)
-    massive = np.abs(mu) > MASSLESS * len(mu) * np.max(np.abs(mu), initial=0.0)
+    massive = np.abs(mu) > MASSLESS_SHARE * len(mu) * np.max(np.abs(mu), initial=0.0)
     values: Any = np.where(massive, 1 / np.where(massive, mu, 1.0) - shift, np.inf).astype(complex)
     order = np.argsort(values.real, kind="stable")
     return values[order], vectors[:, order]
 
 
 def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
-    """Solutions of det(lambda^2 M + lambda C + K) = 0 on the host, ordered by |Im|, at most (2 n,) [rad/s].
+    """Finite solutions of det(lambda^2 M + lambda C + K) = 0, ordered by |Im| [rad/s], on the host.
 
-    Those at infinity are left out. THEORY.md 7, eq. (7.3): companion form with the mass on the right, by the QZ method.
+    THEORY.md 7, eq. (7.3): companion form with the mass on the right, by the QZ method.
     """
     import scipy.linalg
 
     n = len(m)
     if not n:
         return np.zeros(0, complex)
-    # Degrees of freedom in units that make their stiffness and mass alike, and time in the unit w that makes both of
-    # one size: else the QZ method is right to round-off of the largest entry alone, and slow poles have wrong damping.
-    stiff, heavy = (np.max(np.abs(of), initial=0.0) or 1.0 for of in (k, m))
+    # Scale degrees of freedom to alike stiffness and mass, and time to make both of one size. Otherwise the QZ method
+    # is accurate to round-off of the largest entry alone, and slow poles have wrong damping.
+    stiff, heavy = (np.max(np.abs(matrix), initial=0.0) or 1.0 for matrix in (k, m))
     size = np.abs(np.diag(k)) / stiff + np.abs(np.diag(m)) / heavy
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
     k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
-    stiff, heavy = (np.linalg.norm(of) or 1.0 for of in (k, m))
+    stiff, heavy = (np.linalg.norm(matrix) or 1.0 for matrix in (k, m))
     w = np.sqrt(stiff / heavy)
     eye, zero = np.eye(n), np.zeros((n, n))
     left = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
     right = np.block([[eye, zero], [zero, m / heavy]])
-    # By the QZ method, as quotients.
     quotients: Any = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
     top, bottom = quotients[0], quotients[1].real
-    finite = np.abs(bottom) > MASSLESS * n * np.abs(top) / np.max(np.abs(left))
+    finite = np.abs(bottom) > MASSLESS_SHARE * n * np.abs(top) / np.max(np.abs(left))
     return in_order(_with_slow(w * top[finite] / bottom[finite], k, c, m))
 
 
@@ -289,24 +272,24 @@ def in_order(poles: Any) -> Complex[np.ndarray, "n"]:
 
 
 def slowest(poles: Any, count: int | None) -> Complex[np.ndarray, "n"]:
-    """Poles nearest to zero, in their order: ``count``, or one more where the last is one of a complex pair."""
+    """The ``count`` poles nearest to zero in their order, one more if the last is one of a complex pair."""
     if count is None or count >= len(poles):
         return poles
     near = np.argsort(np.abs(poles), kind="stable")
     last, after = poles[near[count - 1]], poles[near[count]]
-    pair = last.imag != 0 and abs(after - np.conj(last)) <= REAL * abs(last)
+    pair = last.imag != 0 and abs(after - np.conj(last)) <= REAL_VALUE * abs(last)
     return poles[np.sort(near[: count + int(pair)])]
 
 
 def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """Poles of which the slower half, by orders of size, is solved anew from the stiffness side.
+    """Poles whose slower half, by orders of size, is solved again from the stiffness side.
 
-    The QZ method is right to round-off of the fastest pole; those of K^-1 M and K^-1 C, 1/lambda, to that of the
-    slowest.
+    The QZ method is accurate to round-off of the fastest pole; the eigenvalues 1/lambda of K^-1 M and K^-1 C, to that
+    of the slowest.
     """
     scale = 1 / np.sqrt(np.where(np.diag(k) > 0, np.diag(k), 1.0))
     k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
-    if not len(fast) or np.linalg.cond(k) > REGULAR:
+    if not len(fast) or np.linalg.cond(k) > REGULAR_STIFFNESS:
         return fast
     n, by_mass, by_damping = len(k), np.linalg.solve(k, m), np.linalg.solve(k, c)
     unit = np.sqrt(np.linalg.norm(by_mass)) + np.linalg.norm(by_damping)
@@ -315,7 +298,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
     fast = fast[np.argsort(np.abs(fast))]
     sizes = np.abs(inverse)
     # Cut at the gap nearest to the middle.
-    apart = 1 + np.flatnonzero(sizes[1:] < (1 - APART) * sizes[:-1])
+    apart = 1 + np.flatnonzero(sizes[1:] < (1 - SIZES_APART) * sizes[:-1])
     if not len(apart) or sizes[0] == 0 or sizes[-1] == 0:
         return fast
     middle = np.sqrt(sizes[0] * 1 / (np.abs(fast[-1]) * unit))
@@ -324,7 +307,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
 
 
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ascending eigenvalues [-] and vectors of a mass matrix, in units that make each freedom's own mass one."""
+    """Ascending eigenvalues [-] and vectors of a mass matrix, scaled to one on the diagonal."""
     size = np.abs(np.diag(mass))
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
     values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
@@ -340,11 +323,10 @@ def massless_freedoms(mass: np.ndarray) -> list[int]:
 
 
 def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...], forces: Any, solve: Any = None) -> Any:
-    """Displacements under forces of the motions that carry no mass: N (N^T K N)^-1 N^T f with M N = 0, as forces lie.
+    """Displacements of motions without mass under forces: N (N^T K N)^-1 N^T f with M N = 0.
 
-    Args:
-        condensed: Degrees of freedom without which the mass matrix is regular, (k,).
-        solve: Function of a matrix and right-hand sides; by default one for traced numbers.
+    The mass matrix is regular without the degrees of freedom ``condensed``. ``solve`` solves a matrix for right-hand
+    sides.
     """
     solve = solve or (lambda matrix, right: factorise(matrix).solve(right))
     out, kept = np.array(condensed, int), np.array([i for i in range(len(mass)) if i not in condensed], int)
@@ -356,11 +338,8 @@ def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...],
 def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
     """Whether no motion about a state of stiffness K, damping C and mass M, of known numbers, grows.
 
-    By THEORY.md 7, eq. (7.3): no pole has a positive real part, or without damping all omega^2 are real and positive. A
-    motion without mass loses its stability where the determinant of the stiffness changes sign, which is not asked.
-
-    Raises:
-        AnalysisError: singular_stiffness.
+    THEORY.md 7, eq. (7.3): no pole has a positive real part; without damping all omega^2 are real and positive. A
+    motion without mass loses its stability when the determinant of the stiffness changes sign, which is not checked.
     """
     if np.any(c):
         return not any_grows(poles_of(k, c, m))
@@ -369,7 +348,7 @@ def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
     return bool(np.all(is_real(values) & (values.real > 0)))
 
 
-def any_grows(poles: Any, share: float = GROWS) -> bool:
-    """Whether some pole has a real part above a share of its size that is no round-off beside the largest."""
+def any_grows(poles: Any, share: float = GROWING_POLE) -> bool:
+    """Whether some pole has a real part above a share of its size, and is no round-off beside the largest."""
     sizes = np.abs(poles)
-    return bool(np.any((np.real(poles) > share * sizes) & (sizes > NOTHING * np.max(sizes, initial=0.0))))
+    return bool(np.any((np.real(poles) > share * sizes) & (sizes > ROUND_OFF_OF_POLES * np.max(sizes, initial=0.0))))

@@ -23,17 +23,16 @@ from ..mechanics.stress_resultants import section_resultants as resultants_of_bl
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
+from ..numerical_limits import BESIDE_BREAK
 from ..results import told
 from ..statics.choice import by_sparse
 from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
 from .about import Where, check_state
 from .linearize import Linearization, ManyStates, Stressed
 
-# What is looked at beside a break, of an element's length.
-BESIDE = 1e-9
-# Places along each element: moments of cubic beams are linear, those of one with strain series wave.
+# Places along each element; moments of cubic beams are linear, with strain series they wave.
 PLACES, PLACES_OF_SERIES = 5, 33
-# Parts of a section that varies, which may be weak anywhere; of many smooth pieces each has fewer, together more.
+# Parts of a section that varies; each of many smooth pieces has fewer.
 PARTS = 64
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
@@ -41,8 +40,8 @@ RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bendi
 class SectionResultants(Labelled, Record):
     """Force and moment in the cross-sections of every flexible element with a section.
 
-    They are what the part of the element beyond a place does to the part before it, in axes of the section there: a
-    positive normal force pulls, positive moments turn about the axes.
+    They act from the part of the element beyond a place on the part before it, in axes of the section: a positive
+    normal force pulls, positive moments turn about the axes.
 
     Attributes:
         values: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], in this
@@ -60,7 +59,7 @@ class SectionResultants(Labelled, Record):
     one_axis = "places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
-        """Each force and moment, (elements, places), with its unit."""
+        """Return each force and moment, (elements, places), with its unit."""
         values = np.asarray(self.values)
         return {name: (values[..., i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
 
@@ -69,7 +68,7 @@ class SectionResultants(Labelled, Record):
         return _by_place(self.quantities(), self.names, self.places)
 
     def summary(self) -> Summary:
-        """Outcome, and the extremes of each force and moment."""
+        """Return the outcome, and the extremes of each force and moment."""
         rows = {"result": told(self.result), **_extremes(self.quantities(), self.names, self.places)}
         return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
 
@@ -85,7 +84,7 @@ def _by_place(found: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], 
 def _extremes(
     quantities: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Float[Array, "places"]
 ) -> dict[str, str]:
-    """From which to which value each quantity goes, and where it is largest."""
+    """Range of each quantity, and where it is largest."""
     rows = {}
     for name, (values, unit) in quantities.items():
         *state, element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
@@ -96,13 +95,13 @@ def _extremes(
 
 
 class Location(NamedTuple):
-    """Where something is in the model.
+    """A place in the model.
 
     Attributes:
         element: Name of the element.
         place: From 0 at its first end to 1 at its last, [-].
-        point: Number of the point of the section, from 0, as the section's ``stress`` orders them.
-        state: Number of the state of a path or a motion, from 0; None of one state.
+        point: Number of the point of the section, from 0, in the order of the section's ``stress``.
+        state: Number of the state of a path or a motion, from 0; None for one state.
     """
 
     element: str
@@ -114,20 +113,20 @@ class Location(NamedTuple):
 class Stress(Labelled, Record):
     """Stress at points on the surface of every flexible element with a section.
 
-    Of all states of a path or a motion they stand in front of the shapes, but for ``strength`` and ``fatigue``:
-    ``maximum`` is that of each state, ``where`` is in the worst of them.
+    For a path or a motion, states are the first axis of all arrays except ``strength`` and ``fatigue``: ``maximum`` is
+    that of each state, ``where`` is in the worst state.
 
     Attributes:
-        sigma_x: Stress along the element, (elements, places, 8) [Pa]; the points are those of each section's
-            ``stress``: corners and middles of a rectangle, extremes of bending and shear of a circle.
+        sigma_x: Stress along the element, (elements, places, 8) [Pa], at the points of the section's ``stress``:
+            corners and middles of a rectangle, extremes of bending and shear of a circle.
         tau: Shear stress along the surface, counter-clockwise about x, (elements, places, 8) [Pa].
         von_mises: Equivalent stress, sqrt(sigma_x^2 - sigma_x across + across^2 + 3 tau^2), (elements, places, 8) [Pa].
         resultants: Force and moment in the sections.
-        strength: What the material bears, (elements, places) [Pa]; infinite where it states none, None where no
-            material does.
-        fatigue: Its fatigue limit, likewise.
-        across: Normal stress along the surface across the element, as leaf springs have it near clamps, (elements,
-            places, 8) [Pa]; None where no element has any.
+        strength: Strength of the material, (elements, places) [Pa]; infinite if it states none, None if no material
+            does.
+        fatigue: Fatigue limit, likewise.
+        across: Normal stress along the surface across the element, as in leaf springs near clamps, (elements, places,
+            8) [Pa]; None if no element has any.
         left_out: Names of the flexible elements without stress, whose section is given by its rigidities.
     """
 
@@ -142,31 +141,31 @@ class Stress(Labelled, Record):
     one_axis = "resultants.places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
-        """Each stress, of the points of a section the largest with its sign, and each force, (elements, places).
+        """Return each stress, the largest of the points of a section with its sign, and each force, (elements, places).
 
-        Where there is stress across, also that, and where a material states its strength the largest von Mises stress
-        over it, "utilisation".
+        Stress across is included if there is any. "utilisation", the largest von Mises stress over the strength, is
+        included if a material states its strength.
         """
-        found = {}
+        largest = {}
         parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}
         for name, values in parts.items():
             if values is None:
                 continue
             at_points = np.asarray(values)
-            largest = np.argmax(np.abs(at_points), axis=-1)[..., None]
-            found[name] = (np.take_along_axis(at_points, largest, axis=-1)[..., 0], "Pa")
+            point = np.argmax(np.abs(at_points), axis=-1)[..., None]
+            largest[name] = (np.take_along_axis(at_points, point, axis=-1)[..., 0], "Pa")
         if self.strength is not None:
-            found["utilisation"] = (np.asarray(self._over("strength")), "-")
-        return {**found, **self.resultants.quantities()}
+            largest["utilisation"] = (np.asarray(self._over("strength")), "-")
+        return {**largest, **self.resultants.quantities()}
 
     def quantities_by_name(self) -> Quantities:
         """What :meth:`quantities` gives, by element and place; of many states by their numbers too."""
         return _by_place(self.quantities(), self.names, self.places)
 
     def summary(self) -> Summary:
-        """Outcome, and the extremes of the stresses."""
-        found = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
-        rows = {"result": told(self.resultants.result), **_extremes(found, self.names, self.places)}
+        """Return the outcome, and the extremes of the stresses."""
+        stresses = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
+        rows = {"result": told(self.resultants.result), **_extremes(stresses, self.names, self.places)}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
         if self.left_out:
@@ -197,18 +196,18 @@ class Stress(Labelled, Record):
 
     @property
     def where(self) -> Location:
-        """Where the largest von Mises stress is, the first of several; TypeError where the stress is traced."""
+        """Place of the largest von Mises stress, the first of several; TypeError for traced stress."""
         if isinstance(self.von_mises, jax.core.Tracer):
-            raise TypeError("where needs concrete numbers: ask for it outside jax.jit and jax.grad.")
-        found = np.asarray(self.von_mises)
-        *state, element, place, point = np.unravel_index(np.argmax(found), found.shape)
+            raise TypeError("where needs concrete numbers. Use it outside jax.jit and jax.grad.")
+        values = np.asarray(self.von_mises)
+        *state, element, place, point = np.unravel_index(np.argmax(values), values.shape)
         return Location(self.names[element], float(self.places[place]), int(point), int(state[0]) if state else None)
 
     @property
     def utilisation(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element over the strength of its material, (elements,) [-].
 
-        Above one it yields or breaks. Zero where the material states no strength; ModelError where none states one.
+        Above one it yields or breaks. Zero if the material states no strength; ModelError if no material does.
         """
         return jnp.max(self._over("strength"), axis=-1)
 
@@ -216,18 +215,18 @@ class Stress(Labelled, Record):
     def fatigue_utilisation(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element over the fatigue limit of its material, (elements,) [-].
 
-        It is that of a motion which reverses fully between this state and one with the opposite stress.
+        For a motion that reverses fully between this state and one with the opposite stress.
         """
         return jnp.max(self._over("fatigue"), axis=-1)
 
     def _limit(self, quantity: str) -> Float[Array, "elements places"]:
-        found = getattr(self, quantity)
-        if found is None:
+        limit = getattr(self, quantity)
+        if limit is None:
             raise ModelError(
-                f"No material of the elements states its {quantity}: give {quantity}=.. to Material, or take one of"
-                " fm.materials that does."
+                f"No material of the elements states its {quantity}. Give {quantity}=.. to Material, or use one of"
+                " fm.materials that has it."
             )
-        return found
+        return limit
 
     def _over(self, quantity: str) -> Float[Array, "elements places"]:
         return jnp.max(self.von_mises, axis=-1) / self._limit(quantity)
@@ -238,7 +237,7 @@ class Stress(Labelled, Record):
         return [name for name, missing in zip(self.names, unknown, strict=True) if missing]
 
     def smooth_utilisation(self, sharpness: float = 50.0) -> Float[Array, ""]:
-        """Upper estimate of the largest :attr:`utilisation` whose derivative has no jumps, () [-]; or ModelError.
+        """Return an upper estimate of the largest :attr:`utilisation`, () [-], whose derivative has no jumps.
 
         Args:
             sharpness: As for :meth:`smooth_maximum`, () [-].
@@ -249,10 +248,10 @@ class Stress(Labelled, Record):
         return self._smooth(sharpness, self._limit("strength")[:, :, None])
 
     def smooth_maximum(self, sharpness: float = 50.0) -> Float[Array, ""]:
-        """Upper estimate of the largest von Mises stress whose derivative has no jumps: the norm of high order.
+        """Return an upper estimate of the largest von Mises stress, with a derivative without jumps.
 
-        (sum of v^p)^(1/p), between the maximum and n^(1/p) of it for n values: with 1000 of them, 15 % above at most
-        for p = 50, 3.5 % for p = 200. It scales with the stress and needs no unit.
+        (sum of v^p)^(1/p) is between the maximum and n^(1/p) times it for n values: for 1000 values at most 15 % above
+        with p = 50, 3.5 % with p = 200. It scales with the stress and needs no unit.
 
         Args:
             sharpness: p, at least 2, () [-]. Higher is nearer to the maximum and less smooth.
@@ -271,13 +270,13 @@ class Stress(Labelled, Record):
             raise ValueError(f"Argument `sharpness` must be at least 2, but is {sharpness}.")
         square = squared(self.sigma_x, self.tau, 0.0 if self.across is None else self.across) / limit**2
         # Scaled by the largest, so that no power overflows; the value does not depend on the scale.
-        own = (-3, -2, -1)
-        largest = jax.lax.stop_gradient(jnp.max(square, axis=own))
+        axes = (-3, -2, -1)
+        largest = jax.lax.stop_gradient(jnp.max(square, axis=axes))
         largest = jnp.where(largest <= 0, 1.0, largest)
         powers = (square / largest[..., None, None, None]) ** (sharpness / 2)
-        # A place that stands twice, as it may under a trace, counts once.
+        # A repeated place, as may occur under a trace, counts once.
         anew = jnp.diff(self.places, prepend=-1.0) > 0
-        total = jnp.sum(jnp.where(anew[:, None], powers, 0.0), axis=own)
+        total = jnp.sum(jnp.where(anew[:, None], powers, 0.0), axis=axes)
         none = total <= 0
         return jnp.where(none, 0.0, jnp.sqrt(largest) * jnp.where(none, 1.0, total) ** (1 / sharpness))
 
@@ -291,13 +290,13 @@ def _rows(labels: Labels) -> tuple[tuple[str, ...], np.ndarray]:
 
 
 def _stacks(properties: dict[str, Any]) -> list[tuple[slice, Section]]:
-    """Stacks of sections of one kind each, and which of a block's elements they belong to."""
-    section, found, start = properties["section"], [], 0
+    """Stacks of sections of one kind, and the slices of a block's elements they belong to."""
+    section, stacks, start = properties["section"], [], 0
     for stack in section if isinstance(section, tuple) else (section,):
         part = slice(start, start + jax.tree.leaves(stack)[0].shape[0])
-        found.append((part, stack))
+        stacks.append((part, stack))
         start = part.stop
-    return found
+    return stacks
 
 
 def _lengths(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> Float[Array, "elements"]:
@@ -317,13 +316,12 @@ def has_stress(model: Model) -> bool:
 
 
 def left_out_of_stress(model: Model) -> list[str]:
-    """As :func:`without_shape`, with a warning, or with an error where no element has a stress."""
+    """:func:`without_shape`, with a warning, or with an error if no element has a stress."""
     left_out = without_shape(model)
     if left_out:
         text = (
             f"The section of element {listed([repr(name) for name in left_out])} is given by its rigidities and has no"
-            " shape, and so no stress. Give its `outline`, or a section such as Rectangle, or ask for"
-            " section_resultants."
+            " shape, and so no stress. Give its `outline`, or a section such as Rectangle, or use section_resultants."
         )
         if not has_stress(model):
             raise ModelError(text)
@@ -332,17 +330,17 @@ def left_out_of_stress(model: Model) -> list[str]:
 
 
 def without_shape(model: Model) -> list[str]:
-    """Names of the flexible elements whose section is given by its rigidities and so has no stress."""
-    found = []
+    """Names of the flexible elements without stress, whose section is given by its rigidities."""
+    shapeless = []
     for names, properties in zip(model.labels.stressed, model.parameters.properties, strict=True):
         if any(names):
             kinds = [stack.has_shape for part, stack in _stacks(properties) for _ in range(part.start, part.stop)]
-            found += [name for name, shaped in zip(names, kinds, strict=True) if name is not None and not shaped]
-    return found
+            shapeless += [name for name, shaped in zip(names, kinds, strict=True) if name is not None and not shaped]
+    return shapeless
 
 
 class _Asked(NamedTuple):
-    """What section resultants and stress are computed from: numbers of one state, or of several in front."""
+    """Numbers for section resultants and stress, of one state or of several in front."""
 
     topology: Topology
     parameters: Parameters
@@ -350,9 +348,9 @@ class _Asked(NamedTuple):
     places: Float[Array, "places"]
     rows: Any
 
-    def resultants(self, of: Stressed) -> list[Float[Array, "elements places 6"]]:
-        """Of the elements of each block with sections, in one state."""
-        return resultants_of_blocks(self.topology, self.parameters, of.x, of.sigma, of.felt, self.places)
+    def resultants(self, state: Stressed) -> list[Float[Array, "elements places 6"]]:
+        """Section resultants of each block's elements, in one state."""
+        return resultants_of_blocks(self.topology, self.parameters, state.x, state.sigma, state.felt, self.places)
 
     def blocks(self) -> list[tuple[Block, dict[str, Any], Float[Array, "elements"]]]:
         """Blocks with sections, their properties and the lengths of their elements."""
@@ -363,50 +361,50 @@ class _Asked(NamedTuple):
 
 @jit
 def _resultants(asked: _Asked, *, several: bool):
-    def one(state: Stressed):
+    def in_state(state: Stressed):
         return jnp.concatenate(asked.resultants(state))[asked.rows]
 
-    return (jax.vmap(one) if several else one)(asked.states)
+    return (jax.vmap(in_state) if several else in_state)(asked.states)
 
 
 @jit
 def _stress(asked: _Asked, *, several: bool):
-    """Resultants, stresses along, in shear, equivalent and across, and what materials bear by quantity."""
+    """Resultants, stresses along, in shear, equivalent and across, and limits of materials by quantity."""
     (found, across) = (jax.vmap(_stress_in, (None, 0)) if several else _stress_in)(asked, asked.states)
     return *found, {**_borne(asked), "across": across}
 
 
 def _stress_in(asked: _Asked, state: Stressed):
-    """Resultants and stresses in one state; the last is None where no element has a stress across."""
-    found = asked.resultants(state)
+    """Resultants and stresses in one state; the last is None without stress across."""
+    resultants = asked.resultants(state)
     strain = state.e if asked.parameters.strain is None else state.e - asked.parameters.strain
     pieces = []
-    for values, (block, properties, lengths) in zip(found, asked.blocks(), strict=True):
+    for values, (block, properties, lengths) in zip(resultants, asked.blocks(), strict=True):
         for part, stack in _stacks(properties):
-            own, length = values[part], lengths[part]
+            values_of_stack, length = values[part], lengths[part]
             if "surface" in block.companions:
                 alike = {n: jax.tree.map(lambda p, at=part: p[at], v) for n, v in properties.items() if n != "section"}
                 function, alike = companion_of(block, {**alike, "section": stack}, "surface")
                 ref = asked.parameters.reference[block.x]
-                pieces.append(_along(function, strain[block.e][part], ref[part], alike, asked.places, own))
+                pieces.append(_along(function, strain[block.e][part], ref[part], alike, asked.places, values_of_stack))
             elif stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
-                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, own))
+                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, values_of_stack))
             else:
-                # A rigid element in a block with flexible ones has no stress; ``rows`` leaves these zeros out.
-                pieces.append((jnp.zeros((*own.shape[:2], POINTS)),) * 2)
+                # Rigid elements in a block with flexible ones have no stress; ``rows`` leaves these zeros out.
+                pieces.append((jnp.zeros((*values_of_stack.shape[:2], POINTS)),) * 2)
     sigma_x, tau = (jnp.concatenate([piece[i] for piece in pieces])[asked.rows] for i in range(2))
     across = None
     if any(len(piece) > 2 for piece in pieces):
         parts = [piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in pieces]
         across = jnp.concatenate(parts)[asked.rows]
     equivalent = von_mises(sigma_x, tau, 0.0 if across is None else across)
-    return (jnp.concatenate(found)[asked.rows], sigma_x, tau, equivalent), across
+    return (jnp.concatenate(resultants)[asked.rows], sigma_x, tau, equivalent), across
 
 
 def _borne(asked: _Asked) -> dict[str, Float[Array, "k places"]]:
-    """What materials bear by quantity, infinite where one does not say; of a quantity that any states."""
-    found = {}
+    """Limits of materials by quantity, infinite for materials without; only quantities that any states."""
+    limits = {}
     stacks = [(stack, lengths[part]) for _, p, lengths in asked.blocks() for part, stack in _stacks(p)]
 
     for quantity in ("strength", "fatigue"):
@@ -421,8 +419,8 @@ def _borne(asked: _Asked) -> dict[str, Float[Array, "k places"]]:
                 else jnp.full((length.shape[0], asked.places.shape[0]), jnp.inf)
                 for stack, length in stacks
             ]
-            found[quantity] = jnp.concatenate(every)[asked.rows]
-    return found
+            limits[quantity] = jnp.concatenate(every)[asked.rows]
+    return limits
 
 
 def _along(
@@ -433,7 +431,7 @@ def _along(
     places: Float[Array, "places"],
     resultants: Float[Array, "elements places 6"],
 ):
-    """Stress by elements' own companion, at places along each."""
+    """Stress by an element's own companion, at places along each element."""
 
     def at(e: Any, ref: Any, own: dict[str, Any], place: Float[Array, ""], resultants: Float[Array, "6"]):
         return function((e,), ref, own, place=place, resultants=resultants)
@@ -445,13 +443,13 @@ def _along(
 def _breaks(
     block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], stack: Any, *, first: int, after: int
 ) -> list[Float[Array, "n"]]:
-    """Where sections of one kind jump along their elements of a block, the first to the last of them."""
+    """Breaks of sections of one kind, of the first to the last of a block's elements."""
     lengths = _lengths(block, properties, reference)[first:after]
     return list(jax.vmap(lambda section, length: section.breaks_at(length))(stack, lengths))
 
 
 def _places(model: Model, points: int | None) -> Any:
-    """Places along each element, ascending: so many, and both sides of every break of a section and amid its pieces."""
+    """Ascending places along each element: even ones, both sides of breaks of sections, and within pieces."""
     parameters = model.parameters
     breaks, enough, varies = [], PLACES, False
     for block, properties in zip(model.topology.blocks, parameters.properties, strict=True):
@@ -466,12 +464,12 @@ def _places(model: Model, points: int | None) -> Any:
     if not varies or (points and not breaks):
         return even
     library: Any = np if is_concrete(breaks) else jnp
-    # Breaks that many elements have are one, where they are known.
+    # Known breaks of several elements count once.
     breaks = [np.unique(np.concatenate(breaks))] if breaks and library is np else breaks
     edges = library.sort(library.concatenate([np.array([0.0, 1.0]), *breaks]))
     parts = 2 if points else max(2, int(PARTS / np.sqrt(len(edges) - 1)))
     within = edges[:-1, None] + (edges[1:] - edges[:-1])[:, None] * (np.arange(1, parts) / parts)
-    sides = [edges[1:-1] - BESIDE, edges[1:-1] + BESIDE, library.ravel(within)]
+    sides = [edges[1:-1] - BESIDE_BREAK, edges[1:-1] + BESIDE_BREAK, library.ravel(within)]
     ends = even if points else np.array([0.0, 1.0])
     return library.sort(library.clip(library.concatenate([ends, *sides]), 0.0, 1.0))
 
@@ -479,19 +477,19 @@ def _places(model: Model, points: int | None) -> Any:
 def _state(
     model: Model, function: str, points: Any, where: Where, left_out: Sequence[str] = (), **equilibrium_options: Any
 ):
-    """Names of the elements, what both kernels take, code of the state, and whether there are several."""
+    """Names of the elements, arguments of both kernels, code of the state, and whether there are several states."""
     as_model(model, function)
     at: Any = where.at
     sparse = equilibrium_options["sparse"]
     if sparse is not None and at is not None:
-        raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a state that has been found.")
+        raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a known state.")
     sparse = at is None and by_sparse(model, sparse)
     if at is None and not sparse:
         as_determined(model, function)
     points = None if points is None else check_whole("points", points, 2)
     names, rows = _rows(model.labels)
     if not names:
-        raise ModelError("No flexible element has a section. Give one to the beams or trusses to be asked about.")
+        raise ModelError("No flexible element has a section. Give one to the beams or trusses in question.")
     kept = [name not in left_out for name in names]
     names, rows = tuple(itertools.compress(names, kept)), rows[kept]
     where.refuse(function)
@@ -512,7 +510,7 @@ def _state(
     if at.x.shape[int(several) :] != model.parameters.reference.shape:
         raise ValueError(
             f"Argument `at` must be a state of this model with {model.topology.n_x} coordinates, but x has shape"
-            f" {at.x.shape}. Of what is linearised along a motion give lin.at_time(number), or the motion itself."
+            f" {at.x.shape}. For a linearisation along a motion give lin.at_time(number), or the motion itself."
         )
     check_state(at, model, function)
     states = at.stressed() if several else Stressed(at.x, at.sigma, at.felt, at.e)
@@ -531,47 +529,40 @@ def section_resultants(
     sparse: bool | None = None,
     throw: bool = True,
 ) -> SectionResultants:
-    """Normal and shear forces, torque and bending moments along every flexible element with a section.
+    """Return normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They are exact statics of the forces at the ends of an element. In between, those of a spectral beam are exact too.
-    Those of a beam are linear, plus what its own weight adds on its straight chord. The inertia of a moving beam's mass
-    is treated as its weight; rotary inertia acts on its ends. A truss has a normal force alone: half of what acts
-    across it acts on each end.
+    They are exact statics of the forces at the ends of an element, for a spectral beam also in between. For a beam they
+    are linear, plus the effect of its weight on its straight chord. Inertia of a moving beam's mass counts as weight;
+    rotary inertia acts on its ends. A truss has a normal force alone: half of each transverse load acts on each end.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends among them; unless given 5, or 33 where strains are series. Where
-            sections vary, both sides of their breaks are added, and the middle of each piece between them; unless
-            ``points`` are given, 64/sqrt(n) parts of each of n pieces.
-        at: Equilibrium or linearisation of this model, or its path or motion: all states of that, which then stand in
-            front of the shapes, or one. By default the equilibrium under the loads is solved.
+        points: Places along each element, both ends included; by default 5, or 33 with strain series. Both sides of
+            breaks of sections that vary, and the middle of each piece, are added; without ``points``, 64/sqrt(n) parts
+            of each of n pieces.
+        at: Equilibrium or linearisation of this model, or its path or motion: all states of that, as first axis of the
+            arrays, or one. By default the equilibrium under the loads is solved.
         step, time: Number or time [s] of one state of a path or a motion, as for :func:`flexmb.frequencies`.
         load_factor: Factor of the loads of that equilibrium, () [-].
-        increment: Factor of its incremental loads, () [-]; zero unless given.
-        sparse: Whether that equilibrium is found by sparse factors; see :func:`flexmb.equilibrium`. Chosen by size
-            unless given.
-        throw: Raise where it fails; otherwise the code is in ``result``.
+        increment: Factor of its incremental loads, () [-]; zero by default.
+        sparse: Whether to solve that equilibrium by sparse factors; see :func:`flexmb.equilibrium`. By default chosen
+            by size.
+        throw: Raise if it fails; otherwise the code is in ``result``.
 
     Returns:
         SectionResultants with values (elements, places, 6) [N, N m].
 
     Raises:
         ModelError: No flexible element has a section.
-        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments do not go together.
+        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
         AnalysisError: As for ``equilibrium``.
 
     Source:
         Balance of an element's end with D_x^T sigma, the nodal forces of its stress resultants; THEORY.md 7.
     """
-    names, asked, result, several = _state(
-        model,
-        "section_resultants",
-        points,
-        Where(at, step, time, increment),
-        load_factor=load_factor,
-        sparse=sparse,
-        throw=throw,
-    )
+    where = Where(at, step, time, increment)
+    options: Any = dict(load_factor=load_factor, sparse=sparse, throw=throw)
+    names, asked, result, several = _state(model, "section_resultants", points, where, **options)
     return SectionResultants(_resultants(asked, several=several), jax.device_put(asked.places), result, names)
 
 
@@ -588,25 +579,25 @@ def stress(
     sparse: bool | None = None,
     throw: bool = True,
 ) -> Stress:
-    """Stress on the surface of every flexible element with a section, its maximum and a smooth estimate of that.
+    """Return the stress on the surface of every flexible element with a section.
 
     Elements whose section is given by its rigidities have none and are left out, with a warning.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`section_resultants`: ``at=path``
-            and ``at=motion`` answer for all their states.
+        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`section_resultants`; ``at=path``
+            and ``at=motion`` return all their states.
 
     Returns:
-        Stress with sigma_x, tau and von_mises (elements, places, 8) [Pa], and its utilisation of the strength that
-        materials state, (elements,) [-].
+        Stress with sigma_x, tau and von_mises (elements, places, 8) [Pa], and utilisation of the strength of materials,
+        (elements,) [-].
 
     Warns:
         FlexmbWarning: The stress is above the strength of a material; elements are left out.
 
     Raises:
         ModelError: No element has a section with a shape.
-        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments do not go together.
+        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
         AnalysisError: As for ``equilibrium``.
 
     Source:
@@ -619,19 +610,19 @@ def stress(
     )
     values, sigma_x, tau, equivalent, more = _stress(asked, several=several)
     resultants = SectionResultants(values, jax.device_put(asked.places), result, names)
-    found = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
-    if found.strength is not None and is_concrete(found):
-        _warn_of_failure(found)
-    return found
+    stresses = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
+    if stresses.strength is not None and is_concrete(stresses):
+        _warn_of_failure(stresses)
+    return stresses
 
 
-def _warn_of_failure(found: Stress) -> None:
-    """Warn of elements whose material does not bear the stress."""
-    used = np.max(np.asarray(found.utilisation).reshape(-1, len(found.names)), axis=0)
-    failing = [name for name, one in zip(found.names, used, strict=True) if one > 1]
+def _warn_of_failure(stresses: Stress) -> None:
+    """Warn of elements whose stress exceeds the strength of their material."""
+    used = np.max(np.asarray(stresses.utilisation).reshape(-1, len(stresses.names)), axis=0)
+    failing = [name for name, utilisation in zip(stresses.names, used, strict=True) if utilisation > 1]
     if failing:
         worst = int(np.nanargmax(used))
         warn(
             f"The stress is above the strength of the material in {listed([repr(name) for name in failing])}: by a"
-            f" factor of {used[worst]:.4g} in '{found.names[worst]}'."
+            f" factor of {used[worst]:.4g} in '{stresses.names[worst]}'."
         )

@@ -1,4 +1,4 @@
-"""Poles of traced numbers, by calls on the host, whose derivatives follow from left and right vectors."""
+"""Poles of traced numbers, computed on the host, with derivatives from left and right vectors."""
 
 import functools
 from collections.abc import Callable
@@ -14,26 +14,19 @@ from ..errors import AnalysisError
 from ..math.by_deformations import product
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import SEMIDEFINITE, uneven
+from ..numerical_limits import BESIDE_POLE, FREE_STIFFNESS, MEETING_POLES, ONE_REPEATED_POLE, SOLVED_BY_VECTOR
 from ..results import RESULTS
-from .loose import FREE
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import NOTHING, on_host
 from .sparse_spectrum import refuse_negative_masses
 from .spectrum import masses_of_motions, poles_of
 
-# Poles are one repeated pole where they differ by less than this share.
-SAME = 1e-8
-# Of equations scaled to one: what is left of those that a vector solves, and the least part of their change with the
-# pole along its vectors. Below it two poles all but meet with one vector, and their derivatives have no digits.
-LEFT_OVER = 1e-6
-MEETING = 1e-5
-# Sparse factors of the equations at a pole are taken so far beside it, of its size; vectors have the square of it.
-BESIDE = 1e-7
+# Iterations for the vectors of a pole.
 TURNS = 3
 
 
 def _differentiable(find: Callable[[Any, Any], Any], balance: Callable[..., Any]) -> Callable[[Any, Any], Any]:
-    """Poles of equations, as many as the second argument is long, and a code, with first derivatives.
+    """Poles of equations, with first derivatives, and a code; the length of the second argument is their number.
 
     Args:
         find: Poles, code, left and right vectors for which w^H (2 s M + C) v = 1.
@@ -47,7 +40,7 @@ def _differentiable(find: Callable[[Any, Any], Any], balance: Callable[..., Any]
     @with_vectors.defjvp
     def _refused(*_: Any) -> Any:
         raise NotImplementedError(
-            "Poles have first derivatives, and no second ones: leave out second_order, or jax.hessian."
+            "Poles have first derivatives, and no second ones. Leave out second_order, or jax.hessian."
         )
 
     @jax.custom_jvp
@@ -57,7 +50,7 @@ def _differentiable(find: Callable[[Any, Any], Any], balance: Callable[..., Any]
     @poles.defjvp
     def _changes(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         values, code, left, right = with_vectors(*primals)
-        _, change = jax.jvp(lambda of: balance(of, values, left, right), (primals[0],), (tangents[0],))
+        _, change = jax.jvp(lambda given: balance(given, values, left, right), (primals[0],), (tangents[0],))
         return (values, code), (-change, np.zeros((), jax.dtypes.float0))
 
     return poles
@@ -66,17 +59,14 @@ def _differentiable(find: Callable[[Any, Any], Any], balance: Callable[..., Any]
 def traced_poles(
     k: Float[Array, "n n"], c: Float[Array, "n n"], m: Float[Array, "n n"], count: int
 ) -> tuple[Complex[Array, "count"], Int[Array, ""]]:
-    """The ``count`` poles nearest to zero, differentiable, THEORY.md 10, eq. (10.4).
+    """The ``count`` poles nearest to zero, differentiable (THEORY.md 10, eq. (10.4)), and a code of RESULTS.
 
-    Derivatives are NaN where there are none: of poles that meet with one vector, as in critical damping or of a free
-    motion. Those of a repeated pole are of vectors whose choice does not change sums.
-
-    Returns:
-        Ordered by |Im|, (count,) [rad/s], NaN where there are fewer; code of RESULTS: not_finite; singular_mass where
-        there are fewer poles, or a negative mass; singular_stiffness where a motion has neither mass, stiffness nor
-        damping.
+    Ordered by |Im| [rad/s], NaN if there are fewer. Derivatives are NaN for poles that meet with one vector, as in
+    critical damping or of a free motion; for a repeated pole, sums over its copies have correct derivatives. Codes:
+    not_finite; singular_mass: fewer poles, or a negative mass; singular_stiffness: a motion without mass, stiffness and
+    damping.
     """
-    # The number is handed on as a shape, which stays known.
+    # The number is a shape, which stays known under a trace.
     return _of_matrices((k, c, m), np.zeros(count))
 
 
@@ -88,7 +78,7 @@ def _found(matrices: Any, count: Array) -> Any:
 
 
 def _balance(matrices: Any, values: Any, left: Any, right: Any) -> Any:
-    k, c, m = (jnp.einsum("in,nm,im->i", jnp.conj(left), of.astype(complex), right) for of in matrices)
+    k, c, m = (jnp.einsum("in,nm,im->i", jnp.conj(left), matrix.astype(complex), right) for matrix in matrices)
     return k + values * c + values**2 * m
 
 
@@ -97,13 +87,13 @@ _of_matrices = _differentiable(_found, _balance)
 
 def _with_vectors(k: Any, c: Any, m: Any, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Poles, a code, and their left and right vectors, each a row, for which w^H (2 lambda M + C) v = 1."""
-    k, c, m = (np.asarray(of) for of in (k, c, m))
+    k, c, m = map(np.asarray, (k, c, m))
     values = np.full(count, NOTHING)
     left, right = (np.full((count, len(k)), NOTHING) for _ in range(2))
     code = RESULTS.successful if np.all(np.isfinite([k, c, m])) else RESULTS.not_finite
     if code is RESULTS.successful:
         every = poles_of(k, c, m)
-        # In their order, those nearest to zero.
+        # Those nearest to zero, in their order.
         near = np.sort(np.argsort(np.abs(every), kind="stable")[:count])
         values[: len(near)] = every[near]
         for place, pole in enumerate(near):
@@ -122,15 +112,15 @@ def _is_undetermined(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndar
     size = np.abs(s) ** 2 * np.abs(np.diag(m)) + np.abs(s) * np.abs(np.diag(c)) + np.abs(np.diag(k))
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
     left = np.linalg.svd((s**2 * m + s * c + k) * scale[:, None] * scale, compute_uv=False)
-    return bool(len(left)) and bool(left[-1] <= FREE * len(k))
+    return bool(len(left)) and bool(left[-1] <= FREE_STIFFNESS * len(k))
 
 
 def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, number: int) -> tuple[Any, Any]:
-    """Left and right vector of a pole, NaN where it has no derivative."""
+    """Left and right vector of a pole; NaN if it has no derivative."""
     value = poles[number]
-    same = np.flatnonzero(np.abs(poles - value) <= SAME * np.abs(value))
+    same = np.flatnonzero(np.abs(poles - value) <= ONE_REPEATED_POLE * np.abs(value))
     middle, many = np.mean(poles[same]), len(same)
-    # Degrees of freedom in units that make their equations of one size.
+    # Scale degrees of freedom so that their equations are of one size.
     size = np.abs(middle) ** 2 * np.abs(np.diag(m)) + np.abs(middle) * np.abs(np.diag(c)) + np.abs(np.diag(k))
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
     k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
@@ -140,7 +130,7 @@ def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, num
     u, v, change = u[:, -many:], v[-many:].conj().T, 2 * middle * m + c
     meeting = u.conj().T @ change @ v
     least, whole = np.linalg.svd(meeting, compute_uv=False)[-1], np.linalg.norm(change, 2)
-    if sizes[-many] > LEFT_OVER or not least > MEETING * whole:
+    if sizes[-many] > SOLVED_BY_VECTOR or not least > MEETING_POLES * whole:
         return np.nan, np.nan
     u = u @ np.linalg.inv(meeting).conj().T
     own = int(np.flatnonzero(same == number)[0])
@@ -148,9 +138,9 @@ def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, num
 
 
 def poles_of_elements(elements: ElementMatrices, count: int) -> Complex[Array, "count"]:
-    """As :func:`.poles_of_sparse` of traced element matrices, so many, differentiable, THEORY.md 10, eq. (10.4).
+    """:func:`.poles_of_sparse` of traced element matrices, differentiable (THEORY.md 10, eq. (10.4)).
 
-    Derivatives are NaN where poles meet or are repeated. Also singular_mass is raised; under a trace an error of JAX.
+    Derivatives are NaN for poles that meet or are repeated. Raises singular_mass too; under a trace an error of JAX.
     """
     return _of_elements(elements, np.zeros(count))[0]
 
@@ -163,17 +153,17 @@ def _found_by_elements(elements: ElementMatrices, count: Array) -> Any:
 
 
 def _balance_by_elements(elements: ElementMatrices, values: Any, left: Any, right: Any) -> Any:
-    def of_one(s: Any, y: Any, z: Any):
+    def of_pole(s: Any, y: Any, z: Any):
         return jnp.sum(y * product(elements, z[:, None], None, s)[:, 0])
 
-    return jax.vmap(of_one)(values, left, right)
+    return jax.vmap(of_pole)(values, left, right)
 
 
 _of_elements = _differentiable(_found_by_elements, _balance_by_elements)
 
 
 def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Poles nearest to zero with their left and right motions and multipliers; NumPy and SciPy alone."""
+    """Poles nearest to zero with their left and right motions and multipliers, by NumPy and SciPy alone."""
     whole = Whole(elements)
     refuse_negative_masses(whole)
     every = poles_of_sparse(whole, count + 1)
@@ -186,15 +176,15 @@ def _nearest(elements: ElementMatrices, *, count: int) -> tuple[np.ndarray, np.n
 
 
 def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Left and right vector of a pole with multipliers, for which y^T (2 s M + C) z = 1; NaN where none is its own."""
+    """Left and right vector of a pole with multipliers, y^T (2 s M + C) z = 1; NaN if it shares them."""
     s = poles[number]
-    near = s + BESIDE * (np.abs(s) or np.max(np.abs(poles)) or 1.0)
+    near = s + BESIDE_POLE * (np.abs(s) or np.max(np.abs(poles)) or 1.0)
     rows, change = sum(whole.elements.unknowns), 2 * s * whole.mass + whole.damping
     factors = whole.factors(whole.at_frequency(near))
     nothing = np.full(rows, NOTHING), np.full(rows, NOTHING)
-    if not factors.regular or np.sum(np.abs(poles - s) <= SAME * np.abs(s)) > 1:
+    if not factors.regular or np.sum(np.abs(poles - s) <= ONE_REPEATED_POLE * np.abs(s)) > 1:
         return nothing
-    found = []
+    pair = []
     for transposed in (True, False):
         by, z = change.T if transposed else change, np.zeros(rows, complex)
         loads = uneven(whole.n).astype(complex)
@@ -205,9 +195,9 @@ def _motions(whole: Whole, poles: np.ndarray, number: int) -> tuple[np.ndarray, 
                 return nothing
             z = z / largest
             loads = by @ z[: whole.n]
-        found.append(z)
-    left, right = found
+        pair.append(z)
+    left, right = pair
     terms = left[: whole.n] * (change @ right[: whole.n])
-    if not np.abs(np.sum(terms)) > MEETING * np.sum(np.abs(terms)):
+    if not np.abs(np.sum(terms)) > MEETING_POLES * np.sum(np.abs(terms)):
         return nothing
     return left / np.sum(terms), right

@@ -217,7 +217,7 @@ def test_derivatives(given):
 @pytest.mark.parametrize(
     ("given", "kind", "words"),
     [
-        ({}, ValueError, "give `ratio`, `rayleigh` or `loss_factor`"),
+        ({}, ValueError, "Give `ratio`, `rayleigh` or `loss_factor`"),
         ({"ratio": -0.1}, ValueError, "`ratio` cannot be negative"),
         ({"ratio": [0.1, 0.1, 0.1]}, ValueError, "has 3 numbers, but there are 2 modes"),
         ({"ratio": [(10, 0.1), (5, 0.1)]}, ValueError, "must ascend"),

@@ -126,7 +126,7 @@ def test_one_of_two_motions_that_carries_no_mass_is_named_in_a_simulation():
 @pytest.mark.slow
 def test_a_motion_with_neither_mass_nor_stiffness_is_named():
     for ask in (fm.frequencies, fm.modes, fm.poles):
-        with pytest.raises(fm.AnalysisError, match=r"arm\.phi.* no mass either: give it a mass or an inertia") as fault:
+        with pytest.raises(fm.AnalysisError, match=r"arm\.phi.* no mass either. Give it a mass or an inertia") as fault:
             ask(with_free_arm(mass=None))
         assert fault.value.code == "singular_stiffness"
 

@@ -93,7 +93,7 @@ def test_what_the_path_has_not_is_named(paths):
     dense, sparse = paths
     for ask, match in (
         (lambda: fm.poles(dense.model, at=sparse, step=1), "give `count`, the number of poles wanted"),
-        (lambda: fm.compliance(dense.model, "n1", at=sparse), "which by step="),
+        (lambda: fm.compliance(dense.model, "n1", at=sparse), "Choose one by step="),
         (lambda: fm.frequencies(dense.model, at=sparse, step=1), "give `count`"),
         (lambda: fm.frequencies(dense.model, count=2, at=sparse, step=1, sparse=False), "sparse=False does not go"),
         (lambda: fm.frequencies(arch(), count=2, at=sparse, step=1), "of another model"),
