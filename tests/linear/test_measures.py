@@ -189,5 +189,5 @@ def test_modes_are_compared_whatever_their_degrees_of_freedom():
         fm.linear.frequency_like(guide(0.1), one, 6)
     with pytest.raises(ValueError, match=r"`number` .* goes with Modes"):
         fm.linear.frequency_like(guide(0.1), np.ones(6), 1)
-    with pytest.raises(ValueError, match="the models differ. Their nodes or elements have other names"):
+    with pytest.raises(ValueError, match=r"the models differ\. Their nodes or elements have other names"):
         fm.linear.mode_assurance(one, fm.modes(cross((K, K, 0.0))))
