@@ -3,9 +3,8 @@
 #
 # **Question.** How stiff does a guide of two leaf springs stay across its motion?
 #
-# In its straight position a leaf spring carries a load along its length by tension, with the stiffness $EA/l$. Once it
-# is bent, such a load changes the bending too, and the guide gives way much more. That loss decides how long a stroke
-# can be used.
+# A straight leaf spring carries a load along its length by tension, with the stiffness $EA/l$. If it is bent, such a
+# load also changes the bending, and the guide becomes much softer. This loss limits the usable stroke.
 
 # %%
 import matplotlib.pyplot as plt
@@ -21,10 +20,9 @@ cache = fm.enable_cache(thorough=False)
 # ## The model
 #
 # Two leaf springs of 100 × 18 × 0.5 mm, 100 mm apart, and a rigid stage. S is the middle of the stage. Each leaf spring
-# is one **spectral beam**: its elongation and its curvature along the whole length are polynomials, here with five
-# coefficients each, which is enough for six digits of beam theory at a large stroke. `planar.beam`, the cubic beam of
-# SPACAR, is shown for comparison. How far beams are from a leaf spring as it is, is asked in notebook
-# [18](18_check_beam.ipynb).
+# is one **spectral beam**: its elongation and its curvature along the whole length are polynomials with five
+# coefficients each. They give six digits of beam theory at a large stroke. `planar.beam`, the cubic beam of SPACAR, is
+# shown for comparison. Notebook [18](18_check_beam.ipynb) compares beams with solid models of leaf springs.
 
 # %%
 length, width, thickness, apart, stroke = 0.1, 0.018, 0.5e-3, 0.1, 5e-3
@@ -51,8 +49,8 @@ def guide(element, beams=1):
 # ## Support stiffness over the stroke
 #
 # The stroke is prescribed as an **incremental load**: a factor from 0 to 1 scales it. `fm.linearize(model,
-# increment=s)` linearises about the equilibrium at that factor, and `fm.stiffness` reads a stiffness from it: of S
-# along y, with x held by the drive and the rotation free.
+# increment=s)` linearises about the equilibrium at that factor. `fm.stiffness` reads the stiffness of S along y from
+# the result, with x held by the drive and the rotation free.
 
 # %%
 spectral = guide(planar.spectral_beam(5))
@@ -79,11 +77,11 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# At 5 % of the length little more than a third of the stiffness is left. One cubic beam a leaf spring does not see this
-# at all, since the load cannot bend its middle. Two beams see half of it, four nearly all. So a support stiffness wants
-# four cubic beams a leaf spring, or one spectral beam.
+# At 5 % of the length little more than a third of the stiffness remains. One cubic beam per leaf spring does not show
+# this loss, since the load cannot bend its middle. Two beams show half of it, four nearly all. For support stiffness,
+# use four cubic beams per leaf spring, or one spectral beam.
 #
-# Where the stress is at full stroke:
+# The stress at full stroke:
 
 # %%
 lin = fm.linearize(spectral, increment=1.0)
@@ -92,9 +90,9 @@ ax = fm.plot.stress(fm.stress(spectral, points=25, at=lin), lin)
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *Support stiffness and drive force.* The same guide, as two extensible elasticas between ground and a rigid body, was
-# solved by shooting to a tolerance of 10⁻¹², by a program that shares nothing with flexmb. In units of $EI/l^2$ for the
-# force and $EI/l^3$ for the stiffness, with $l/t = 200$ and the distance equal to the length:
+# *Support stiffness and drive force.* An independent program solved the same guide, as two extensible elasticas between
+# ground and a rigid body, by shooting to a tolerance of 10⁻¹². Forces are in units of $EI/l^2$ and stiffnesses in units
+# of $EI/l^3$, with $l/t = 200$ and the distance equal to the length:
 #
 # | stroke/l | drive force | support stiffness |
 # |---|---|---|

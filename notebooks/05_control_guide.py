@@ -1,11 +1,11 @@
 # %% [markdown]
 # # A state-space model and a controller
 #
-# **Question.** What does a controller make of the guide: where are the poles of the closed loop, and is the step
-# response of the linear model that of the mechanism?
+# **Question.** How does a controller change the guide: where are the poles of the closed loop, and does the linear
+# model predict the step response of the mechanism?
 #
-# flexmb hands the linearised mechanism to python-control, where controllers are designed, and takes the controller back
-# into the nonlinear simulation.
+# flexmb passes the linearised mechanism to python-control, where you design controllers. The nonlinear simulation then
+# includes the controller.
 
 # %%
 import control
@@ -22,9 +22,10 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The plant
 #
-# The guide of the first notebook. The voice coil pushes on C, a sensor measures B. Inputs and outputs are named in the
-# builder. The leaf springs are damped: at the 10.6 Hz of the guide with a ratio of 0.005, at other frequencies in
-# proportion. The simulation needs dampers of elements; for linear answers `fm.damped` gives each mode a ratio, below.
+# The guide of the first notebook. The voice coil pushes on C, a sensor measures B. The builder names inputs and
+# outputs. The leaf springs are damped, with a ratio of 0.005 at the 10.6 Hz of the guide and in proportion at other
+# frequencies. The simulation needs dampers of elements. For linear answers, `fm.damped` sets a ratio for each mode
+# (below).
 
 # %%
 length, width, thickness, apart, mass = 0.1, 0.018, 0.5e-3, 0.1, 0.206
@@ -60,9 +61,9 @@ figure = fm.plot.bode(plant, "position")
 # %% [markdown]
 # ## The controller
 #
-# With one degree of freedom the plant is $m\ddot q + d\dot q + kq = u$; `fm.linearize` has the three numbers. A
-# controller with a proportional and an integrating action on the error and a derivative action on the velocity can put
-# the three poles of the closed loop where one likes:
+# With one degree of freedom the plant is $m\ddot q + d\dot q + kq = u$; `fm.linearize` returns the three numbers. A
+# controller with proportional and integrating action on the error and derivative action on the velocity can place the
+# three poles of the closed loop anywhere:
 #
 # $$m s^3 + (d + k_d)s^2 + (k + k_p)s + k_i = m\,(s^2 + 2\zeta\omega s + \omega^2)(s + \omega) .$$
 
@@ -82,8 +83,8 @@ print("poles [rad/s]:", np.round(poles, 4))
 # %% [markdown]
 # ## The step response of the mechanism
 #
-# `fm.simulate` integrates the nonlinear equations of motion with the controller around them. The controller sees
-# reference − y: the wanted position less the measured one, and the velocity with a minus sign.
+# `fm.simulate` integrates the nonlinear equations of motion together with the controller. The input of the controller
+# is reference − y: the wanted minus the measured position, and minus the velocity.
 
 # %%
 times = np.linspace(0, 0.1, 101)
@@ -111,9 +112,9 @@ plt.show()
 # %% [markdown]
 # ## Do the neglected motions matter?
 #
-# The model has one degree of freedom because the leaf springs do not stretch. With their elongation released there are
-# three, and the controller must not excite the other two. In the straight position it cannot: the drive does no work on
-# them. The poles of the loop stay where they are, and the new ones are damped by the leaf springs alone.
+# The model has one degree of freedom because the leaf springs do not stretch. With released elongations it has three,
+# and the controller must not excite the other two. In the straight position it cannot, because the drive does no work
+# on them. The poles of the loop stay in place, and only the leaf springs damp the new ones.
 
 # %%
 full = fm.to_statespace(guide((1, 2, 3), "x", "y", "phi"))
@@ -126,9 +127,9 @@ print("fast ones [Hz]:", np.round(np.sort(np.abs(full_poles[np.abs(full_poles) >
 # ## Leaf springs as they are, and the few modes that matter
 #
 # A `leaf_spring` has shear, plate bending at its clamps and vibrations of its own: many modes, most of them far above
-# the loop. `fm.damped` gives all of them the damping ratio that one assumes or has measured. `bandwidth=` keeps the
-# modes up to a frequency, with the others as they are at rest, and measures how near that is to all modes. For all of
-# them python-control's `margin` fails; for those of the band it says how far the loop is from instability.
+# the loop. `fm.damped` sets an assumed or measured damping ratio for all of them. `bandwidth=` keeps the modes up to a
+# frequency, with the static response of the others, and reports the error against all modes. python-control's `margin`
+# fails for all modes; for the modes of the band it returns the distance of the loop from instability.
 
 # %%
 b = fm.Builder()
@@ -157,9 +158,9 @@ print(f"phase margin {phase_margin:.1f} degrees at {crossover / (2 * np.pi):.1f}
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# The damping ratio of the guide with that asked for. The margin with the response of all modes at the crossover. The
-# poles with those that the gains were computed for, and the simulated step with that of python-control. A step of 1
-# % of the length is so small that the mechanism is linear to about one in 10⁴.
+# The damping ratio of the guide is compared with the requested one, the margin with the response of all modes at the
+# crossover, the poles with the poles that the gains were computed for, and the simulated step with python-control's. A
+# step of 1 % of the length is so small that the mechanism is linear to about one in 10⁴.
 
 # %%
 natural = fm.poles(model)[0]

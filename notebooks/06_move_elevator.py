@@ -5,9 +5,9 @@
 # frequencies vary on the way?
 #
 # The appendix of the tutorial (WA 1239, 2012, A.3) shows a planar elevator: a pulley, two masses that hang from it on
-# belts, and a motor with a spring and a damper that stand for a PD controller. The stiffness of a belt is $EA$ over the
-# length that is free at the moment, so that the mechanism is not linear. The tutorial prints pictures of the answer and
-# no parameters; those of the shipped file are flexmb's own.
+# belts, and a motor. A spring and a damper represent the PD controller of the motor. The stiffness of a belt is $EA$
+# over its present free length, so the mechanism is nonlinear. The tutorial prints pictures of the answer and no
+# parameters; the parameters of the shipped file are flexmb's own.
 
 # %%
 import matplotlib.pyplot as plt
@@ -29,14 +29,14 @@ print("degrees of freedom:", model.q_labels)
 print(read.settings["TIMESTEP"], read.settings["ERROR"])
 
 # %% [markdown]
-# The pulley (nodes 1 and 2) carries the masses 3 and 5. Element 1 is the motor, 2 and 3 are the belts; the spoke 4 and
-# the line 5 change nothing and are there to be seen.
+# The pulley (nodes 1 and 2) carries the masses 3 and 5. Element 1 is the motor, 2 and 3 are the belts. The spoke 4 and
+# the line 5 only make the motion visible.
 #
 # ## The motion
 #
-# The pulley is released with a turn of 1 rad, as the line `STARTDE 1 1 1` in the file says. `fm.simulate` gives
-# coordinates, velocities and deformations at the times asked for; `motion.reaction` and its
-# kin answer by name, and energies follow by `motion.observe()`.
+# The pulley is released at an angle of 1 rad, as the line `STARTDE 1 1 1` in the file states. `fm.simulate` returns
+# coordinates, velocities and deformations at the requested times. `motion.reaction` and similar methods answer by
+# name, and `motion.observe()` returns energies.
 
 # %%
 times = np.linspace(0, 2.5, 251)
@@ -46,9 +46,9 @@ turn, left, right = (np.asarray(motion.deformation(element, 1)) for element in "
 # %% [markdown]
 # ## Natural frequencies along the motion
 #
-# `fm.motion.linearize_motion` gives the matrices of the linearised equations at every time. The tutorial looks at the
-# open loop, without the motor's spring of 12.5 N m/rad, which is therefore taken off the stiffness of the turn: one
-# free motion is left and two vibrations, whose frequencies change while belt is rolled on and off.
+# `fm.motion.linearize_motion` returns the matrices of the linearised equations at every time. The tutorial considers
+# the open loop, without the motor's spring of 12.5 N m/rad, so the code subtracts this stiffness. One free motion and
+# two vibrations remain, whose frequencies change as belt is rolled on and off.
 
 # %%
 lin = fm.motion.linearize_motion(motion)
@@ -61,8 +61,8 @@ for stiffness, mass in zip(np.asarray(lin.K), np.asarray(lin.M0), strict=True):
 hertz = np.array(hertz)
 
 # %% [markdown]
-# The three pictures of figure A.2: the turn comes to rest after one swing, the frequencies vary until it has, and the
-# belts vibrate on, since their own damping is small.
+# The three pictures of figure A.2: the rotation comes to rest after one swing, and the frequencies vary until then. The
+# belts continue to vibrate, since their own damping is small.
 
 # %%
 figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
@@ -89,9 +89,9 @@ ax = fm.plot.history(motion, ["3.y", "5.y"], ax=axes[1])
 # %% [markdown]
 # ## What the motion is compared with
 #
-# Three coordinates describe the elevator: the turn $\varphi$ and the elongations $e_1, e_2$ of the belts. Belt $i$ has
-# the free length $L_i = L \pm r\varphi$, its mass hangs at $L_i + e_i$, and the equations of Lagrange are written here
-# once more, by hand, and integrated by scipy.
+# Three coordinates describe the elevator: the rotation $\varphi$ and the elongations $e_1, e_2$ of the belts. Belt $i$
+# has the free length $L_i = L \pm r\varphi$, and its mass hangs at $L_i + e_i$. Here Lagrange's equations are written
+# by hand and integrated by scipy.
 
 # %%
 radius, free, weight, inertia, EA, EdA, motor, damper = 0.1, 0.2, 10.0, 0.3, 1000.0, 2.5, 12.5, 3.0

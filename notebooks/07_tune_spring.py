@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Tune a leaf spring
 #
-# **Question.** How thick must the leaf springs of a guide be for 20 Hz, which guide has the least mass if its
-# frequencies are limited, how many leaf springs of what should it have, and which mechanism has a wanted force?
+# **Question.** How thick must the leaf springs of a guide be for 20 Hz? Which guide with limited frequencies has the
+# least mass? How many leaf springs of which material should it have? Which mechanism has a wanted force?
 #
-# Both are questions for `fm.tune`: a function from named dimensions to a model, answers as functions of the model, and
-# what is wanted of the answers. Derivatives come from the model itself, so that a search takes few evaluations.
+# `fm.tune` answers all of them. It takes a function from named dimensions to a model, answers as functions of the
+# model, and targets for the answers. The model provides derivatives, so a search takes few evaluations.
 
 # %%
 import matplotlib.pyplot as plt
@@ -68,9 +68,9 @@ plt.show()
 # %% [markdown]
 # ## Several dimensions, limits
 #
-# Now the leaf springs may stretch too, so that there are frequencies besides that of the motion. The mass of the guide
-# is to be small; the motion shall have 8 Hz, and the first other mode, in which the leaf springs stretch, at least 1500
-# Hz. Thickness, length and width are free within bounds.
+# Now the leaf springs may stretch too, so that there are further frequencies. The mass of the guide shall be small. The
+# motion shall have 8 Hz, and the next mode, in which the leaf springs stretch, at least 1500 Hz. Thickness, length and
+# width are free within bounds.
 
 
 # %%
@@ -98,15 +98,16 @@ print(lightest)
 ax = fm.plot.mechanism(free(**lightest.dimensions))
 
 # %% [markdown]
-# The result says why the search ended and which bounds and limits it ran into. The two frequencies fix the ratio of
-# thickness to length, and the width; of the guides that remain the shortest is the lightest, so that the length goes to
-# its bound.
+# The result states why the search ended and which bounds and limits are active. The two frequencies determine the ratio
+# of thickness to length, and the width. Of the remaining guides the shortest is the lightest, so the length reaches its
+# bound.
 #
 # ## Leaf springs as they are, and their strength
 #
 # So far a leaf spring was a cubic beam, which has a closed form. Near its clamps a leaf spring is a plate, stiffer by
-# $1/(1-\nu^2)$, and may be 1 % thinner for the same frequency. `planar.leaf_spring` counts that. The material here is a
-# spring steel of the catalogue, which states its strength: `utilisation` is the part of it that a stroke of 5 mm uses.
+# $1/(1-\nu^2)$, and may be 1 % thinner for the same frequency. `planar.leaf_spring` includes this effect. The material
+# here is a spring steel of the catalogue with known strength: `utilisation` is the share of it that a stroke of 5 mm
+# uses.
 
 # %%
 spring_steel = fm.materials.stainless_17_7
@@ -130,10 +131,9 @@ print(f"a stroke of 5 mm uses {used:.1%} of the strength")
 # %% [markdown]
 # ## How many, and of what
 #
-# Numbers of leaf springs and materials have no derivative. As `choices` every combination is searched, and the best is
-# returned with a table of all. Here a guide shall have 8 Hz, and no more than a third of the strength may be used where
-# it moves by 5 mm; sheets have at least 0.15 mm. Which leaf springs are the lightest? The stress of a beam in sway is
-# $3Etd/l^2$.
+# Numbers of leaf springs and materials have no derivative. `choices` searches every combination and returns the best,
+# with a table of all. Here a guide shall have 8 Hz, and a stroke of 5 mm may use at most a third of the strength;
+# sheets are at least 0.15 mm thick. Which leaf springs are the lightest? The stress of a beam in sway is $3Etd/l^2$.
 
 # %%
 reach, share, thinnest_sheet = 5e-3, 1 / 3, 0.15e-3
@@ -173,11 +173,11 @@ print(chosen)
 # %% [markdown]
 # ## A whole curve as target
 #
-# Two bars that stand against each other snap through when they are pushed down: first the force rises, then it falls,
-# and it turns over where the bars lie flat. Which stiffness and which height have a given force along the stroke?
+# Two bars that lean against each other snap through when they are pushed down. The force first rises, then falls, and
+# changes sign where the bars lie flat. Which stiffness and which height give a wanted force along the stroke?
 #
-# The drive is prescribed with `increment=True`, as 1 m for each unit of the increment, so that increments are strokes
-# in metres. `fm.equilibria` has the states at all strokes in one compiled program, each begun from the one before it.
+# The drive is prescribed with `increment=True`, as 1 m per unit of the increment, so that increments are strokes in
+# metres. `fm.equilibria` computes the states at all strokes in one compiled program, each from the state before.
 
 # %%
 spring = 100.0  # N/m, between the drive and the bars
@@ -230,21 +230,21 @@ plt.show()
 # *The thickness for 20 Hz* is the root of the closed form $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)} = 20$ Hz with the moving
 # mass $M = m + \tfrac{26}{35}\rho wtl$.
 #
-# *Leaf springs as they are* have in sway $1/(1 - \nu^2(1 - (1 - 0.8\,w/l)^3))$ times that stiffness
-# (flexmb/THEORY.md, 13.9), and stretch by the order of $(t/l)^2$.
+# *Leaf springs as they are*: the stiffness in sway is larger by $1/(1 - \nu^2(1 - (1 - 0.8\,w/l)^3))$
+# (flexmb/THEORY.md, 13.9), and they stretch by the order of $(t/l)^2$.
 #
 # *The lightest guide.* Along the leaf springs the stage moves on $2EA/l$, with the same moving mass. So $\omega_1^2 =
-# 2Ewt^3/(l^3M)$ and $\omega_2^2 = 2Ewt/(lM)$, and with both frequencies reached, at $l = 50$ mm,
+# 2Ewt^3/(l^3M)$ and $\omega_2^2 = 2Ewt/(lM)$. If both frequencies are reached, at $l = 50$ mm,
 #
 # $$\frac tl = \frac{\omega_1}{\omega_2}, \qquad
 # w = \frac{m\,\omega_2^2}{2E\,t/l - \tfrac{26}{35}\rho\,t\,l\,\omega_2^2} .$$
 
 #
-# *How many, and of what.* With $n$ leaf springs $\omega^2 = nEwt^3/(l^3M)$, $M = m + \tfrac{13}{35}\mu$. With the
-# stress at its limit $t = s\,l^2$, $s = \sigma/(3Ed)$, so that $l^3 = \omega^2M/(nEws^3)$. Then
-# $\mu = n\rho wtl = \rho\omega^2M/(Es^2)$ whatever their number is, but for sheets that would be too thin.
+# *How many, and of what.* With $n$ leaf springs $\omega^2 = nEwt^3/(l^3M)$, $M = m + \tfrac{13}{35}\mu$. At the stress
+# limit $t = s\,l^2$, $s = \sigma/(3Ed)$, so that $l^3 = \omega^2M/(nEws^3)$. Then $\mu = n\rho wtl =
+# \rho\omega^2M/(Es^2)$ for any number of leaf springs, except where sheets would be too thin.
 #
-# *The force along the stroke* is that of bars of $EA = 10$ kN that are 1 m high.
+# *The force along the stroke* is the force of bars of $EA = 10$ kN that are 1 m high.
 
 # %%
 length, width = 0.1, 0.018

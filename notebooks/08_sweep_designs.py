@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Sweep, sensitivities and tolerances
 #
-# **Question.** Which dimension of a guide matters most, how well must it be made, what do twenty thousand designs look
-# like, and which of them are best?
+# **Question.** Which dimension of a guide matters most, how precisely must it be made, how do twenty thousand designs
+# compare, and which of them are best?
 
 # %%
 import matplotlib.pyplot as plt
@@ -17,8 +17,8 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## A function of named dimensions, answers as functions of the model
 #
-# The same two things serve all three questions. The load of 1 N on either end of the stage is there for the buckling
-# load, which is told as a multiple of it.
+# The same two things serve all questions. The load of 1 N on either end of the stage is for the buckling load, which is
+# a multiple of it.
 
 # %%
 E, rho = 210e9, 7850.0
@@ -48,26 +48,26 @@ answers = {
 }
 
 # %% [markdown]
-# `increment=True` makes the forces incremental loads: the frequency is that of the unloaded guide, and buckling asks by
-# what the increment may be multiplied.
+# `increment=True` makes the forces incremental loads: the frequency is that of the unloaded guide, and buckling returns
+# the factor of the increment.
 #
 # ## Sensitivities
 #
-# The table gives percent of an answer for one percent of a dimension, $\partial\ln a/\partial\ln p$. They are
-# derivatives of the model, not differences.
+# The table shows the change of an answer in percent per percent of a dimension, $\partial\ln a/\partial\ln p$. These
+# are derivatives of the model, not differences.
 
 # %%
 sensitivities = fm.sensitivities(guide, answers, design)
 print(sensitivities)
 
 # %% [markdown]
-# Thickness and length count most, with powers of three in the stiffness and so half as much in the frequency; the width
+# Thickness and length matter most, with powers of three in the stiffness and half of that in the frequency. The width
 # enters both answers at most in the first power.
 #
 # ## Tolerances
 #
-# Standard deviations of the dimensions give that of the answers, and the share of each dimension in it. `samples` adds
-# a Monte Carlo computation, to see whether the first order is enough.
+# Standard deviations of the dimensions determine those of the answers, and the share of each dimension. `samples` adds
+# a Monte Carlo computation, which shows whether the first order suffices.
 
 # %%
 deviations = {"thickness": 5e-6, "length": 20e-6, "width": 50e-6, "mass": 1e-3}
@@ -76,7 +76,7 @@ print(tolerances)
 print("sampled:", np.round(tolerances.sampled_deviations, 4))
 
 # %% [markdown]
-# Five micrometres of thickness make nearly all of it.
+# Five micrometres of thickness cause nearly all of it.
 
 # %%
 samples = tolerances.samples["frequency"]
@@ -94,8 +94,8 @@ plt.show()
 # %% [markdown]
 # ## A sweep
 #
-# 40 by 25 designs, compiled once. A design that fails does not stop the others: it has a code and its answers are NaN.
-# A result of a grid has the axes of the grid.
+# 40 by 25 designs, compiled once. A design that fails does not stop the others: it gets a code, and its answers are
+# NaN. The result of a grid has the axes of the grid.
 
 # %%
 axes = fm.design.grid(
@@ -122,9 +122,9 @@ plt.show()
 #
 # ## Twenty thousand designs, and the best of them
 #
-# A Latin hypercube covers all dimensions at once. Sorting out by hand would be tedious: a guide should be fast and its
-# leaf springs light, and buckle late. A design is on the *Pareto front* where no other one is better in all that.
-# `checkpoint="guides"` would keep every chunk of designs as it is computed, so that the sweep goes on after a kill, and
+# A Latin hypercube covers all dimensions at once. A guide should be fast, have light leaf springs, and buckle late. A
+# design is on the *Pareto front* if no other design is better in all three. `checkpoint="guides"` would save every
+# chunk of designs as it is computed, so that the sweep continues after an interruption.
 # `fm.design.Sweep.load("guides")` would read it.
 
 # %%
@@ -150,14 +150,14 @@ front = many.pareto(minimize="leaf_mass", maximize="frequency")
 print(front)
 
 # %% [markdown]
-# The front among all designs. So many are drawn as hexagons, dark where there are many.
+# The front among all designs. Many designs are drawn as hexagons, darker for more designs.
 
 # %%
 ax = fm.plot.sweep(front)
 plt.show()
 
 # %% [markdown]
-# All of the front are short; the light ones are narrow, and the heavy ones thick. Where they lie in a map of the mean
+# All designs of the front are short; light ones are narrow, heavy ones thick. Here they are on a map of the mean
 # frequency over two dimensions:
 
 # %%
@@ -167,9 +167,9 @@ plt.show()
 # %% [markdown]
 # ## Leaf springs as they are
 #
-# So far a leaf spring was a cubic beam, which has closed forms. As `planar.leaf_spring`, right beside solid elements,
-# the guide is 1.9 % faster: clamps keep its leaf springs flat, over a distance that goes with their width, so that a
-# percent of width makes more of the frequency. The answers to the questions stay: thickness and length count most.
+# So far a leaf spring was a cubic beam, which has closed forms. With `planar.leaf_spring`, which agrees with solid
+# elements, the guide is 1.9 % faster: clamps keep its leaf springs flat over a distance proportional to their width, so
+# the width has more effect on the frequency. The conclusion stays: thickness and length matter most.
 
 
 # %%
@@ -184,12 +184,11 @@ print(real)
 # ## What the numbers are compared with
 #
 # With the moving mass $M = m + \mu$, $\mu = \tfrac{26}{35}\rho wtl$, the frequency is
-# $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)}$. So its sensitivities are $\tfrac32 - \tfrac{\mu}{2M}$ by the thickness,
-# $-\tfrac32 - \tfrac{\mu}{2M}$ by the length, $\tfrac12 - \tfrac{\mu}{2M}$ by the width and $-\tfrac{m}{2M}$ by the
-# mass. One cubic beam buckles at $10EI/l^2$ (exactly it is $\pi^2EI/l^2$), with
-# the power 3 of the thickness, −2 of the length and 1 of the width. Leaf springs as they are have in sway
-# $1/(1 - \nu^2(1 - (1 - 0.8\,w/l)^3))$ times the stiffness (flexmb/THEORY.md, 13.9), from which their sensitivities
-# follow too.
+# $\frac{1}{2\pi}\sqrt{2Ewt^3/(l^3M)}$. Its sensitivities are $\tfrac32 - \tfrac{\mu}{2M}$ for the thickness, $-\tfrac32
+# - \tfrac{\mu}{2M}$ for the length, $\tfrac12 - \tfrac{\mu}{2M}$ for the width and $-\tfrac{m}{2M}$ for the mass. One
+# cubic beam buckles at $10EI/l^2$ (exactly $\pi^2EI/l^2$), with the power 3 of the thickness, −2 of the length and 1 of
+# the width. The stiffness of leaf springs in sway is larger by $1/(1 - \nu^2(1 - (1 - 0.8\,w/l)^3))$ (flexmb/THEORY.md,
+# 13.9), which also gives their sensitivities.
 
 # %%
 t, length, w, m = design.values()

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Write your own element
 #
-# **Question.** How does a notch hinge, which flexmb does not have, become an element, and is a guide on four of them as
-# stiff as it should be?
+# **Question.** How does a notch hinge, which flexmb does not have as an element, become one, and does a guide on four
+# of them have the right stiffness?
 #
 # A notch hinge is a block with two circular cuts that leave a thin neck. It bends at the neck and is stiff elsewhere. A
-# mechanism has many of them, and each needs one number that matters: the rotational stiffness of the neck.
+# mechanism has many of them, and one number of each matters: the rotational stiffness of the neck.
 
 # %%
 import warnings
@@ -22,14 +22,14 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The deformations
 #
-# An element is **one function** from the coordinates of its nodes to its deformations. Its signature says all there is
-# to know: positional parameters are the nodes, with their kind as annotation; `ref` holds the same coordinates in the
-# undeformed mechanism; keyword-only parameters are properties.
+# An element is **one function** from the coordinates of its nodes to its deformations. Its signature declares
+# everything: positional parameters are the nodes, annotated with their kinds; `ref` contains the same coordinates in
+# the undeformed mechanism; keyword-only parameters are properties.
 #
-# The hinge joins a body with a point p and a body with a point q. Its centre is in the middle between them. Three
-# deformations: the relative rotation, and the distance between where the one body and where the other body sees the
-# centre, along the hinge and across it. They must be zero in the undeformed mechanism and must not change when the
-# whole mechanism moves as a rigid body; that is why the distance is told in axes of body p.
+# The hinge joins a body with a point p and a body with a point q. Its centre is in the middle between them. It has
+# three deformations: the relative rotation, and the distance between the centre as seen by either body, along and
+# across the hinge. They must be zero in the undeformed mechanism, and must not change when the whole mechanism moves as
+# a rigid body. Therefore the distance is measured in axes of body p.
 
 
 # %%
@@ -50,14 +50,14 @@ def notch_hinge(p: fm.Point2, rot_p: fm.Angle, q: fm.Point2, rot_q: fm.Angle, *,
 # %% [markdown]
 # ## The stiffness
 #
-# A companion function with the same names gives the stiffness matrix between deformations and stress resultants. The
-# height of the hinge at the distance x from the neck is $h(x) = t + 2r - 2\sqrt{r^2 - x^2}$. As a beam of varying
-# height it has the compliances
+# A companion function with the same parameter names returns the stiffness matrix between deformations and stress
+# resultants. The height of the hinge at the distance x from the neck is $h(x) = t + 2r - 2\sqrt{r^2 - x^2}$. As a beam
+# of varying height it has the compliances
 #
 # $$\frac1{k_\varphi} = \int_{-r}^{r}\frac{12\,dx}{E\,b\,h^3}, \qquad \frac1{k_x} = \int_{-r}^{r}\frac{dx}{E\,b\,h} .$$
 #
-# With $x = r\sin\theta$ the integrands are smooth, and a Gauss rule will do. The third deformation, across the hinge,
-# gets no stiffness: it stays FIXED, since only 1 and 2 are `released`. Nothing is registered; all derivatives follow
+# With $x = r\sin\theta$ the integrands are smooth, and a Gauss rule suffices. The third deformation, across the hinge,
+# has no stiffness: it stays FIXED, since only 1 and 2 are `released`. Nothing is registered; all derivatives follow
 # from these two functions.
 
 # %%
@@ -84,8 +84,8 @@ print("properties:", list(notch.properties))
 # %% [markdown]
 # ## A guide on four notch hinges
 #
-# Two cranks of 60 mm carry a stage. Each crank is a rigid beam between two hinges. The new element goes into `b.add` as
-# any other, and its properties are dimensions that one can differentiate by.
+# Two cranks of 60 mm carry a stage. Each crank is a rigid beam between two hinges. `b.add` takes the new element like
+# any other, and answers are differentiable by its properties.
 
 # %%
 radius, neck, depth, E = 5e-3, 0.3e-3, 10e-3, 71e9
@@ -124,9 +124,10 @@ print(f"drive stiffness {drive:.3f} N/m; one percent of the neck makes {by_neck.
 # %% [markdown]
 # ## Is it an element?
 #
-# The commonest mistake is a deformation that changes in a rigid motion. `fm.check_element` tries that and what else
-# the analyses rely on, in states about several undeformed ones: it answers how nearly each law holds, or refuses the
-# element by what is wrong. Here is one whose distance is told in global axes instead of those of body p:
+# The commonest mistake is a deformation that changes in a rigid motion. `fm.check_element` tests this and everything
+# else that the analyses rely on, in states about several undeformed ones. It returns how accurately each law holds, or
+# raises an error that says what is wrong. Here is an element whose distance is measured in global axes instead of axes
+# of body p:
 
 # %%
 sizes = {"radius": radius, "neck": neck, "depth": depth, "E": E}
@@ -148,13 +149,13 @@ print(refused)
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *The neck.* For a thin neck only its neighbourhood bends, where $h \approx t + x^2/r$; then the integral has the
-# closed form of Paros and Weisbord, $k_\varphi = \frac{2Eb\,t^{5/2}}{9\pi\sqrt r}$, with an error of the order $t/r$.
+# *The neck.* Of a thin neck only the neighbourhood bends, where $h \approx t + x^2/r$. The integral then has the closed
+# form of Paros and Weisbord, $k_\varphi = \frac{2Eb\,t^{5/2}}{9\pi\sqrt r}$, with an error of the order $t/r$.
 #
-# *A finer model.* One hinge as 60 cubic beams, each with the height in its middle. Its end is turned by a moment.
+# *A finer model.* One hinge as 60 cubic beams, each with its height in the middle. A moment turns its end.
 #
-# *The guide.* When the stage moves by x, each of the four hinges turns by x over the length of the crank, so that the
-# drive stiffness is $4k_\varphi/l^2$.
+# *The guide.* When the stage moves by x, each of the four hinges turns by x over the length of the crank. So the drive
+# stiffness is $4k_\varphi/l^2$.
 
 # %%
 rotation, tension = (float(k) for k in stiffnesses(radius, neck, depth, E))

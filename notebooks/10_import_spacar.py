@@ -1,11 +1,11 @@
 # %% [markdown]
-# # Carry over a SPACAR or SPACAR Light model
+# # Import a SPACAR or SPACAR Light model
 #
 # **Question.** I have an input file of SPACAR, or a script of SPACAR Light. What must I change, and do I get the same
 # numbers?
 #
-# A `.dat` file is read as it is. A SPACAR Light script is MATLAB, so its lines are retyped in Python; names and meaning
-# stay. Both give an ordinary model, on which everything in flexmb works.
+# flexmb reads a `.dat` file without changes. A SPACAR Light script is MATLAB, so you retype its lines in Python; names
+# and meaning stay. Both return an ordinary model for every analysis of flexmb.
 
 # %%
 import tempfile
@@ -21,9 +21,9 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## An input file
 #
-# `fm.read_spacar` takes a path, or the text itself. Numbers may be arithmetic of parameters in braces, which makes a
-# design study of an old file. This is the planar guide of the tutorial (WA 1239, 2012, section 3.1) with its thickness
-# as parameter:
+# `fm.read_spacar` takes a path or the text itself. Numbers may be arithmetic expressions of parameters in braces, so
+# that an old file becomes a design study. This is the planar guide of the tutorial (WA 1239, 2012, section 3.1) with
+# its thickness as parameter:
 
 # %%
 text = """
@@ -67,8 +67,8 @@ print("frequency [Hz]:", fm.frequencies(model))
 ax = fm.plot.mechanism(model, names=True)
 
 # %% [markdown]
-# Nodes and elements have their numbers as names. Nothing is ignored in silence: drawing keywords are named in
-# `warnings`, and all mistakes are told at once, each with its line and keyword.
+# Nodes and elements have their numbers as names. Nothing is ignored silently: `warnings` names drawing keywords, and
+# one error lists all mistakes with line and keyword.
 
 # %%
 try:
@@ -77,8 +77,8 @@ except fm.SpacarError as error:
     print(error)
 
 # %% [markdown]
-# The builder can be added to before it is built, and written back as a file by `fm.write_spacar`. A model from a file
-# is as good as one from Python, derivatives included:
+# You can add to the builder before you build it, and write it as a file by `fm.write_spacar`. A model from a file has
+# the same features as one from Python, including derivatives:
 
 # %%
 sensitivities = fm.sensitivities(from_file, {"frequency": lambda model: fm.frequencies(model)[0]}, {"t": 0.5e-3})
@@ -91,9 +91,9 @@ print(*written.splitlines()[:6], "...", sep="\n")
 # %% [markdown]
 # ## A SPACAR Light script
 #
-# In MATLAB one writes `nprops(1).fix = true; eprops(1).elems = [1 3];`. In Python the lines are the same but for
-# `True`, commas and `fm.spacar.StructArray`. A guide in space with two beams a leaf spring is first moved to −5 mm
-# (initial load), then to +5 mm (increment):
+# In MATLAB one writes `nprops(1).fix = true; eprops(1).elems = [1 3];`. In Python the lines differ only by `True`,
+# commas and `fm.spacar.StructArray`. A guide in space with two beams per leaf spring first moves to −5 mm (initial
+# load), then to +5 mm (increment):
 
 # %%
 nodes = [[0, 0, 0], [0, 0.1, 0], [0.05, 0.1, 0], [0.05, 0, 0]]
@@ -116,7 +116,7 @@ out = fm.spacar.spacar_light(nodes, elements, nprops, eprops, opt)
 ax = fm.plot.mechanism(out.model, at=out.linearizations[-1])
 
 # %% [markdown]
-# The results have the names of SPACAR Light. Since the drive holds x, the frequencies are those of the other motions.
+# The results have the names of SPACAR Light. Since the drive holds x, the frequencies belong to the other motions.
 
 # %%
 position = np.array([float(out.step(i + 1).node(3).p[0]) for i in range(out.load_factors.shape[1])])
@@ -125,10 +125,10 @@ for x, stiffness, hertz in zip(position - 0.05, support, out.freq[0], strict=Tru
     print(f"stroke {1e3 * x:6.2f} mm: support stiffness {stiffness * 1e-6:7.3f} N/μm, first frequency {hertz:7.2f} Hz")
 
 # %% [markdown]
-# ## From there on it is an ordinary model
+# ## An ordinary model
 #
-# `fm.spacar.spacar_light_model` takes the same arguments and gives the model alone. Here the drive is left out of the
-# script, so that the guide is free to move, and the drive stiffness is asked for.
+# `fm.spacar.spacar_light_model` takes the same arguments and returns the model alone. Here the script has no drive, so
+# the guide is free to move, and the code computes the drive stiffness.
 
 # %%
 undriven = fm.spacar.StructArray()
@@ -141,9 +141,9 @@ print(f"drive stiffness {drive:.3f} N/m; frequencies {np.round(fm.frequencies(fr
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *The file.* The tutorial prints 10.6448 Hz. *The script.* In the middle of its stroke the guide carries a load by the
-# tension of two leaf springs. The load on node 3 is above one of them, so that the stiffness there is $EA/l$ of that
-# leaf spring. The drive stiffness of two leaf springs that are clamped at both ends is $24EI/l^3$.
+# *The file.* The tutorial prints 10.6448 Hz. *The script.* In the middle of its stroke the guide carries a load by
+# tension of two leaf springs. The load on node 3 is above one of them, so the stiffness there is $EA/l$ of this leaf
+# spring. The drive stiffness of two leaf springs clamped at both ends is $24EI/l^3$.
 
 # %%
 nearest = int(np.argmin(np.abs(position - 0.05)))

@@ -4,10 +4,10 @@
 # **Question.** What is the largest support stiffness that a guide can keep at a stroke of ±10 mm, for a given drive
 # stiffness, fatigue limit and parasitic frequency?
 #
-# A leaf spring that is bent gives way to loads along its length, since they bend it further (notebook 04). Where its
-# middle is reinforced, only the short ends bend, and the loss is smaller. But a reinforced leaf spring is stiffer to
-# drive, its ends are stressed more, and its middle is a mass that vibrates between them. So length, thickness, width
-# and the share that is reinforced must be chosen together.
+# A bent leaf spring is soft against loads along its length, since they bend it further (notebook 04). If its middle is
+# reinforced, only the short ends bend, and the loss is smaller. But a reinforced leaf spring is stiffer to drive, its
+# ends have more stress, and its middle is a mass that vibrates between them. So length, thickness, width and the
+# reinforced share must be chosen together.
 
 # %%
 import jax.numpy as jnp
@@ -23,14 +23,14 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The model
 #
-# Two leaf springs 100 mm apart carry a stage of 0.5 kg. Each leaf spring is three elements: a flexible end, the middle
-# with plates on it, 3 mm thick in all, and a flexible end, all of hard spring steel. The ends are leaf springs, the
-# middle is one cubic beam. The stroke of S, the middle of the stage, is prescribed. The model is planar: it knows the
-# motions and stresses in the plane of the guide.
+# Two leaf springs 100 mm apart carry a stage of 0.5 kg. Each leaf spring consists of three elements of hard spring
+# steel: a flexible end, the middle with plates on it, 3 mm thick in all, and another flexible end. The ends are leaf
+# springs, the middle is one cubic beam. The stroke of S, the middle of the stage, is prescribed. The model is planar:
+# it has the motions and stresses in the plane of the guide.
 #
-# The flexible ends are wide beside their length, and clamped on both sides: by what they stand on, and by the plates,
-# which are more than three times as thick. There a leaf spring bends as a plate, a tenth stiffer than a beam.
-# `planar.leaf_spring` finds that by itself; beams take its place where they are compared.
+# The flexible ends are wide compared with their length, and clamped on both sides: by the base or stage, and by the
+# plates, which are more than three times as thick. There a leaf spring bends as a plate, a tenth stiffer than a beam.
+# `planar.leaf_spring` detects these clamps; beams replace it for comparison.
 
 # %%
 steel = fm.materials.stainless_301
@@ -64,9 +64,9 @@ ax = fm.plot.stress(fm.stress(shown.model, at=shown), shown)
 # %% [markdown]
 # ## Answers
 #
-# All of them at the full stroke. The function that is tuned returns the linearisation there. The drive holds the
-# stroke, so that the lowest frequency about this state is that of the first parasitic motion. The guide moves to both
-# sides, and often: its largest von Mises stress is taken over the fatigue limit that the material states.
+# All answers belong to the full stroke: the tuned function returns the linearisation there. The drive holds the stroke,
+# so the lowest frequency about this state is the frequency of the first parasitic motion. The guide moves to both
+# sides, and often, so its largest von Mises stress is divided by the fatigue limit of the material.
 
 
 # %%
@@ -102,9 +102,9 @@ print({name: f"{value:.4g}" for name, value in before.items()})
 # ## The search
 #
 # Drive stiffness 1000 N/m, stress at most half of the fatigue limit, first parasitic frequency at full stroke at least
-# 200 Hz. Once with leaf springs, and once with plain spectral beams in their place. The start
-# fills the space that there is and has about the wanted drive stiffness, with half of each leaf spring reinforced. A
-# violation of a thousandth is none (`tolerance`), which is closer than such things are made.
+# 200 Hz; once with leaf springs, and once with plain spectral beams. The start fills the available space and has about
+# the wanted drive stiffness, with half of each leaf spring reinforced. Violations below a thousandth are allowed
+# (`tolerance`); manufacturing is less precise.
 
 # %%
 asked = {
@@ -124,9 +124,9 @@ of_beams = fm.tune(beams_at_stroke, answers, start, **asked)
 print(found)
 
 # %% [markdown]
-# ## What beams would have said
+# ## The design by beams
 #
-# The design of a search with beams, and what it really is:
+# The design of a search with beams, evaluated with leaf springs:
 
 # %%
 really = at_stroke(**of_beams.dimensions)
@@ -143,11 +143,11 @@ for label, (dimensions, values) in rows.items():
     )
 
 # %% [markdown]
-# It is 8 % too stiff to drive, and stressed too much. Whoever keeps both limits with leaf springs as they are
-# reinforces less of them, and gets a smaller support stiffness than beams promise.
+# It is 8 % too stiff to drive, and has too much stress. A design that keeps both limits with leaf springs is reinforced
+# less, and its support stiffness is smaller than beams predict.
 #
-# Length and width stay at their bounds, the space there is. Thinner leaf springs, reinforced over more of their length,
-# carry at their ends the stress they may. What is won over the stroke, and where the stress is:
+# Length and width stay at their bounds, the available space. Thinner leaf springs, reinforced over more of their
+# length, have the allowed stress at their ends. The gain over the stroke, and the place of the stress:
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
@@ -166,9 +166,9 @@ ax = fm.plot.stress(fm.stress(lin.model, points=9, at=lin), lin, ax=axes[1])
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *A finer model* of the found design: every flexible end a leaf spring of order 5 instead of 3. And for the drive
-# stiffness a closed form of small strokes: a leaf spring whose middle is rigid over a share $p$ of its length has
-# $12EI/(l^3(1-p^3))$. Its ends are shorter than $0.8\,w$, so that they are plates all over, with $EI/(1-\nu^2)$.
+# *A finer model* of the optimal design has leaf springs of order 5 instead of 3 at every flexible end. The drive
+# stiffness has a closed form for small strokes: a leaf spring whose middle is rigid over a share $p$ of its length has
+# $12EI/(l^3(1-p^3))$. Its ends are shorter than $0.8\,w$, so they are plates everywhere, with $EI/(1-\nu^2)$.
 
 # %%
 fine = fm.linearize(guide(**found.dimensions, element=planar.leaf_spring(5)))

@@ -26,9 +26,9 @@ rotation = np.radians(10)
 # %% [markdown]
 # ## The model
 #
-# The node `pivot` belongs to the moving body and starts where the leaf springs cross. Its rotation is prescribed; how
-# far the point moves is the shift of the centre. One `leaf_spring` a leaf spring, which is right beside solid elements
-# (at the end, and notebook [18](18_check_beam.ipynb)). Beams take its place where they are compared.
+# The node `pivot` belongs to the moving body and starts where the leaf springs cross. Its rotation is prescribed, and
+# its displacement is the shift of the centre. Each leaf spring is one `leaf_spring`, which agrees with solid elements
+# (see the end, and notebook [18](18_check_beam.ipynb)). Beams replace it for comparison.
 
 
 # %%
@@ -55,10 +55,10 @@ ax.locator_params(axis="x", nbins=5)
 # %% [markdown]
 # ## Answers
 #
-# All of them belong to one state, the equilibrium at 10°. So the function that `fm.tune` varies does not return the
-# model but its linearisation there, and the answers are read from that. The radial stiffness is the smaller of the two
-# along x and y; `fm.linear.smooth_minimum` has a derivative where they are equal. A pivot turns to both sides, and
-# often: its largest von Mises stress is taken over the fatigue limit that the material states.
+# All answers belong to one state, the equilibrium at 10°. So the function that `fm.tune` varies returns not the model
+# but its linearisation there. The radial stiffness is the smaller stiffness along x or y; `fm.linear.smooth_minimum`
+# has a derivative where both are equal. A pivot turns to both sides, and often, so its largest von Mises stress is
+# divided by the fatigue limit of the material.
 
 
 # %%
@@ -89,9 +89,9 @@ print({name: f"{value:.4g}" for name, value in before.items()})
 # %% [markdown]
 # ## A look at all designs
 #
-# Two dimensions can be drawn. The shift (colours, logarithmic) is small in a valley near a ratio of 0.14; the stress
+# Two dimensions can be drawn. The shift (colours, logarithmic) is small in a valley near a ratio of 0.14. The stress
 # over the fatigue limit (solid) grows towards it, since the leaf springs then bend into an S. The radial stiffness
-# (dashed) wants an angle near 45°.
+# (dashed) requires an angle near 45°.
 
 # %%
 designs = fm.design.grid(ratio=np.linspace(0.08, 0.5, 15), half=np.radians(np.linspace(20, 70, 11)))
@@ -114,8 +114,8 @@ plt.show()
 # %% [markdown]
 # ## The search
 #
-# Stress at most half of the fatigue limit, radial stiffness at 10° at least 0.4 N/μm. Once with leaf springs, and once
-# with plain spectral beams in their place.
+# Stress at most half of the fatigue limit, radial stiffness at 10° at least 0.4 N/μm; once with leaf springs, and once
+# with plain spectral beams.
 
 # %%
 asked = {
@@ -130,10 +130,10 @@ of_beams = fm.tune(turned_beams, answers, start, **asked)
 print(found)
 
 # %% [markdown]
-# ## What beams would have said
+# ## The design by beams
 #
-# Near its clamps a leaf spring is a plate and no beam: it is stiffer there, and stressed more. So the design that a
-# search with beams finds exceeds the limit of the stress, and the best one that keeps it shifts more than beams say.
+# Near its clamps a leaf spring is a plate, not a beam: it is stiffer there, and has more stress. So the design that a
+# search with beams finds exceeds the stress limit, and the best design within the limit shifts more than beams predict.
 
 # %%
 really = turned(**of_beams.dimensions)
@@ -150,8 +150,8 @@ for label, (dimensions, values) in rows.items():
     )
 
 # %% [markdown]
-# Both limits are reached: the stress says how far the crossing may go towards the base, the radial stiffness how narrow
-# the cross may be. The better design at 10°, and the shift over the whole stroke:
+# Both limits are reached: the stress limits how far the crossing may move towards the base, the radial stiffness limits
+# how narrow the cross may be. The better design at 10°, and its shift over the whole stroke:
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
@@ -169,14 +169,14 @@ ax = fm.plot.stress(fm.stress(lin.model, at=lin, points=25), lin, ax=axes[0])
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *Solid elements*: the moment at 10° of a cross pivot of steel, whose leaf springs of 100 × 18 × 0.5 mm cross in the
-# middle at a right angle, is 0.140397 N m (CalculiX, from `benchmarks/results/solid.json`). The same function, with
-# those sizes, must give it within the 0.3 % that solid meshes differ by.
+# *Solid elements*: a cross pivot of steel, with leaf springs of 100 × 18 × 0.5 mm that cross in the middle at a right
+# angle, needs the moment 0.140397 N m at 10° (CalculiX, from `benchmarks/results/solid.json`). The same function with
+# these sizes must return it within 0.3 %, the difference of solid meshes.
 #
-# *Beams at the start.* The same pivot of two inextensible elasticas was solved by shooting, by a program that shares
-# nothing with flexmb: at 10° the shift is $3.579963\cdot10^{-3}\,l$ and the moment $2.01010020\,\varphi\,EI/l$.
+# *Beams at the start.* An independent program solved the same pivot of two inextensible elasticas by shooting: at 10°
+# the shift is $3.579963\cdot10^{-3}\,l$ and the moment $2.01010020\,\varphi\,EI/l$.
 #
-# *The found design.* A finer model: two leaf springs of order 7, end to end, in place of each.
+# *The optimal design.* A finer model has two leaf springs of order 7, end to end, in place of each.
 
 
 # %%

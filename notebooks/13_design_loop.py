@@ -1,21 +1,21 @@
 # %% [markdown]
 # # Design study: a controller and a leaf spring tuned together
 #
-# **Question.** How much faster does a guide settle if the thickness of its leaf springs is chosen together with the
-# gains of the controller, and not before?
+# **Question.** How much faster does a guide settle if the thickness of its leaf springs is tuned together with the
+# gains of the controller?
 #
-# The guide of the first notebook is driven by a voice coil. Sensor, computing and amplifier together lag behind by
-# $1/(1+\tau s)^2$ with $\tau = 2$ ms. A controller answers with this lag; a leaf spring answers at once. So the leaf
-# spring is a part of the controller that has no lag, and it is not evident that a thin one is best.
+# A voice coil drives the guide of the first notebook. Sensor, computer and amplifier together have a lag of $1/(1+\tau
+# s)^2$ with $\tau = 2$ ms. A controller reacts with this lag; a leaf spring reacts at once. So the leaf spring is a
+# part of the controller without lag, and a thin one need not be best.
 #
 # **What is measured.** The spectral abscissa of the closed loop, the real part of its slowest pole, has no derivative
-# where poles meet, and there the optimum often is. Taken is the **mean decay rate over a time T**,
+# where poles meet, and the optimum is often there. Instead, the objective is the **mean decay rate over a time T**,
 #
 # $$\alpha_T = -\frac1T \ln \tfrac12\lVert W e^{A T} W^{-1}\rVert_F ,$$
 #
-# of the closed-loop matrix A, with a fixed scaling W of the states. It tells by how much every initial state has
-# decayed after T, it is smooth everywhere, also for an unstable loop, and it tends to the spectral abscissa as T grows.
-# Here T = 50 ms. Poles and settling times are told besides.
+# of the closed-loop matrix A, with a fixed scaling W of the states. It measures how far every initial state has decayed
+# after T. It is smooth everywhere, also for an unstable loop, and tends to the spectral abscissa as T grows. Here
+# T = 50 ms. Poles and settling times are shown as well.
 
 # %%
 import control
@@ -69,13 +69,12 @@ def guide(thickness, *, element=planar.beam, released=(2, 3), dofs=("x",), start
 # %% [markdown]
 # ## Closed loop
 #
-# The controller is a proportional gain $k_p$ and a derivative gain $k_d$ with the lag. The loop shall hold the stage
-# against a constant force with 5 N/mm: the stiffness of the leaf springs and the proportional gain together. So $k_p$
-# follows from the thickness, and may be negative where the leaf springs alone are stiffer.
+# The controller has a proportional gain $k_p$, a derivative gain $k_d$ and the lag. The loop shall hold the stage
+# against a constant force with 5 N/mm, the sum of the stiffness of the leaf springs and the proportional gain. So $k_p$
+# follows from the thickness, and is negative if the leaf springs alone are stiffer.
 #
-# `fm.control.state_matrices` gives A, B, C, D of the mechanism as JAX arrays, so that the closed loop is a
-# differentiable function of the thickness and of the gain. The function that is tuned may return whatever the answers
-# need.
+# `fm.control.state_matrices` returns A, B, C, D of the mechanism as JAX arrays, so that the closed loop is a
+# differentiable function of thickness and gain. The tuned function may return whatever the answers need.
 
 # %%
 tau, horizon, held = 2e-3, 50e-3, 5e3  # s, s, N/m
@@ -128,9 +127,9 @@ answers = {
 # %% [markdown]
 # ## The search
 #
-# Decay as fast as possible. Holding the full stroke of 2 mm may take 30 N from the voice coil, which limits the
-# stiffness of the leaf springs, and they may use a third of their strength. First the gain alone is tuned, for leaf
-# springs of 0.5 mm; then both.
+# The objective is the fastest decay. To hold the full stroke of 2 mm the voice coil may need 30 N, which limits the
+# stiffness of the leaf springs, and the stroke may use a third of their strength. First the gain alone is tuned, for
+# leaf springs of 0.5 mm; then both.
 
 # %%
 start = {"thickness": 0.5e-3, "kd": 60.0}
@@ -157,7 +156,7 @@ together = fm.tune(
 print(together)
 
 # %% [markdown]
-# The force limit is reached: the leaf springs take as much of the stiffness as they may, and the gains become small.
+# The force limit is reached: the leaf springs provide as much of the stiffness as allowed, and the gains become small.
 # The poles of both loops:
 
 # %%
@@ -176,14 +175,14 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# No loop of this kind can be faster than the dotted line. The sum of its four poles is $-2/\tau$ but for the small
-# damping of the leaf springs, whatever the gains and the stiffness; so the slowest of them cannot lie to the left of
+# No loop of this kind can be faster than the dotted line. The sum of its four poles is $-2/\tau$, except for the small
+# damping of the leaf springs, for any gains and stiffness. So the slowest of them cannot lie to the left of
 # $-1/(2\tau)$.
 #
 # ## Settling of the mechanism
 #
-# The nonlinear mechanism under both controllers, released half a millimetre aside. The settling time is that after
-# which it stays within 2 % of the release.
+# Both controllers act on the nonlinear mechanism, released half a millimetre aside. After the settling time it stays
+# within 2 % of the release.
 
 # %%
 times, release = np.linspace(0, 0.12, 241), 0.5e-3
@@ -205,19 +204,19 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# It settles sooner, and swings farther to the other side before: the measure asks for decay and nothing else. Whoever
-# minds the overshoot asks for it in one more limit.
+# It settles sooner, but swings farther to the other side before: the objective contains only decay. To limit the
+# overshoot, add a limit.
 #
 # ## What the numbers are compared with
 #
-# *Leaf springs as they are.* One `leaf_spring` each, right beside solid elements. It stretches and vibrates too, so
-# that the loop has many more poles, and near its clamps it is stiffer than a beam. So the leaf springs that were found
-# take more than 30 N to hold, and thinner ones do what is wanted; the stiffness goes with the third power of the
+# *Leaf springs as they are.* Each is one `leaf_spring`, which agrees with solid elements. It stretches and vibrates
+# too, so that the loop has many more poles, and near its clamps it is stiffer than a beam. So the tuned leaf springs
+# need more than 30 N, and thinner ones meet the limit; the stiffness is proportional to the third power of the
 # thickness.
 #
-# With these the slow poles must be those of the simple model, and the fast ones must be stable. The fast ones are
-# vibrations of the leaf springs themselves, above 500 Hz, which their own damping of half a percent lets decay; the
-# controller hardly reaches them, and the stage hardly moves in them.
+# With these leaf springs the slow poles must equal those of the simple model, and the fast ones must be stable. The
+# fast poles are vibrations of the leaf springs themselves, above 500 Hz, which decay by their own damping of half a
+# percent. The controller hardly affects them, and the stage hardly moves in them.
 
 
 # %%

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Buckling of a guide, and what comes after it
 #
-# **Question.** At which load does a guide of two leaf springs give way, and where does it go then?
+# **Question.** At which load does a guide of two leaf springs buckle, and where does it move then?
 #
-# A slender part that is pressed along its length stays straight up to a certain load. Beyond it the straight state is
-# still an equilibrium, but an unstable one: the part sways to one side. For a mechanism of leaf springs that is often
-# no failure, since it springs back, but its stiffness is gone.
+# A slender part under pressure along its length stays straight up to a certain load. Beyond it the straight state is
+# still an equilibrium, but unstable: the part sways to one side. For a mechanism of leaf springs this is often no
+# failure, since it springs back, but its stiffness is lost.
 
 # %%
 import matplotlib.pyplot as plt
@@ -22,7 +22,7 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The model
 #
-# Two leaf springs of 100 × 18 × 0.5 mm, 100 mm apart, and a rigid stage that a second guide behind it keeps from
+# Two leaf springs of 100 × 18 × 0.5 mm, 100 mm apart, and a rigid stage. A second guide behind it keeps the stage from
 # rotating. Each leaf spring is one **spectral beam**, whose elongation and curvature are polynomials of five
 # coefficients. S is the middle of the stage, where a load presses it down.
 
@@ -50,8 +50,8 @@ def guide(load):
 # %% [markdown]
 # ## The buckling load
 #
-# `fm.buckling` gives the multiple of the load at which the straight state loses its stability. Each leaf spring is a
-# column clamped at its foot and guided at its top, so that it buckles at $\pi^2EI/l^2$, and the guide at twice that.
+# `fm.buckling` returns the multiple of the load at which the straight state loses its stability. Each leaf spring is a
+# column clamped at its foot and guided at its top. It buckles at $\pi^2EI/l^2$, and the guide at twice this load.
 
 # %%
 buckling = fm.buckling(guide(1.0))
@@ -60,8 +60,8 @@ print(f"buckling load {buckling.multipliers[0]:.4f} N, two guided columns {criti
 # %% [markdown]
 # ## Past buckling
 #
-# `fm.path` follows the equilibrium over the load. It names the point where the straight state branches. With `switch=1`
-# it goes on along the branch, where the guide sways to one side and can carry more.
+# `fm.path` follows the equilibrium over the load, and names the point where the straight state branches. With
+# `switch=1` it continues along the branch, where the guide sways to one side and can carry more.
 
 # %%
 load = 1.2 * critical
@@ -80,9 +80,9 @@ ax = fm.plot.mechanism(buckled, ax=axes[1])
 # ## What the numbers are compared with
 #
 # A guided column of length $l$ is two cantilevers of length $l/2$, joined where the curvature changes its sign. For a
-# cantilever whose tip has turned by $\alpha$ the elastica gives, with $k = \sin(\alpha/2)$ and the complete elliptic
-# integrals $K$ and $E$ of modulus $k$, the load $P/P_{cr} = (2K/\pi)^2$, the deflection $2k/K$ and the height
-# $2E/K - 1$ over the length.
+# cantilever whose tip has turned by $\alpha$, let $k = \sin(\alpha/2)$, and $K$ and $E$ the complete elliptic integrals
+# of modulus $k$. The elastica has the load $P/P_{cr} = (2K/\pi)^2$, the deflection $2k/K$ and the height $2E/K - 1$
+# over the length.
 
 # %%
 modulus = brentq(lambda k: (2 * ellipk(k**2) / np.pi) ** 2 - load / critical, 1e-6, 0.99)

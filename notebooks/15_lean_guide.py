@@ -4,8 +4,8 @@
 # **Question.** How many degrees of freedom does a model of a guide need, for a controller that acts up to 100 Hz, and
 # for one that acts up to 200 Hz?
 #
-# A fine model of a guide has tens of degrees of freedom, and most of them answer nothing that is asked. An expert fixes
-# deformations that do not matter and says why. `fm.lean` does the same with a bound on what it costs.
+# A fine model of a guide has tens of degrees of freedom, and most of them do not matter for a question. An expert fixes
+# deformations that do not matter and gives reasons. `fm.lean` does the same, with a bound on the error.
 
 # %%
 import matplotlib.pyplot as plt
@@ -20,9 +20,9 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The fine model
 #
-# The guide of the tutorial (WA 1239, 2012, section 4.2) with all deformations free: two leaf springs, of which one is
-# cut partly, so that it bends sideways too and the guide is exactly constrained. Two beams make the whole leaf spring,
-# three the cut one.
+# The guide of the tutorial (WA 1239, 2012, section 4.2) with all deformations free. It has two leaf springs. One is
+# partly cut, so that it bends sideways too and the guide is exactly constrained. The whole leaf spring consists of two
+# beams, the cut one of three.
 
 # %%
 fine = fm.read_spacar(mechanism_path("pf3d19dof")).builder.build()
@@ -32,19 +32,19 @@ print(f"{fine.topology.n_q} degrees of freedom; frequencies [Hz]:", np.round(fm.
 # %% [markdown]
 # ## Up to 100 Hz
 #
-# `fm.lean` is given the frequencies that matter and the error that is allowed. What it returns prints what was left
-# out, and an estimate of what that costs in frequencies, stiffness and frequency responses.
+# `fm.lean` takes the frequencies that matter and the allowed error. Its result prints what it left out, and an estimate
+# of the error in frequencies, stiffness and frequency responses.
 
 # %%
 slow = fm.lean(fine, bandwidth=100.0, tolerance=0.01)
 print(slow)
 
 # %% [markdown]
-# One degree of freedom, as in section 4.1 of the tutorial. It is an ordinary model, for every analysis.
+# One degree of freedom, as in section 4.1 of the tutorial. The result is an ordinary model for every analysis.
 #
 # ## Up to 200 Hz
 #
-# Now the cut leaf spring vibrates within the band, at 148.6 Hz.
+# In this band the cut leaf spring vibrates, at 148.6 Hz.
 
 # %%
 fast = fm.lean(fine, bandwidth=200.0, tolerance=0.01)
@@ -71,13 +71,13 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# Here all three agree, since the drive hardly excites the vibration of the cut leaf spring; `fm.lean` keeps it because
-# it lies in the band, where a shaking ground or a sensor elsewhere may see it.
+# Here all three agree, since the drive hardly excites the vibration of the cut leaf spring. `fm.lean` keeps it because
+# it lies in the band, where a shaking ground or a sensor elsewhere may excite or see it.
 #
-# ## And when a model is too lean
+# ## A model that is too lean
 #
-# `fm.design.too_lean` looks for what a model leaves out of a question: here the inner vibrations of leaf springs that
-# are one beam each.
+# `fm.design.too_lean` finds what a model lacks for a question: here the inner vibrations of leaf springs that are one
+# beam each.
 
 # %%
 coarse = fm.read_spacar(mechanism_path("pf3d")).builder.build()
@@ -87,8 +87,8 @@ for reason in fm.design.too_lean(coarse, bandwidth=200.0):
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# The tutorial's own frequencies: 10.647 Hz for the guide, and 148.57 Hz for the vibration of the cut leaf spring; one
-# and two degrees of freedom, as an expert would take.
+# The tutorial's own frequencies are 10.647 Hz for the guide, and 148.57 Hz for the vibration of the cut leaf spring. An
+# expert would take one and two degrees of freedom.
 
 # %%
 printed = np.array([10.6469, 148.568])

@@ -1,12 +1,11 @@
 # %% [markdown]
 # # Warm mechanism
 #
-# **Question.** What does a guide of two leaf springs do where it gets warm: where does it move, what stress is left in
-# it, and when does a leaf spring buckle?
+# **Question.** How does a guide of two leaf springs react to heat: where does it move, which stress remains, and when
+# does a leaf spring buckle?
 #
-# A material grows by $\alpha$ for each kelvin. In a mechanism that is exactly constrained this makes motion and no
-# stress; where something is held twice it makes stress, and in a slender part that is held at both ends it makes
-# buckling.
+# A material expands by $\alpha$ per kelvin. In an exactly constrained mechanism this causes motion without stress. An
+# over-constrained one gets stress, and a slender part that is held at both ends buckles.
 
 # %%
 import jax
@@ -22,9 +21,9 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## One leaf spring is warmer
 #
-# Two leaf springs of 100 × 18 × 0.5 mm stand 100 mm apart and carry a rigid stage. The material states how it expands.
-# `b.temperature(element, change)` warms one element; `gradient=` makes one side of it warmer than the other, in kelvins
-# per metre of its thickness.
+# Two leaf springs of 100 × 18 × 0.5 mm stand 100 mm apart and carry a rigid stage. The material has a coefficient of
+# expansion. `b.temperature(element, change)` warms one element; `gradient=` makes one side of it warmer than the other,
+# in kelvins per metre of its thickness.
 
 # %%
 length, width, thickness, apart, alpha = 0.1, 0.018, 0.5e-3, 0.1, 11.5e-6
@@ -58,8 +57,7 @@ print(f"tilt of the stage: {1e6 * per_kelvin:.3f} urad for each kelvin, {1e6 * t
 print(f"alpha * length / distance of the feet: {1e6 * alpha * length / apart:.3f} urad")
 
 # %% [markdown]
-# Rigid parts expand too. A warm stage spreads the tops of its leaf springs, which bend and let it, and stays where it
-# is.
+# Rigid parts expand too. A warm stage spreads the tops of its leaf springs, which bend, and stays in place.
 
 # %%
 wide = fm.equilibrium(guide(stage=20.0))
@@ -71,8 +69,8 @@ print(
 # %% [markdown]
 # ## One side is warmer
 #
-# 1 K between the two faces of a leaf spring of half a millimetre is a gradient of 2000 K/m. The leaf spring becomes an
-# arc, away from the warmer face, without any stress.
+# A difference of 1 K between the two faces of a leaf spring of half a millimetre is a gradient of 2000 K/m. The leaf
+# spring becomes an arc, away from the warmer face, without stress.
 
 # %%
 b = fm.Builder()
@@ -85,13 +83,12 @@ arc = fm.equilibrium(b.build())
 print(f"tip {1e6 * float(arc.at('tip')[1]):.1f} um, largest stress resultant {np.max(np.abs(arc.sigma)):.1e}")
 
 # %% [markdown]
-# ## Held twice
+# ## Over-constrained
 #
 # In space a guide of two leaf springs is [over-constrained once](03_find_overconstraints.ipynb): twisting its stage
-# bends both leaf springs in their own planes. Where one of them is warmer along one edge, it would like to be an arc in
-# its plane. The other resists, both bend by half of the curvature $\alpha g$, and the stage is twisted by the moment
-# $EI_z\,\alpha g/2$. Where the stage is released, so that it may twist freely, next to nothing is left of it: the
-# torsion of the leaf springs.
+# bends both leaf springs in their own planes. If one of them is warmer along one edge, it tends to an arc in its plane.
+# The other resists, both bend by half of the curvature $\alpha g$, and the moment $EI_z\,\alpha g/2$ twists the stage.
+# If the stage is released, so that it may twist freely, only the small effect of torsion of the leaf springs remains.
 
 # %%
 gradient = 500.0  # K/m along the width: 9 K from edge to edge
@@ -121,9 +118,9 @@ ax = fm.plot.stress(stresses["over-constrained"], states["over-constrained"])
 # %% [markdown]
 # ## Buckling by heat
 #
-# A leaf spring between two walls cannot get longer. It is pressed, and buckles at
-# $\Delta T = 4\pi^2 (t^2/12)/(\alpha l^2)$, which is little. With `increment=True` the temperature is what a path
-# follows; `switch=1` leaves the straight state where it branches.
+# A leaf spring between two walls cannot get longer. It is compressed, and buckles already at
+# $\Delta T = 4\pi^2 (t^2/12)/(\alpha l^2)$. With `increment=True` a path follows the temperature; `switch=1` leaves the
+# straight state where it branches.
 
 # %%
 critical = 4 * np.pi**2 * thickness**2 / 12 / (alpha * length**2)
@@ -154,8 +151,8 @@ plt.show()
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# Beam theory's closed forms, of plain beams. A leaf spring is a plate: near its clamps its cross-section stays flat,
-# and there thermal strains are larger by Poisson's ratio, which makes the tilt 1.7 % and the arc 4 % larger.
+# Closed forms of beam theory. A leaf spring is a plate: near its clamps its cross-section stays flat, and there thermal
+# strains are larger by Poisson's ratio, so the tilt is 1.7 % and the arc 4 % larger.
 
 # %%
 assert abs(per_kelvin / 11.5e-6 - 1) < 2e-4

@@ -1,12 +1,12 @@
 # %% [markdown]
 # # Building blocks
 #
-# **Question.** Which guides, pivots and hinges are there ready-made, and how stiff is each?
+# **Question.** Which ready-made guides, pivots and hinges exist, and how stiff is each?
 #
-# A mechanism of leaf springs is mostly made of a few known parts. Each function of `fm.blocks` adds one of them to a
-# `Builder`, between two bodies that are named by a node each: the **base** that it stands on, and the **stage** that it
-# carries. The base must be there. The stage is made where the block ends, unless it is there too, which may be
-# anywhere. So blocks are chained: the stage of one is the base of the next.
+# Most mechanisms of leaf springs consist of a few known parts. Each function of `fm.blocks` adds one of them to a
+# `Builder`, between two bodies, each named by a node: the **base** carries the block, and the block carries the
+# **stage**. The base must exist. The stage is made where the block ends, unless it exists; then it may be anywhere. So
+# blocks form chains: the stage of one is the base of the next.
 
 # %%
 import warnings
@@ -38,12 +38,12 @@ def mechanism(block, dimension=2, **sizes):
 
 
 # %% [markdown]
-# ## What there is
+# ## The blocks
 #
-# Leaf springs go along y, and the stage of a guide moves along x, unless `along=` says otherwise (and, in space, `y=`,
-# the direction of the width). All dimensions may be numbers to differentiate by. `at=` puts a block elsewhere than at
-# its base. Leaf springs are `planar.leaf_spring` or `spatial.leaf_spring`, right beside solid elements (notebook
-# [18](18_check_beam.ipynb)); `element=` takes another element for them, such as `planar.spectral_beam`.
+# Leaf springs are parallel to y, and the stage of a guide moves along x, unless `along=` states another direction (and,
+# in space, `y=`, the direction of the width). All dimensions are differentiable. `at=` puts a block elsewhere than at
+# its base. Leaf springs are `planar.leaf_spring` or `spatial.leaf_spring`, which agree with solid elements (notebook
+# [18](18_check_beam.ipynb)); `element=` replaces them by another element, such as `planar.spectral_beam`.
 
 # %%
 guide = {"length": length, "section": leaf, "spacing": 0.08}
@@ -62,9 +62,9 @@ catalogue = {
 }
 
 # %% [markdown]
-# A square is the base, clamped to the ground, a diamond the stage, which has been pushed or turned the way that it is
-# free to go. Thick lines are rigid. What stands out of the pivots is their axis, a point of the stage: how far it has
-# moved is their shift. Every leaf spring is one element.
+# A square is the base, clamped to the ground. A diamond is the stage, which was pushed or turned in its free direction.
+# Thick lines are rigid. The end that stands out of a pivot is its axis, a point of the stage, whose displacement is the
+# shift. Every leaf spring is one element.
 
 # %%
 turning = ("cross pivot", "butterfly pivot", "cartwheel", "notch hinge")
@@ -95,18 +95,17 @@ axes.flat[-1].set_axis_off()
 plt.show()
 
 # %% [markdown]
-# ## Stiffness beside closed forms
+# ## Stiffness compared with closed forms
 #
-# In the direction that the stage is free in, at rest (flexmb/THEORY.md, section 13). First the closed forms of beam
-# theory. $EI$ is that of one leaf spring, $k_h$ the stiffness of one notch hinge. Both formulas with $k_h$ are limits:
-# for a thin neck, and for hinges that are short beside the bars.
+# These are stiffnesses at rest in the free direction of the stage (flexmb/THEORY.md, section 13). First the closed
+# forms of beam theory. $EI$ belongs to one leaf spring, $k_h$ is the stiffness of one notch hinge. Both formulas with
+# $k_h$ are limits: for a thin neck, and for hinges that are short compared with the bars.
 #
 # Beams are too soft, since clamps keep a leaf spring flat across its width. Near a clamp, over a share $a = 0.4\,w/L$
-# of the length, it bends as a plate with $EI/(1-\nu^2)$. So the beam's compliance is smaller by
-# $\nu^2\,(1 - (1 - 2a)^3)$ in sway, by $2a\nu^2$ where it bends to an arc, and by $\nu^2\,(1 - (1 - a)^3 + a^3)$ under
-# a force at an end that may turn. The turning of a pivot is both of the first: of the stiffness
-# $\tfrac{EI}{L}\,(1 + 12\,(\lambda - \tfrac12)^2)$ of a leaf spring that meets the axis at $\lambda$, the first term is
-# that of the arc, and the second one of sway.
+# of the length, it bends as a plate with $EI/(1-\nu^2)$. So its compliance is smaller by $\nu^2\,(1 - (1 - 2a)^3)$ in
+# sway, by $2a\nu^2$ in bending to an arc, and by $\nu^2\,(1 - (1 - a)^3 + a^3)$ under a force at an end that may turn.
+# The rotation of a pivot combines the first two. A leaf spring that meets the axis at $\lambda$ has the stiffness
+# $\tfrac{EI}{L}\,(1 + 12\,(\lambda - \tfrac12)^2)$: the first term is the arc, the second one sway.
 
 # %%
 nu = float(steel.poisson())
@@ -156,9 +155,9 @@ print("\n".join(table))
 # %% [markdown]
 # ## In space
 #
-# The same functions build in space, where the directions that a block holds have their stiffness too. A folded leaf
-# spring holds one, the fold line. Three of them carry a platform that moves in its plane: they hold its height (z) and
-# its tilts (about x and y). Their feet are where `at` says, on the ground around the platform.
+# The same functions build in space, where the held directions of a block have stiffness too. A folded leaf spring holds
+# one direction, the fold line. Three of them carry a platform that moves in its plane: they hold its height (z) and its
+# tilts (about x and y). `at` places their feet on the ground around the platform.
 
 # %%
 legs = {"length": 0.05, "section": leaf}
@@ -177,9 +176,9 @@ print("N/m, N m/rad:", "  ".join(f"{1 / c:.3g}" for c in np.diag(fm.compliance(p
 
 # %% [markdown]
 # Along the fold line, with its end free to turn, one leg has the compliance $2(L^3/3EI_z + L/GA\,k) + L^3/GI_t$ of beam
-# theory, nearly all of it twist of the first leg. At its foot that leg cannot warp, and at the fold it shares its
-# warping with the second one, to which no torque goes: its twist is shorter by $\ell$ and by $\ell/2$, with
-# $\ell^2 = E w^3t^3/(144\,(1-\nu^2)\,GI_t)$.
+# theory, nearly all of it by twist of the first leg. At its foot this leg cannot warp. At the fold it shares its
+# warping with the second leg, which has no torque. So its twist is shorter by $\ell$ and by $\ell/2$, with $\ell^2 = E
+# w^3t^3/(144\,(1-\nu^2)\,GI_t)$.
 
 # %%
 single = mechanism(blocks.folded_leaf_spring, 3, **legs)
@@ -193,10 +192,10 @@ deviations["fold line"] = found / closed - 1
 print(f"beam theory {1 / (bent + twisted):.5g} N/m, with warping {1 / closed:.5g} N/m, computed {1 / found:.5g} N/m")
 
 # %% [markdown]
-# ## Dimensions in: a sweep, and a search
+# ## Dimensions as input: a sweep, and a search
 #
-# Where the leaf springs of a pivot cross decides how stiff it is: $8EI/L\,(1 - 3\lambda + 3\lambda^2)$, and with clamps
-# a little more.
+# The place where the leaf springs of a pivot cross determines its stiffness: $8EI/L\,(1 - 3\lambda + 3\lambda^2)$, and
+# a little more with clamps.
 
 
 # %%
@@ -217,7 +216,7 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# And the lightest leaf springs of a guide that carries 0.2 kg at 8 Hz:
+# The lightest leaf springs of a guide that carries 0.2 kg at 8 Hz:
 
 
 # %%
@@ -245,10 +244,10 @@ print(found)
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# The closed forms with clamps above, and solid elements in notebook [18](18_check_beam.ipynb). The forms leave out that
-# leaf springs stretch, which is of the order of (t/L)² and (t/spacing)²; those of the notch are limits for a thin neck.
-# The tuned guide: leaf springs of mass $m_l$ in sway count with 13/35, and $(2\pi f)^2 = c\,(24EI/L^3)/(m +
-# \tfrac{26}{35} m_l)$, with $c$ of the clamps. By beam theory, $c = 1$, it would take thicker leaf springs.
+# The closed forms with clamps above, and solid elements in notebook [18](18_check_beam.ipynb). The forms neglect that
+# leaf springs stretch, which is of the order of (t/L)² and (t/spacing)². The forms of the notch are limits for a thin
+# neck. In the tuned guide, leaf springs of mass $m_l$ in sway count with 13/35, and $(2\pi f)^2 = c\,(24EI/L^3)/(m +
+# \tfrac{26}{35} m_l)$, with $c$ by the clamps. By beam theory, $c = 1$, the leaf springs would have to be thicker.
 
 # %%
 t, n = (float(found.dimensions[name]) for name in ("thickness", "length"))

@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Is the beam right?
 #
-# **Question.** How far is a leaf spring made of beams from a leaf spring as it is, and which element is right for what?
+# **Question.** How large is the error of a leaf spring made of beams, and which element is right for which question?
 #
-# Beam theory knows a line with a stiffness at each place. A leaf spring is a thin plate between two clamps. Here the
-# guide of the tutorial, and a single leaf spring of it, are computed with four models of a leaf spring, and put beside
+# Beam theory describes a line with a stiffness at each place. A leaf spring is a thin plate between two clamps. Here
+# four models of a leaf spring compute the guide of the tutorial, and a single leaf spring of it, and are compared with
 # solid finite elements: stiffness in all directions, at rest and at strokes of 5 and 10 mm.
 
 # %%
@@ -22,13 +22,13 @@ cache = fm.enable_cache(thorough=False)
 warnings.filterwarnings("ignore", category=fm.BeamTheoryWarning)
 
 # %% [markdown]
-# ## What solid elements say
+# ## Results of solid elements
 #
-# Leaf springs of steel, 100 × 18 × 0.5 mm, along x, their width along y, bending along z. Solid elements of 20 nodes
-# (CalculiX 2.20), on two meshes that differ by 0.3 % at most; the numbers are those of the finer one, as they stand in
-# `benchmarks/results/solid.json`. `benchmarks/solid.py` computes them anew. A stiffness along or about an axis, N/m or
-# N m/rad, is one over the compliance: all other directions are free. At a stroke the stage is held along z, and
-# there the force of the drive is compared, in N.
+# Leaf springs of steel, 100 × 18 × 0.5 mm, along x, their width along y, bending along z. Solid elements have 20 nodes
+# (CalculiX 2.20), on two meshes that differ by 0.3 % at most. The numbers belong to the finer mesh and are in
+# `benchmarks/results/solid.json`; `benchmarks/solid.py` computes them. A stiffness along or about an axis, N/m or
+# N m/rad, is one over the compliance: all other directions are free. At a stroke the stage is held along z, and the
+# force of the drive is compared, in N.
 
 # %%
 axes = ("x", "y", "z", "rx", "ry", "rz")
@@ -53,8 +53,8 @@ solid_guide = {  # at rest the third number is the stiffness along z, else the f
 # %% [markdown]
 # ## Four models of a leaf spring
 #
-# One `leaf_spring`; one spectral beam of order 6 with shear; four and sixteen cubic beams, as SPACAR has them. The
-# model of a leaf spring is one function, so that all of them stand in the same guide.
+# One `leaf_spring`; one spectral beam of order 6 with shear; four and sixteen cubic beams, as in SPACAR. One function
+# models a leaf spring, so that all models have the same guide.
 
 # %%
 length, apart, thickness = 0.1, 0.1, 0.5e-3
@@ -100,7 +100,7 @@ def guide(kind, width):
 
 # %% [markdown]
 # The stroke is prescribed, from 0 to 10 mm, so that one model answers at all strokes. At rest the stiffness along z is
-# the force of the drive at a stroke of a hundredth of a millimetre, over that stroke.
+# the force of the drive at a stroke of a hundredth of a millimetre, divided by this stroke.
 
 
 # %%
@@ -156,18 +156,18 @@ plt.show()
 # %% [markdown]
 # ## Where the deviations come from
 #
-# At rest a formula each explains nearly all. Compliance is lost, against the beam's:
+# At rest, one formula per cause explains nearly all. Two causes reduce the compliance of the beam:
 #
-# - **Clamps** (all but rx). A strip that bends wants to curve across its width, the other way: the anticlastic
-#   curvature. A clamp keeps it flat, and near there the strip is a plate with $E/(1-\nu^2)$: over $0.40\,w$ in
-#   bending, over $0.14\,w$ in stretching, over $0.065\,w$ in bending sideways. That is the share $\nu^2$ of what is
-#   strained there. With $a$ the distance over $L$ it is $2a\nu^2$ under a moment and along the leaf spring (ry, rz, x),
-#   and $\nu^2(1 - (1-a)^3 + a^3)$ under a force at the tip (z, y).
-# - **Warping** (rx). A strip that twists moves out of its cross-sections. A clamp does not let it, and twist builds up
-#   over a quarter of the width: the share $2\tanh(\alpha L/2)/(\alpha L)$, $\alpha^2 = 24(1-\nu)/w^2$.
+# - **Clamps** (all but rx). A bent strip tends to curve across its width, the other way: the anticlastic curvature. A
+#   clamp keeps it flat, and near there the strip is a plate with $E/(1-\nu^2)$: over $0.40\,w$ in bending, over
+#   $0.14\,w$ in stretching, over $0.065\,w$ in bending sideways. Its strain there is smaller by the share $\nu^2$. With
+#   $a$ the distance over $L$, the effect is $2a\nu^2$ under a moment and along the leaf spring (ry, rz, x), and
+#   $\nu^2(1 - (1-a)^3 + a^3)$ under a force at the tip (z, y).
+# - **Warping** (rx). A twisted strip moves out of its cross-sections. A clamp prevents this, and twist builds up over a
+#   quarter of the width: the share $2\tanh(\alpha L/2)/(\alpha L)$, $\alpha^2 = 24(1-\nu)/w^2$.
 #
-# And it is gained by **shear** (y), which cubic beams leave out: $3EI_z/(GA\,k\,L^2)$ of the compliance under a force
-# at the tip, four times that where the tip cannot turn, as in the guide about x.
+# **Shear** (y), which cubic beams neglect, increases it by $3EI_z/(GA\,k\,L^2)$ of the compliance under a force at the
+# tip, and by four times this share if the tip cannot turn, as in the guide about x.
 
 # %%
 nu = float(steel.poisson())
@@ -196,36 +196,36 @@ for name, width in widths.items():
     print("\n".join(f"  {axis:6} {formula:+7.2f} {computed:+7.2f}" for axis, formula, computed in rows))
 
 # %% [markdown]
-# **At a stroke** the same two causes grow. A force across the drive (y) pushes at a stage that is 10 mm aside of the
-# feet, and so twists the leaf springs that it bends sideways; the guide gives way by twist. The torque is largest at
-# the clamps, where warping is restrained: there a leaf spring does not twist, and a beam does. So one spectral beam and
-# sixteen cubic ones are 20 to 33 % too soft in y, rx and rz, and 66 to 72 % with leaf springs of 50 mm, though they
-# have converged. A factor on the torsional stiffness cannot mend that, since the torque varies.
+# **At a stroke** the same two causes grow. A force across the drive (y) acts on a stage that is 10 mm aside of the
+# feet, and so twists the leaf springs that it bends sideways; the guide yields by twist. The torque is largest at the
+# clamps. There a leaf spring does not twist, since warping is restrained, but a beam does. So one spectral beam and
+# sixteen cubic ones are 20 to 33 % too soft in y, rx and rz, and 66 to 72 % with leaf springs of 50 mm, although they
+# have converged. A factor on the torsional stiffness cannot correct this, since the torque varies.
 #
 # **Four cubic beams look better by luck.** Each of them is too stiff where a load bends it further, an error of the
-# other sign: in y, rx and rz they are a fifth stiffer than sixteen, and along x 4 %. It goes as beams are added, and
-# the answer gets worse.
+# other sign: in y, rx and rz they are a fifth stiffer than sixteen, and along x 4 %. With more beams this error
+# vanishes, and the answer gets worse.
 #
-# **The drive** stays 3 to 4 % too soft with beams, since leaf springs are bent near their clamps. Those of 50 mm are 6
-# to 8 % too soft: as their curvature grows their middle is kept flat too (Searle's effect), which `leaf_spring` counts.
+# **The drive** stays 3 to 4 % too soft with beams, since leaf springs are bent near their clamps. Leaf springs of 50 mm
+# are 6 to 8 % too soft: large curvature keeps their middle flat too (Searle's effect), which `leaf_spring` includes.
 #
-# **What a leaf spring leaves out** is up to 1.5 % at strokes. Where it is half as wide as long it is up to 4.1 %, and
-# that is as wide as it should be.
+# **What a leaf spring neglects** is up to 1.5 % at strokes. For a width of half the length, the limit of its use, it is
+# up to 4.1 %.
 #
 # ## Which element for what
 #
-# - `leaf_spring`, one a leaf spring: for leaf springs. All directions, at strokes, wide ones, folds, heat.
-#   `planar.leaf_spring` has its clamps and its flattening in the plane, where nothing twists.
-# - A spectral beam: for wires and for the bending of notch hinges, whose twist comes out far too soft, and to compare
-#   with formulas of beam theory. A leaf spring with a reinforced middle is a `leaf_spring` a piece.
-#   A guide comes out within 4 % in its plane, and within 8 % if it is wide.
-# - Cubic beams, one a leaf spring at rest and four at strokes: for motion and control with few degrees of freedom, for
-#   hundreds of leaf springs, and to compare with SPACAR.
+# - `leaf_spring`, one per leaf spring: for leaf springs. All directions, at strokes, wide ones, folds, heat.
+#   `planar.leaf_spring` includes clamps and flattening in the plane, where nothing twists.
+# - A spectral beam: for wires, for the bending of notch hinges (their twist is far too soft), and to compare with
+#   formulas of beam theory. Model a leaf spring with a reinforced middle by one `leaf_spring` per piece.
+#   A spectral beam has an error of up to 4 % for a guide in its plane, and of up to 8 % for a wide one.
+# - Cubic beams, one per leaf spring at rest and four at strokes: for motion and control with few degrees of freedom,
+#   for hundreds of leaf springs, and to compare with SPACAR.
 #
 # ## What the numbers are compared with
 #
-# The solid model, above: `leaf_spring` of 18 mm width, a fifth of the length, comes within 0.2 % at rest and 1.6 % at
-# strokes. The formulas of what beams miss at rest come within 0.25 %, which is what both meshes differ by.
+# The solid model, above: `leaf_spring` of 18 mm width, a fifth of the length, agrees within 0.2 % at rest and 1.6 % at
+# strokes. The formulas for the errors of beams at rest agree within 0.25 %, the difference of both meshes.
 
 # %%
 narrow, wide = widths

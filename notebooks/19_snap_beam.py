@@ -1,11 +1,11 @@
 # %% [markdown]
 # # A beam that snaps
 #
-# **Question.** A beam that was made bent is pushed through. Which force does that take, and does it stay on the other
-# side?
+# **Question.** A beam with an initial curvature is pushed through. Which force does this take, and does the beam stay
+# on the other side?
 #
 # Such a beam holds a switch or a valve in one of two positions without power. It is etched from silicon in the shape of
-# a cosine, $w = \frac h2\left(1 - \cos\frac{2\pi x}{L}\right)$, both ends clamped, so that it is free of stress as made
+# a cosine, $w = \frac h2\left(1 - \cos\frac{2\pi x}{L}\right)$, with both ends clamped, and has no stress in this shape
 # (Qiu, Lang and Slocum, *A curved-beam bistable mechanism*, J. Microelectromech. Syst. 13, 2004).
 
 # %%
@@ -24,12 +24,12 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The model
 #
-# 3 mm long, 60 µm high, 6 µm thick: ten times as high as thick. A chain of **spectral beams**, each with a `curvature`
-# of its own, is bent and without stress. "middle" is where it is pushed down. In what follows forces are in units of
-# $EIh/L^3$, as in the paper.
+# 3 mm long, 60 µm high, 6 µm thick: ten times as high as thick. A chain of **spectral beams**, each with its own
+# `curvature`, is bent and without stress. The force acts at "middle". Forces are in units of $EIh/L^3$, as in the
+# paper.
 #
-# One beam is free to turn at its middle. Two of them side by side, joined at their middles, are not: that suppresses
-# the antisymmetric shape. By symmetry one half of one beam stands for them, its middle guided and under half the load.
+# One beam can turn at its middle. Two beams side by side, joined at their middles, cannot: this suppresses the
+# antisymmetric shape. By symmetry half of one beam models them, with its middle guided and under half the load.
 
 # %%
 length, height, thickness, width, arcs, most = 3e-3, 60e-6, 6e-6, 50e-6, 4, 900.0
@@ -64,11 +64,11 @@ print(f"unit of force {1e6 * unit:.4f} µN")
 # ## Pushed through
 #
 # `stop` ends the path at a displacement of the middle, twice the height down, rather than at a load. On the way the
-# beam comes to bifurcations: the state in which it is only pressed flatter goes on, but it is unstable, and the beam
-# buckles into a mode of a clamped column, the **second** if its middle may turn, the **third** if not.
+# beam reaches bifurcations. The state in which it is only pressed flatter continues, but is unstable. The beam buckles
+# into a mode of a clamped column: the **second** if its middle may turn, the **third** if not.
 #
-# `switch={1: 1, 2: 1}` leaves the first bifurcation along that mode, and the second one again: there the branch comes
-# back to the state that is only pressed, now upside down, and goes on with it as the load rises.
+# `switch={1: 1, 2: 1}` leaves the first bifurcation along this mode, and the second one again. There the branch meets
+# the state that is only pressed, now upside down, and the path continues on it as the load rises.
 
 # %%
 models = {"third mode": snapping(1), "second mode": snapping(2)}
@@ -92,14 +92,14 @@ for mode, path in paths.items():
     print(f"{mode:12} {top:7.2f} at {before:.4f} h, back {bottom:7.2f} at {after:.4f} h")
 
 # %% [markdown]
-# With the third mode the beam needs as much as 740 units, and half of that to come back: it is **bistable**. With the
-# second it takes half the force, and hardly any force brings it back. A chip that is shaken would do so.
+# With the third mode the beam needs up to 740 units, and half of that to come back: it is **bistable**. With the second
+# mode it takes half the force, and hardly any force brings it back. Shaking a chip would do so.
 #
-# ## A beam as it is really made
+# ## A beam with an imperfection
 #
-# No beam is perfect, and no real one meets a bifurcation. `imperfection={1: ...}` bends the undeformed beam by its
-# first buckling mode, so much at its largest, without stress. Then it is a **limit point** where it snaps, and lower.
-# Theory says by how much: with the power two thirds of the imperfection (Koiter).
+# No beam is perfect, and no real beam meets a bifurcation. `imperfection={1: ...}` bends the undeformed beam by its
+# first buckling mode, of this amplitude, without stress. Then the beam snaps at a **limit point**, at a lower load. In
+# theory the loss is proportional to the power two thirds of the imperfection (Koiter).
 
 # %%
 bows = np.array([1e-4, 1e-3, 1e-2]) * thickness
@@ -136,10 +136,10 @@ plt.show()
 # quarter point,
 # $$W' = \frac{4\pi^3\cos 2\pi s}{4\pi^2 - N^2} + \frac{F}{2N^2}\left(1 - \frac{\cos Ns}{\cos N/4}\right),\qquad
 # N^2 = 12\,\frac{h^2}{t^2}\int_{-1/4}^{1/4}\left(\pi^2\cos^2 2\pi s - W'^2\right)ds,$$
-# where the beam's shortening makes the thrust. A clamped column buckles at $\tan N/2 = N/2$ in its second mode and at
-# $N = 4\pi$ in its third; for these the last equation is a quadratic one for $F$, one root a side.
+# where the shortening of the beam causes the thrust. A clamped column buckles at $\tan N/2 = N/2$ in its second mode
+# and at $N = 4\pi$ in its third. For these the last equation is quadratic in $F$, with one root for each side.
 #
-# Our beams are exact and not shallow: what the arch leaves out is the square of the slope, $(\pi h/L)^2$ = 0.4 %.
+# Our beams are exact and not shallow: the arch neglects the square of the slope, $(\pi h/L)^2$ = 0.4 %.
 
 # %%
 s, weights = np.polynomial.legendre.leggauss(40)

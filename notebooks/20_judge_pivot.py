@@ -1,12 +1,12 @@
 # %% [markdown]
 # # Is it good enough?
 #
-# **Question.** A pivot of two crossed leaf springs is to turn a mirror by 10° to either side. Does it, what limits it,
-# and which dimension moves that limit?
+# **Question.** A pivot of two crossed leaf springs shall turn a mirror by 10° to either side. Does it, what limits it,
+# and which dimension moves this limit?
 #
-# It is a designer's first question, and it asks for many numbers at once: the moment of the drive, stress and fatigue,
-# what is left of the support stiffness, how far the axis shifts, frequencies. `fm.verdict` finds all of them over the
-# stroke and puts them on one page.
+# This first question of a designer needs many numbers at once: the moment of the drive, stress and fatigue, the
+# remaining support stiffness, the shift of the axis, frequencies. `fm.verdict` computes all of them over the stroke and
+# shows them on one page.
 
 # %%
 import numpy as np
@@ -20,9 +20,9 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The model
 #
-# `blocks.cross_pivot` is a building block. The leaf springs are of hard spring steel, which states its strength and its
-# fatigue limit. They cross at a share `ratio` of their length from the base. The model is a function of its dimensions,
-# so that the page can say which of them to change.
+# `blocks.cross_pivot` is a building block. The leaf springs are of hard spring steel, with known strength and fatigue
+# limit. They cross at a share `ratio` of their length from the base. The model is a function of its dimensions, so that
+# the page can state which of them to change.
 
 # %%
 stroke, width = np.radians(10), 10e-3
@@ -44,9 +44,9 @@ ax = fm.plot.mechanism(pivot(**dimensions))
 # %% [markdown]
 # ## The page
 #
-# The mirror's angle is driven, to both sides. The node whose stiffness and shift are asked is the point of the mirror
-# on the axis. Beside strength and fatigue, which are limits without being asked for, two more are wanted: a support
-# stiffness along y of 0.5 N/µm, and a shift of the axis along y of 0.1 mm at most.
+# The mirror's angle is driven, to both sides. Stiffness and shift are those of the point of the mirror on the axis.
+# Strength and fatigue are always limits. Two more are added: a support stiffness along y of 0.5 N/µm, and a shift of
+# the axis along y of 0.1 mm at most.
 
 # %%
 wanted = {"stiffness y": 0.5e6, "parasitic y": 0.1e-3}
@@ -55,8 +55,8 @@ print(page)
 
 # %% [markdown]
 # Each row is a subject. The table below has the curves at every stroke; `page.curves["force"]` and so on are arrays.
-# Frequencies and buckling are those of the mechanism that the drive lets go of, with its moment as a dead load; the
-# support stiffness is that with the drive holding. What could not be answered is said too, in a row of its own.
+# Frequencies and buckling belong to the mechanism without the drive, with the drive's moment as a dead load. For the
+# support stiffness the drive holds. A row of its own lists questions without an answer.
 #
 # The same as a picture:
 
@@ -66,14 +66,14 @@ figure = fm.plot.verdict(page)
 # %% [markdown]
 # ## What to change
 #
-# The page names the limit that is reached first, the stroke at which it is, and what a percent of each dimension makes
-# of the limited number there. All numbers by all dimensions are in `page.sensitivities`.
+# The page names the limit that is reached first, its stroke, and the effect of a percent of each dimension on the
+# limited number there. `page.sensitivities` has all numbers by all dimensions.
 
 # %%
 print(page.sensitivities)
 
 # %% [markdown]
-# The shift asks for a crossing nearer to the base. The page again, with a smaller ratio:
+# A smaller shift requires a crossing nearer to the base. The page for a smaller ratio:
 
 # %%
 better = {**dimensions, "ratio": 0.2}
@@ -83,15 +83,14 @@ for row in ("stress", "support stiffness", "limits first", "by dimension"):
 print("good enough" if again.good else "not good enough")
 
 # %% [markdown]
-# The shift is small enough now. It costs a quarter more stress, which is still far from its limit.
+# The shift is small enough now. The stress is a quarter larger, but still far from its limit.
 #
 # ## What the numbers are compared with
 #
 # A small rotation $\varphi$ about the axis, at the share $r$ of the length from the base, bends each leaf spring with
 # the moments $EI\varphi/L\,(4-6r)$ at its foot and $EI\varphi/L\,(6r-2)$ at its top. So the pivot has the stiffness
-# $8EI/L\,(1-3r+3r^2)$ and, for $r < 1/2$, the stress $E t \varphi/2L\,(4-6r)$, by beam theory. That is compared with
-# beams in place of the leaf springs, which their clamps make a little stiffer. The stress grows as the thickness and
-# falls as the length.
+# $8EI/L\,(1-3r+3r^2)$ and, for $r < 1/2$, the stress $E t \varphi/2L\,(4-6r)$, by beam theory. The comparison uses
+# beams, since clamps make leaf springs a little stiffer. The stress is proportional to the thickness over the length.
 
 # %%
 small, r = 1e-3, dimensions["ratio"]

@@ -4,9 +4,9 @@
 # **Question.** Can one controller bring the elevator into place along its whole travel, although its natural
 # frequencies change on the way?
 #
-# The elevator of notebook 06 loses the spring and the damper that stood for its motor's controller. It gets a
-# real one: the height of the left mass, the cabin, is measured, and the motor turns the pulley. Between the two lies a
-# belt, so that the sensor is not where the force acts.
+# The elevator of notebook 06 loses the spring and the damper that represented the controller of its motor. It gets a
+# real controller: the height of the left mass, the cabin, is measured, and the motor turns the pulley. A belt lies
+# between sensor and motor.
 
 # %%
 import warnings
@@ -27,8 +27,8 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The machine and its travel
 #
-# The motor's spring and damper, the start and the signals of the file are left out; an input and an output are named
-# here. The travel turns the pulley from 0.8 to −0.8 rad in two seconds, which raises the cabin by 160 mm.
+# The motor's spring and damper, the start and the signals of the file are left out; an input and an output are added.
+# The travel turns the pulley from 0.8 to −0.8 rad in two seconds, which raises the cabin by 160 mm.
 
 # %%
 LEFT_OUT = ("ESTIFF 1", "EDAMP 1", "STARTDE", "INPUTS", "OUTE", "TIMESTEP", "ERROR")
@@ -66,8 +66,8 @@ nominal = fm.simulate(model, times, inputs={"motor": moment}, rtol=1e-7)
 # %% [markdown]
 # ## Frequencies over the travel
 #
-# The motion was driven by `inputs=`: functions of time for inputs by their names, here a feedforward alone. Linearised
-# at its times, the elevator has a motion without stiffness and two vibrations of the belts.
+# `inputs=` drives the motion: functions of time by the names of inputs, here a feedforward alone. Linearised at its
+# times, the elevator has a motion without stiffness and two vibrations of the belts.
 
 # %%
 along = nominal.linearizations()
@@ -81,12 +81,11 @@ hertz = np.array(hertz)
 print(f"lower {low:.2f} to {high:.2f} Hz, upper {upper_low:.2f} to {upper_high:.2f} Hz")
 
 # %% [markdown]
-# ## A PID controller by placing poles
+# ## A PID controller by pole placement
 #
-# `fm.control.pid` takes the elevator as the one mass that it is without vibrations, and puts the four poles of the loop
-# where one says: a pair at 0.6 Hz with a damping ratio of 0.7, a slow one by the integrator, a fast one by the filter.
-# The mass does not change along the travel, so one gain serves all of it. `fm.control.closed_loop` asks the
-# whole mechanism, vibrations and all.
+# `fm.control.pid` treats the elevator as one mass without vibrations, and places the four poles of the loop: a pair at
+# 0.6 Hz with a damping ratio of 0.7, a slow one by the integrator, a fast one by the filter. The mass is constant along
+# the travel, so one gain serves all of it. `fm.control.closed_loop` evaluates the whole mechanism with its vibrations.
 
 # %%
 pid = fm.control.pid(model, 0.6, slow=0.3)
@@ -97,9 +96,9 @@ with warnings.catch_warnings(record=True) as said:
 print(said[0].message)
 
 # %% [markdown]
-# The lower vibration is fed with the wrong phase, since the sensor is on the other side of the belt. A notch filter
-# takes the gain away there. A narrow one at the frequency of the start is not enough, as that frequency moves during
-# the travel; a broad one between both vibrations serves everywhere.
+# The loop feeds the lower vibration with the wrong phase, since the sensor is on the other side of the belt. A notch
+# filter removes the gain there. A narrow one at the frequency of the start does not suffice, because this frequency
+# moves during the travel. A broad one between both vibrations serves everywhere.
 
 # %%
 filters = {
@@ -133,9 +132,9 @@ print(fm.control.closed_loop(along.at_time(40), designs["broad notch at 4 Hz"]))
 # %% [markdown]
 # ## The travel, and a step
 #
-# The cabin is 1 kg heavier than the feedforward believes. At 3.5 s it is asked for 10 mm more, by a step. The motor
-# is given 2 N m by the controller at most: `fm.control.saturated` keeps to that, and leads the integrator back with a
-# time constant of 0.2 s. Feedforward by `inputs=` and feedback by `control=` go together.
+# The cabin is 1 kg heavier than the feedforward assumes. At 3.5 s a step asks for 10 mm more. The controller may use
+# 2 N m of the motor at most: `fm.control.saturated` limits it, and leads the integrator back with a time constant of
+# 0.2 s. Feedforward by `inputs=` and feedback by `control=` work together.
 
 # %%
 heavy, added, late, limit, tracking = elevator(11.0), 0.01, 3.5, 2.0, 0.2
@@ -178,12 +177,11 @@ for ax in axes:
 plt.show()
 
 # %% [markdown]
-# Feedforward alone goes astray by some millimetres, since the mass is not what it believes; the controller brings the
-# cabin to where it is wanted.
+# Feedforward alone misses by some millimetres, since it assumes a wrong mass; the controller corrects this.
 #
 # ## What the motion is compared with
 #
-# The equations of notebook 06 once more by hand, with the controller, its limit and its integrator, integrated by
+# The equations of notebook 06 with the controller, its limit and its integrator, written by hand and integrated by
 # scipy from corner to corner.
 
 # %%

@@ -1,13 +1,13 @@
 # %% [markdown]
 # # Plan a motion: the torque that moves a four-bar manipulator
 #
-# **Question.** Which torque moves the tool of a four-bar manipulator along a line in 70 ms, what does it cost that
-# its arm bends, and how much of that does a shaped motion save?
+# **Question.** Which torque moves the tool of a four-bar manipulator along a line in 70 ms, which error does the
+# bending of its arm cause, and how much of it does a shaped motion save?
 #
-# A motor turns the crank. The tool, 150 g, sits on a slender arm that goes on from the coupler. Where the tool is to
-# be is a **law of time**; the crank angle follows by the kinematics, and the torque by the equations of motion with
-# the bending of the arm held at zero (inverse dynamics, SPACAR's mode 2). Given to the mechanism as it is, the torque
-# makes the arm vibrate.
+# A motor turns the crank. The tool, 150 g, sits on a slender arm that extends the coupler. A **law of time** states
+# where the tool shall be. The crank angle follows by kinematics, and the torque by the equations of motion with the
+# bending of the arm held at zero (inverse dynamics, SPACAR's mode 2). In the real mechanism the torque makes the arm
+# vibrate.
 
 # %%
 import matplotlib.pyplot as plt
@@ -22,8 +22,8 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## Mechanism
 #
-# A node stands for one position and one rotation, so the coupler has a rotation of its own at A, the rocker one at B.
-# The arm shares the rotation of the coupler at B: they are one piece.
+# A node stands for one position and one rotation, so the coupler has its own rotation at A, and the rocker at B. The
+# arm shares the rotation of the coupler at B: they are one piece.
 
 # %%
 steel = fm.Material(E=210e9, G=80e9, rho=7850)
@@ -62,7 +62,7 @@ print(model)
 # %% [markdown]
 # ## Trajectory and nominal torque
 #
-# The tool draws back by 60 mm. The law is a polynomial of degree seven, whose jerk begins and ends at zero;
+# The tool draws back by 60 mm. The law is a polynomial of degree seven, whose jerk is zero at both ends.
 # `fm.trajectory.scurve` would find the shortest time within limits of velocity, acceleration and jerk.
 
 # %%
@@ -72,12 +72,12 @@ nominal = fm.trajectory.inverse_dynamics(model, {"reach": law}, times)
 print(nominal)
 
 # %% [markdown]
-# The tool's height changes by a few millimetres on the way: one motor moves it along one curve. `f0` is what would
-# have to hold the bending of the arm at zero: nothing does, and so it vibrates.
+# The tool's height changes by a few millimetres on the way: one motor moves it along one curve. `f0` is the force that
+# would hold the bending of the arm at zero. Nothing provides it, so the arm vibrates.
 #
 # ## Feedforward
 #
-# The torque as a function of time drives two simulations: of the manipulator with a rigid arm, and as it is. (Loads
+# The torque as a function of time drives two simulations: the manipulator with a rigid arm, and the real one. (Loads
 # are named by coordinates; `O.rotation.phi` is the angle that the input "motor" acts on.)
 
 
@@ -100,8 +100,8 @@ print(f"slender arm: by {1e3 * np.max(bent_error):.2f} mm")
 # ## A shaped motion
 #
 # Linearised equations along the nominal motion give the frequency of the arm at every time, with the crank free to
-# turn. The shaper gives half of the law now and half of it half a period later, so that the second leaves out what
-# the first excited. The motion takes half a period longer.
+# turn. The shaper applies half of the law at once and half of it half a period later, so that the second half cancels
+# the vibration of the first. The motion takes half a period longer.
 
 # %%
 frequency = float(nominal.motion.along("frequency 2").values[-1])
@@ -133,11 +133,10 @@ plt.show()
 # %% [markdown]
 # ## Answer
 #
-# With a rigid arm the torque alone brings the tool along its law to a few nanometres. That the arm bends makes six
-# millimetres of it, and the arm goes on vibrating by nearly as much. The shaped law takes half a period longer, 24
-# ms, and leaves a twentieth of the vibration: not nothing, since a shaper is exact for what is linear, and the torque
-# has a part that grows with the square of the speed. Without a controller the crank also stands a little off, and
-# nothing brings it back.
+# With a rigid arm the torque alone brings the tool along its law to a few nanometres. The bending of the arm causes an
+# error of six millimetres, and the arm continues to vibrate by nearly as much. The shaped law takes half a period
+# longer, 24 ms, and leaves a twentieth of the vibration. A shaper is exact for linear systems only, and the torque has
+# a part that grows with the square of the speed. Without a controller the crank also stays a little off.
 
 # %%
 assert np.max(rigid_error) < 1e-8

@@ -4,9 +4,9 @@
 # **Question.** A lattice of 1000 beams is clamped at one side and pulled down at the other. How thick must each beam be
 # for its top edge to become two steps of a staircase?
 #
-# A lattice of squares without diagonals is soft in shear: its beams bend, and hardly stretch. How much each column
-# shears follows from how thick its beams are, so that the thicknesses can shape the edge. A printer makes them as they
-# are asked for.
+# A lattice of squares without diagonals is soft in shear: its beams bend, and hardly stretch. The thickness of the
+# beams determines the shear of each column, so thicknesses can shape the edge. A printer makes each beam as thick as
+# required.
 
 # %%
 from itertools import pairwise
@@ -29,8 +29,8 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## The lattice
 #
-# 40 by 12 cells of 5 mm, of printed rubber (TPU), 10 mm deep. The wall holds the left ends, and no beam lies along it;
-# 2 N are spread over the right side. Sparse factors need no degrees of freedom: `build(check=False)` looks for none.
+# 40 by 12 cells of 5 mm, of printed rubber (TPU), 10 mm deep. The wall holds the left ends, without beams along it; 2 N
+# are spread over the right side. Sparse solvers need no degrees of freedom, so `build(check=False)` finds none.
 
 # %%
 columns, rows, cell, width, load = 40, 12, 5e-3, 10e-3, 2.0
@@ -55,8 +55,8 @@ print(len(beams), "beams,", len(lattice.parameters.reference), "coordinates")
 # ## A thousand dimensions
 #
 # `with_property` puts a thousand thicknesses into the model as one array, in the order in which the beams were added,
-# and nothing is built anew. What the edge should be is a curve over the place; how far its nodes are from the curve is
-# the question of the search.
+# without building it again. The wanted edge is a curve over the place. The objective is the distance of its nodes from
+# the curve.
 
 # %%
 length, height, drop = columns * cell, rows * cell, 30e-3
@@ -93,9 +93,8 @@ print(f"of equal thickness the edge misses by {1e3 * np.sqrt(square_at_start):.1
 # %% [markdown]
 # ## The derivative by a thousand thicknesses
 #
-# `jax.grad` finds all of them by one more solution with the last factors of the equilibrium, whatever their number
-# ([how long that takes](../benchmarks/README.md#designs-of-the-large)). Along any one direction a difference must give
-# the same.
+# `jax.grad` finds all derivatives by one more solution with the last factors of the equilibrium, whatever their number
+# ([timing](../benchmarks/README.md#designs-of-the-large)). Along any one direction a difference quotient must agree.
 
 # %%
 gradient = jax.grad(deviation)(start)
@@ -107,8 +106,8 @@ print(f"{difference:.8g} by differences, {derivative:.8g} by the derivative")
 # %% [markdown]
 # ## The search
 #
-# Thicknesses from 0.2 to 1 mm, on a logarithmic scale. Where beams are too thin to carry the load there is no
-# equilibrium: the search comes back from there.
+# Thicknesses from 0.2 to 1 mm, on a logarithmic scale. Beams that are too thin to carry the load have no equilibrium:
+# the search then returns to thicker ones.
 
 # %%
 thinnest, thickest = 0.2e-3, 1e-3
@@ -171,11 +170,11 @@ axes[1].set(xlabel="place in the lattice [mm]", ylabel="scatter of the edge [mm]
 plt.show()
 
 # %% [markdown]
-# ## How well must it be printed?
+# ## How precisely must it be printed?
 #
-# On the right: if every thickness is off by 0.02 mm (standard deviation, each by itself), how far the edge
-# scatters. The derivative of each of its forty heights by every thickness is one call, `jax.jacrev`. Errors of
-# single beams average out; an error that all have in common does not:
+# On the right: scatter of the edge if every thickness has an independent error of 0.02 mm (standard deviation). One
+# call of `jax.jacrev` returns the derivative of each of its forty heights by every thickness. Errors of single beams
+# average out; a common error does not:
 
 # %%
 common = 0.02e-3 * jacobian.sum(axis=1)
@@ -184,8 +183,8 @@ print(f"each by itself: {1e3 * np.max(scatter):.2f} mm; all together: {1e3 * np.
 # %% [markdown]
 # ## What the lattice is compared with
 #
-# A program of its own in plain NumPy: corotational beams as in textbooks (Crisfield 1991), which share no equation with
-# those above, four in the place of one.
+# An independent program in plain NumPy: corotational beams as in textbooks (Crisfield 1991), which share no equation
+# with the beams above, four in place of each.
 
 
 # %%
