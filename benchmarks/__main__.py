@@ -85,7 +85,7 @@ def done(name: str, beside: bool = False) -> dict | None:
         name: Of the script.
         beside: Whether another one runs at the same time, so that it prints all in the end.
     """
-    with tempfile.TemporaryFile("w+") as output:
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as output:
         if not beside:
             print(f"== {name}", flush=True)
         status, seconds, processor = spent(name, [], output if beside else None)

@@ -70,7 +70,7 @@ def started(name: str, package: Path, said: Path) -> subprocess.Popen:
     paths = os.pathsep.join([str(package), str(HERE), os.environ.get("PYTHONPATH", "")])
     environment = {**os.environ, "PYTHONPATH": paths, "JAX_PLATFORMS": "cpu", "OPENBLAS_NUM_THREADS": "1"}
     code = f"import against; against.serve({name!r})"
-    with said.open("w") as errors:
+    with said.open("w", encoding="utf-8") as errors:
         return subprocess.Popen(
             # Without the folder that one is in, which may hold the package of today.
             [sys.executable, "-P", "-c", code],

@@ -85,7 +85,7 @@ def main(arguments: list[str]) -> int:
             traceback.print_exc()
             if faults >= MOST_FAULTS:
                 break
-        if number % AT_A_TIME == AT_A_TIME - 1 and len(MAPS.read_text().splitlines()) > MOST_MAPS:
+        if number % AT_A_TIME == AT_A_TIME - 1 and len(MAPS.read_text(encoding="utf-8").splitlines()) > MOST_MAPS:
             jax.clear_caches()
         if number % max(count // 100, 1) == 0:
             print(f"{number + 1} of {count}: {dict(happened)}, {faults} faults", flush=True)

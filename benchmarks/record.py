@@ -113,14 +113,14 @@ def numbers_of(script: str, function: str, *words: str, **around: str) -> list[f
 
 def peak_memory() -> float:
     """Largest memory of this process since it began its program [GB]; ``resource`` counts that of its parent in."""
-    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines())
     return int(status["VmHWM"].split()[0]) * 1024 / 1e9
 
 
 def processor() -> str:
     """Model name of the processor."""
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         return platform.processor()

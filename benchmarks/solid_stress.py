@@ -25,7 +25,7 @@ def read(path: Path) -> tuple[np.ndarray, list[np.ndarray]]:
     points: dict[int, list[float]] = {}
     stresses: list[dict[int, list[float]]] = []
     into = None
-    for line in path.read_text().splitlines():
+    for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("    2C"):
             into = points
         elif line.startswith(" -4"):

@@ -32,7 +32,7 @@ cache = fm.enable_cache(thorough=False)
 
 # %%
 LEFT_OUT = ("ESTIFF 1", "EDAMP 1", "STARTDE", "INPUTS", "OUTE", "TIMESTEP", "ERROR")
-lines = Path(mechanism_path("elevator")).read_text().splitlines()
+lines = Path(mechanism_path("elevator")).read_text(encoding="utf-8").splitlines()
 text = "\n".join(line for line in lines if not line.startswith(LEFT_OUT))
 radius, free, weight, inertia, EA, EdA = 0.1, 0.2, 10.0, 0.3, 1000.0, 2.5
 first, duration = 0.8, 2.0

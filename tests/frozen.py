@@ -70,7 +70,7 @@ def answer(job: str, tight: bool, file: str) -> None:
 def asked(job: str, tight: bool, limit: float) -> tuple[dict, dict[str, np.ndarray]]:
     """What is known of a mechanism's answers, and the answers by path, from a fresh process."""
     began, fault = time.monotonic(), ""
-    with tempfile.TemporaryDirectory() as folder, open(f"{folder}/said", "w+") as said:
+    with tempfile.TemporaryDirectory() as folder, open(f"{folder}/said", "w+", encoding="utf-8") as said:
         paths = os.pathsep.join(f"{ROOT / name}" for name in (".", "tests", "benchmarks"))
         environment = {**os.environ, "PYTHONPATH": paths, "JAX_PLATFORMS": "cpu", "MPLBACKEND": "Agg"}
         environment |= OLD_PROCESSOR if tight else {}

@@ -199,7 +199,7 @@ def tested(folder: Path, words: list[str], limit: float) -> tuple[int | None, st
     environment.setdefault("FLEXMB_CACHE", str(folder.parent / "cache"))
     quick = ["--slow=out"] if "--slow" in (folder / "tests/conftest.py").read_text() else ["-m", "not slow"]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", *quick, *words]
-    with tempfile.TemporaryFile("w+") as said:
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as said:
         process = subprocess.Popen(
             command, cwd=folder, env=environment, stdout=said, stderr=subprocess.STDOUT, start_new_session=True
         )

@@ -27,7 +27,9 @@ def ask_mechanism(name: str, recorder: Recorder) -> None:
 
     text = (ROOT / "flexmb/mechanisms" / name).read_text()
     rtol = max([float(found) for found in re.findall(r"^ERROR \S+ (\S+)", text, re.M)], default=RTOL)
-    Path(name).write_text(re.sub(r"^ERROR .*", f"ERROR {TIGHT} {TIGHT}", text, flags=re.M) if recorder.tight else text)
+    Path(name).write_text(
+        re.sub(r"^ERROR .*", f"ERROR {TIGHT} {TIGHT}", text, flags=re.M) if recorder.tight else text, encoding="utf-8"
+    )
     for mode in range(11):
         found = command("run", name, "--mode", mode, "--json", "-")
         collect({"exit": found.exit_code}, f"mode {mode}", recorder.out)
@@ -71,7 +73,7 @@ def ask_manual(name: str, recorder: Recorder) -> None:
     with kept_scope(recorder) as scope:
         for block in blocks_of(name):
             if block.file:
-                Path(block.file).write_text(block.text)
+                Path(block.file).write_text(block.text, encoding="utf-8")
             elif block.language == "python":
                 run_text(block.text, scope, name)
             elif block.language == "sh":
@@ -140,7 +142,7 @@ def tests_of_references() -> dict[str, list[str]]:
 
 def functions_of(path: Path) -> list[ast.FunctionDef]:
     """Public functions of a module that need no argument."""
-    found = [one for one in ast.parse(path.read_text()).body if isinstance(one, ast.FunctionDef)]
+    found = [one for one in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(one, ast.FunctionDef)]
     found = [one for one in found if not one.name.startswith("_") and None not in one.args.kw_defaults]
     return [one for one in found if len(one.args.args) == len(one.args.defaults)]
 

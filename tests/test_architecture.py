@@ -62,7 +62,7 @@ def room_of(module: Path) -> str:
 def imported(module: Path) -> set[Path]:
     """Files of the package that a file imports, at its head or inside a function, for type checkers alone or not."""
     found = set()
-    for node in ast.walk(ast.parse(module.read_text())):
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
             folder = module.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             for name in node.names:

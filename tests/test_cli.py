@@ -529,7 +529,7 @@ def test_an_interrupted_call_says_what_it_keeps(monkeypatch, tmp_path, workplace
     study = (
         'model = "thick.dat"\n[answers]\nf = { frequency = 1 }\n[parameters]\nm = { value = 1, lower = 1, upper = 2 }\n'
     )
-    Path("study.toml").write_text(study)
+    Path("study.toml").write_text(study, encoding="utf-8")
     monkeypatch.setattr("flexmb.design.study.Study.sweep", interrupted)
     for more, told in (
         ((), "nothing is kept: --checkpoint FILE keeps the designs that are done"),

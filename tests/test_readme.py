@@ -164,7 +164,7 @@ def test_what_a_manual_shows_runs(manual, tmp_path, monkeypatch):
 
 def anchors(path: Path) -> set[str]:
     """Names by which links lead to the headings of a manual."""
-    headings = re.findall(r"^#+ (.*)$", path.read_text(), re.MULTILINE)
+    headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading).lower().replace(" ", "-") for heading in headings}
 
 

@@ -30,7 +30,8 @@ def to_xarray(result: Labelled, names: Sequence[str]) -> Any:
         if not isinstance(own.unit, str) and len({*np.ravel(own.unit)}) > 1:
             shared[_free(f"{name}_units", taken)] = (own.over[-np.ndim(own.unit) :], own.unit)
     attributes = {"title": type(result).__name__}
-    if np.ndim(code := getattr(result, "result", None)) == 0 and code is not None:
+    code = getattr(result, "result", None)
+    if code is not None and np.ndim(code) == 0:
         attributes["result"] = RESULTS(int(code)).name
     return xr.Dataset(variables, shared, attributes)
 

@@ -196,7 +196,7 @@ def make_room(share: float = FULL) -> bool:
     """
     global _programs_left
     try:
-        most = int(Path("/proc/sys/vm/max_map_count").read_text())
+        most = int(Path("/proc/sys/vm/max_map_count").read_text(encoding="ascii"))
         with open("/proc/self/maps", "rb") as maps:
             used = sum(1 for _ in maps)
     except OSError:

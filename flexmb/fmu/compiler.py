@@ -55,10 +55,10 @@ def compiled(files: dict[str, bytes], main: str) -> tuple[bytes | None, str]:
             (Path(folder) / name).write_bytes(content)
         call = [*command, *options, "-o", "library", main, "-lm"]
         try:
-            run = subprocess.run(call, cwd=folder, capture_output=True, text=True, timeout=LONGEST, check=False)
+            run = subprocess.run(call, cwd=folder, capture_output=True, timeout=LONGEST, check=False)
         except (OSError, subprocess.TimeoutExpired) as fault:
             return None, f"{command[0]} did not work: {fault}"
         if run.returncode:
-            lines = run.stderr.strip().splitlines() or ["no reason given"]
+            lines = run.stderr.decode(errors="replace").strip().splitlines() or ["no reason given"]
             return None, f"{command[0]} refused them: {next((line for line in lines if 'error' in line), lines[0])}"
         return (Path(folder) / "library").read_bytes(), ""

@@ -87,7 +87,12 @@ class Equilibrium(ByName, Result, Record):
         return States(self.asked_of, self.x)
 
     def known(self, model: Model, factors: LoadFactors) -> "Equilibrium":
-        """The same, which tells of which model and which loads it is."""
+        """The same, which tells of which model and which loads it is.
+
+        Args:
+            model: The mechanism, with numbers that are known.
+            factors: Factors of its loads.
+        """
         vars(self).update(asked_of=model, factors=factors)
         return self
 

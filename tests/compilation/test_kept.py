@@ -308,7 +308,7 @@ REFUSED = [
     scipy.interpolate.CubicSpline([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]),
     os.environ,
     np,
-    open(os.devnull),
+    open(os.devnull, encoding="utf-8"),
     Likeness("a", 1, "x", "position"),
     Own(planar.beam.deformation),
     dataclasses.replace(planar.beam, stiffness=lambda *, ref: jnp.eye(3)),

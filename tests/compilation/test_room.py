@@ -33,7 +33,7 @@ def test_compiled_code_is_given_back_where_it_may_fill_the_memory_maps(compilati
 def test_maps_are_counted_again_before_programs_may_have_filled_them(monkeypatch):
     monkeypatch.setattr(compile, "_programs_left", -1)
     compile.make_room()
-    most = int(Path("/proc/sys/vm/max_map_count").read_text())
-    used = len(Path("/proc/self/maps").read_text().splitlines())
+    most = int(Path("/proc/sys/vm/max_map_count").read_text(encoding="utf-8"))
+    used = len(Path("/proc/self/maps").read_text(encoding="utf-8").splitlines())
     # Another thread may take some in between.
     assert -100.0 < 0.6 * most - used - 2000 * compile._programs_left < 2 * 2000
