@@ -3934,6 +3934,26 @@ FAULTS = [
         slow=True,
     ),
     Fault("design/tune.py", "np.any(codes == RESULTS.other_clamps)", "False", "design/test_other_clamps.py -k search"),
+    # Parameters from measurements.
+    Fault(
+        "identification/problem.py",
+        "change[i] / prior.deviation",
+        "change[i]",
+        "identification/test_fit.py -k combination",
+    ),
+    Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
+    Fault(
+        "identification/measurement.py",
+        "differences, lower=True)",
+        "differences)",
+        "identification/test_fit.py -k covariance",
+    ),
+    Fault(
+        "identification/mode_pairing.py", "hungarian_algorithm(-alike)", "hungarian_algorithm(alike)", "identification"
+    ),
+    Fault("identification/undetermined.py", "^{-change[i]", "^{change[i]", "identification/test_fit.py -k combination"),
+    Fault("identification/response_data.py", "-2 * np.pi * places", "2 * np.pi * places", "identification -k response"),
+    Fault("identification/fit.py", "not one.converged, one.cost", "one.converged, one.cost", "identification"),
     # Words and calls.
     Fault("cli.py", 'str(log) == "-"', 'str(log) == "--"', "test_cli.py -k wrong_call"),
     Fault("spacar/write.py", "if stiffness and not idle", "if stiffness", "spacar/test_read.py -k survives"),
