@@ -280,6 +280,136 @@ and their derivatives have no digits."""
 BESIDE_POLE = 1e-7
 """Sparse factors are taken this share beside a pole. Errors of vectors are its square."""
 
+# --- control ----------------------------------------------------------------------------------------------------------
+
+NEGLIGIBLE_TERM = 1e-9
+"""A sum is zero below this share of the sizes of its terms."""
+
+BOUNDED_ROUND_OFF = 1e-14
+"""Round-off of a sum over the bound of its terms in degrees of freedom."""
+
+COUPLED_MODES = 1e-8
+"""Damping couples two modes if the matrix between them exceeds this share of the mean of their own entries. It is far
+above round-off and far below what a response would show."""
+
+COUPLED_BY_ROUND_OFF = 1e-14
+"""Round-off of damping between modes, over the largest entry."""
+
+RESONANCE_HIT = 16 * 2.0**-52
+"""A resonance is hit if stiffness minus inertia is below this share of both: 16 times round-off."""
+
+NO_PART_OF_MODE = 1e-12
+"""A mode below this share of the largest part of a response takes no part in it."""
+
+SAME_MODE = 1e-9
+"""Squared frequencies of modes within this share of each other belong to the same mode."""
+
+TURN_OF_MODES = 1e-5
+"""A Newton step that turns modes by more than this into each other does so by round-off."""
+
+NEAR_RESONANCE = 1e-3
+"""Largest error of a solution near an undamped resonance."""
+
+ENTRY_ROUND_OFF = 1e-13
+"""An entry of a semidefinite matrix is round-off below this share of what its diagonal allows."""
+
+WHOLE_SAMPLES = 1e-6
+"""A delay is a whole number of samples within this share of one."""
+
+GROWING_NOISE = 1e-10
+"""A motion grows if its pole has a real part above this share of the largest pole. Round-off moves the double pole of a
+free motion by its root."""
+
+DRIFTING_NOISE = 0.01
+"""An output drifts if its spectrum at the begin of a band from 0 Hz, times that frequency, exceeds this share of the
+sum."""
+
+DECAYING_POLE = 1e-13
+"""A motion decays if its pole has a real part below minus this share of the largest pole; round-off is smaller."""
+
+FREE_POLE = 1e-7
+"""A pole below this share of the largest is that of a free motion, by round-off."""
+
+FIRST_OF_BAND = 1e-4
+"""A band from 0 Hz begins at this share of its slowest pole or of its end: an acceleration has moved without bounds at
+rest."""
+
+POLE_AT_REST = 1e-9
+"""A pole below this share of a band's end does not vibrate."""
+
+CHANGE_OF_RESPONSE = 0.02
+"""Largest change of a response from one frequency to the next, without known poles."""
+
+FAINT_RESPONSE = 1e-6
+"""Changes below this share of the largest response do not count."""
+
+NEAREST_FREQUENCIES = 1e-9
+"""Frequencies are at least this share apart."""
+
+CURVED_DENSITY = 0.002
+"""A density is refined if it leaves the straight line between two frequencies by this share of its value."""
+
+DEPENDENT_FOUND = 1e-6
+"""Newton's method has found the dependent coordinates if as many steps again change them by less than this share of the
+extent, or radians: the error is then at most its square."""
+
+POSITION_OUTPUT = 0.1
+"""An output is a position if its part by rate is below this share of it, at the frequency of the plant."""
+
+SUM_ROUND_OFF = 1e-12
+"""A sum of terms is round-off below this share of their sizes."""
+
+IDLE_FORCE = 1e-9
+"""A force beside those of constraints is round-off below this share."""
+
+POLE_ROUND_OFF = 1e-9
+"""Round-off of values over the largest of their kind, at most."""
+
+NARROWEST_RESONANCE = 1e-6
+"""Smallest half width of a resonance about which frequencies are placed, over its frequency."""
+
+POLE_AT_ORIGIN = 1e-7
+"""Two poles at the origin are off it by less than this share of the fastest pole, the root of round-off."""
+
+FARTHEST_ZERO = 1e4
+"""A zero above this times the fastest pole is at infinity, but for round-off."""
+
+TWIN_FREQUENCIES = 1e-12
+"""Of two frequencies within this share, as two conjugate poles give them, one is enough."""
+
+NEARLY_CROSSING = 0.3
+"""Dips of a function that changes its sign are searched if they are as near to zero as this."""
+
+BLUR_OF_POLE = 1e-14
+"""Round-off blurs a pole by this share of the highest frequency."""
+
+JUMP_OF_PHASE = 0.1
+"""A function that has not come down to this share so near to a zero jumps over it."""
+
+LEVEL_AT_REST = 0.01
+"""A response near rest is constant if its size differs by less than this share from that at twice the rate."""
+
+SAME_PHASE = 1e-12
+"""Phases are the same if their sines differ by less: an undamped mechanism responds in phase but for round-off."""
+
+LOST_DAMPING = 0.01
+"""Error of responses without the damping of massless motions that is reported."""
+
+IDLE_INPUT = 1e-12
+"""An effect of an input below this share of what it could be is round-off."""
+
+RATE_ROUND_OFF = 1e-9
+"""A rate of an input below this share of its parts is round-off."""
+
+TRUNCATION_ERROR = 0.01
+"""Error of a truncated state space that is reported."""
+
+STILL_MODE = 1e-7
+"""A mode below this share of the highest frequency does not vibrate: its frequency is round-off."""
+
+IDLE_RESPONSE = 1e-9
+"""A response is round-off below this share of the effects of a force along the output and of the input along itself."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

@@ -436,15 +436,15 @@ FAULTS = [
     ),
     Fault(
         "control/second_order_form.py",
-        "return row @ first[own] - turning",
-        "return row @ first[own] + turning",
+        "return row @ first[indices] - turning",
+        "return row @ first[indices] + turning",
         "control/test_signals.py -k steady_motion",
         slow=True,
     ),
     Fault(
         "control/second_order_form.py",
-        "2 * row @ first[own], along",
-        "row @ first[own], along",
+        "2 * row @ first[indices], along",
+        "row @ first[indices], along",
         "control/test_signals.py -k steady_motion",
         slow=True,
     ),
@@ -458,8 +458,8 @@ FAULTS = [
     ),
     Fault(
         "control/held.py",
-        "@ m.reactions[own]",
-        "@ (0 * m.reactions[own])",
+        "@ m.reactions[euler]",
+        "@ (0 * m.reactions[euler])",
         "control/test_second_order_form.py -k loaded_leaf",
         slow=True,
     ),
@@ -500,9 +500,14 @@ FAULTS = [
     Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "hertz <= bandwidth", "hertz >= bandwidth", "control/test_truncation.py -k margins"),
-    Fault("control/truncation.py", "IDLE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "IDLE_RESPONSE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
     Fault("control/second_order_form.py", "s**2 * m, forces", "s * m, forces", "control/test_truncation.py -k error"),
-    Fault("control/truncation.py", "np.abs(own - right)", "np.abs(own)", "control/test_truncation.py -k error"),
+    Fault(
+        "control/truncation.py",
+        "np.abs(np.array(truncated_responses) - right)",
+        "np.abs(np.array(truncated_responses))",
+        "control/test_truncation.py -k error",
+    ),
     # Frequency responses and noise.
     Fault(
         "control/harmonic.py",
@@ -525,12 +530,12 @@ FAULTS = [
     ),
     Fault(
         "control/harmonic.py",
-        "jnp.abs(inverse) <= HIT",
-        "jnp.abs(inverse) < 0 * HIT",
+        "jnp.abs(inverse) <= RESONANCE_HIT",
+        "jnp.abs(inverse) < 0 * RESONANCE_HIT",
         "control/test_frequency_response.py -k repeated",
     ),
     Fault("control/noise.py", "* densities / 2", "* densities", "control/test_noise.py -k one_mass", slow=True),
-    Fault("control/noise.py", "(-DECAYS if exact else GROWS)", "1", "control/test_noise.py -k loop"),
+    Fault("control/noise.py", "(-DECAYING_POLE if exact else GROWING_NOISE)", "1", "control/test_noise.py -k loop"),
     Fault(
         "control/energy_form.py",
         "left(b - moved @ follows, moved",
@@ -607,8 +612,8 @@ FAULTS = [
     Fault("control/loops.py", "return u + extra", "return u - extra", "control/test_loops.py -k recursion"),
     Fault(
         "control/stability.py",
-        "one: Any = -sign * returned",
-        "one: Any = sign * returned",
+        "loop: Any = -sign * returned",
+        "loop: Any = sign * returned",
         "control/test_loops.py -k pd_by_hand",
     ),
     Fault(
@@ -3720,19 +3725,19 @@ FAULTS = [
     ),
     Fault(
         "control/energy_form.py",
-        "c = jnp.where(massive | (jnp.abs(c) > NOTHING",
-        "c = jnp.where(massive | (jnp.abs(c) >= 0 * NOTHING",
+        "c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE_TERM",
+        "c = jnp.where(massive | (jnp.abs(c) >= 0 * NEGLIGIBLE_TERM",
         "control/test_noise.py -k motions_without_mass",
     ),
     Fault(
         "control/noise_frequencies.py",
-        "sharp = steps > LITTLE",
+        "sharp = steps > CHANGE_OF_RESPONSE",
         "sharp = steps > 100",
         "control/test_noise.py::test_a_loop_without_damping_that_a_function_of_frequencies_closes_is_told",
     ),
     Fault(
         "control/noise_frequencies.py",
-        "np.max(off, axis=1) > CURVED * size",
+        "np.max(off, axis=1) > CURVED_DENSITY * size",
         "np.max(off, axis=1) > 100 * size",
         "control/test_noise.py -k lines_and_jumps",
         slow=True,
@@ -3767,7 +3772,11 @@ FAULTS = [
         "control/test_noise.py -k resonance_without",
     ),
     Fault(
-        "control/noise.py", "DRIFTS * np.asarray", "1e9 * np.asarray", "control/test_noise.py -k one_mass", slow=True
+        "control/noise.py",
+        "DRIFTING_NOISE * np.asarray",
+        "1e9 * np.asarray",
+        "control/test_noise.py -k one_mass",
+        slow=True,
     ),
     Fault(
         "control/pole_placement.py",
@@ -3777,8 +3786,8 @@ FAULTS = [
     ),
     Fault(
         "control/pole_placement.py",
-        "abs(rate) * fast > PLACED",
-        "abs(rate) * fast > 1e-9 * PLACED",
+        "abs(rate) * fast > POSITION_OUTPUT",
+        "abs(rate) * fast > 1e-9 * POSITION_OUTPUT",
         "control/test_loops.py -k floor_that_moves",
     ),
     Fault(
@@ -4048,13 +4057,13 @@ FAULTS = [
     ),
     Fault(
         "control/stability.py",
-        "found.append((0.0, float(np.real(self(0.0)))))",
+        "pairs.append((0.0, float(np.real(self(0.0)))))",
         "pass",
         "control/test_loops.py -k jumps_at",
     ),
     Fault(
         "control/stability.py",
-        "if abs(abs(near) - abs(far)) < LEVEL * abs(far):",
+        "if abs(abs(near) - abs(far)) < LEVEL_AT_REST * abs(far):",
         "if False:",
         "control/test_loops.py -k rigid_motion_that",
     ),
@@ -4066,7 +4075,7 @@ FAULTS = [
     Fault("control/stability.py", "low[passes]", "low", "control/test_loops.py -k weak_coupling"),
     Fault(
         "control/stability.py",
-        "return found[np.diff(found, prepend=0.0) > TWINS * found]",
+        "return grid[np.diff(grid, prepend=0.0) > TWIN_FREQUENCIES * grid]",
         "return found",
         "control/test_loops.py -k least_distance",
     ),
@@ -4386,7 +4395,7 @@ FAULTS = [
     Fault("control/state_space.py", "if condensed and not names:", "if not names:", "test_cli.py -k driven_throughout"),
     Fault(
         "control/state_space.py",
-        "axis=tuple(range(np.ndim(of) - 1))).tolist()",
+        "axis=tuple(range(np.ndim(flags) - 1))).tolist()",
         "axis=0).tolist()",
         "test_cli.py -k driven_throughout",
     ),

@@ -583,7 +583,7 @@ def test_a_mechanism_that_cannot_move_has_no_poles():
     ("ask", "why"),
     [
         (fm.poles, "give fm.poles `count`"),
-        (fm.to_statespace, r"take fm\.control\.state_matrices"),
+        (fm.to_statespace, r"use fm\.control\.state_matrices"),
         (fm.mobility, r"fm\.mobility takes a model of known numbers"),
         (fm.control.to_nonlinear_system, "to_nonlinear_system takes a model of known numbers"),
         (lambda model: fm.verdict(model, {"B.x": 1e-3}), r"fm\.verdict takes a model of known numbers"),

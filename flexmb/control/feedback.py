@@ -1,4 +1,4 @@
-"""A controller around the linearised mechanism, as state space or by frequency."""
+"""A controller around the linearised mechanism, as a state space or by frequency."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -17,12 +17,12 @@ Places = tuple[tuple[int, ...], tuple[int, ...]]
 
 
 class Controller(NamedTuple):
-    """What a controller makes of what it measures, its sign included: u = H y.
+    """Controller u = H y, its sign included.
 
     Attributes:
         measured: Numbers of the outputs that it reads.
         driven: Numbers of the inputs that it drives.
-        matrices: Its A, B, C and D; None where it is known by frequency alone.
+        matrices: A, B, C and D; None if it is known by frequency alone.
         by_frequency: Function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured).
     """
 
@@ -35,37 +35,30 @@ class Controller(NamedTuple):
 def controller_of(
     given: Any, measured: Any, driven: Any, outputs: Sequence[str], inputs: Sequence[str], sign: float
 ) -> Controller:
-    """What is given as a controller, with what it reads and drives.
+    """Controller from a control.LTI, (A, B, C, D), gains, or a function of frequencies; raise for wrong ones.
 
-    Args:
-        given: control.LTI, (A, B, C, D), gains, or function of frequencies.
-        measured, driven: Names of outputs and inputs; None for those that it names itself, or all.
-        outputs, inputs: Names of all outputs and inputs.
-        sign: -1 or 1.
-
-    Raises:
-        TypeError: It is none of these.
-        ValueError: It has another number of inputs or outputs than what it reads and drives, or is sampled.
-        KeyError: A name that there is not.
+    ``measured`` and ``driven`` name outputs and inputs; None for the names of the controller's signals, or all.
     """
     shape, labels, matrices, respond = _told(given)
-    found = []
-    for kind, told, all_of, count, own in (
+    places = []
+    for kind, names, all_of, count, own_names in (
         ("measured", measured, outputs, shape and shape[1], labels and labels[0]),
         ("driven", driven, inputs, shape and shape[0], labels and labels[1]),
     ):
         what = "output" if kind == "measured" else "input"
-        if told is None:
+        if names is None:
             known = {name.replace(".", " ") for name in all_of}
-            told = own if own and all(name.replace(".", " ") in known for name in own) else list(all_of)
-        told = [told] if isinstance(told, str) else list(told)
-        if count is not None and len(told) != count:
-            raise ValueError(
-                f"The controller has {count} {'inputs' if what == 'output' else 'outputs'}, but {len(told)} {what}s of"
-                f" the mechanism stand beside it. Say which by `{kind}`, of: {', '.join(all_of)}."
+            names = (
+                own_names if own_names and all(name.replace(".", " ") in known for name in own_names) else list(all_of)
             )
-        found.append(tuple(one_of(what, all_of, name) for name in told))
-    sizes = (len(found[1]), len(found[0]))
+        names = [names] if isinstance(names, str) else list(names)
+        if count is not None and len(names) != count:
+            raise ValueError(
+                f"The controller has {count} {'inputs' if what == 'output' else 'outputs'}, but the mechanism has"
+                f" {len(names)} {what}s. Choose some by `{kind}`, of: {', '.join(all_of)}."
+            )
+        places.append(tuple(one_of(what, all_of, name) for name in names))
+    sizes = (len(places[1]), len(places[0]))
     if matrices is not None:
         a, b, c, d = matrices
         matrices = (a, b, sign * c, sign * d)
@@ -82,18 +75,18 @@ def controller_of(
             )
         return gain if matrices is not None else sign * gain
 
-    return Controller(found[0], found[1], matrices, by_frequency)
+    return Controller(places[0], places[1], matrices, by_frequency)
 
 
 def _told(given: Any) -> tuple[Any, Any, Any, Any]:
-    """Shape (outputs, inputs) and labels where they are known, matrices or a function of frequencies."""
+    """Shape (outputs, inputs) and labels if known, matrices or a function of frequencies."""
     if type(given).__module__.split(".")[0] == "control":
         import control
 
         if getattr(given, "isdtime", lambda **_: False)(strict=True):
             raise ValueError(
-                "A sampled controller has no response to noise that is continuous: give the continuous one that it is"
-                " made of."
+                "A sampled controller has no response to continuous noise. Give the continuous controller that it is"
+                " made from."
             )
         labels = list(given.input_labels), list(given.output_labels)
         shape = given.noutputs, given.ninputs
@@ -140,16 +133,9 @@ def _of_states(matrices: Any, hertz: Float[Array, "n_f"]) -> Complex[Array, "n_f
 def closed(
     plant: EnergyForm, matrices: Any, places: Places | None, us: Sequence[int], sensed: Sequence[int]
 ) -> EnergyForm:
-    """The plant with its controller, from noise at inputs and of sensors to all outputs, THEORY.md 14, eq. (14.35).
+    """State space from noise at inputs and of sensors to all outputs of the closed loop (THEORY.md 14, eq. (14.35)).
 
-    Args:
-        plant: State space with all inputs and outputs.
-        matrices: A, B, C and D of the controller, its sign included.
-        places: Outputs that it reads and inputs that it drives; None without a controller.
-        us, sensed: Inputs at which noise enters, and outputs that the controller reads whose sensors have noise.
-
-    Returns:
-        EnergyForm with inputs in the order of ``us`` and ``sensed``, with states of the controller at the end.
+    Inputs are those of ``us``, then sensors of the outputs ``sensed``; states of the controller are last.
     """
     a, b, c, d, rough = plant
     w = np.asarray(us, int)
@@ -173,7 +159,7 @@ def closed(
     )
     enters = jnp.concatenate([bw + bd @ by_w, bk @ (read + seen @ by_w)])
     leaves = jnp.concatenate([c + dd @ by_z, dd @ by_x], axis=1)
-    # What a sensor does not know, the whole loop does not.
+    # If a sensor's signal is not known, neither is the loop.
     lost = rough[:, w] | jnp.any(rough[ms][:, w], axis=0) | jnp.any(rough[ms][:, ds])
     return EnergyForm(
         whole, enters, leaves, dw + dd @ by_w, jnp.concatenate([lost, jnp.zeros((len(c), len(sensed)), bool)], axis=1)
@@ -187,7 +173,7 @@ def closed_by_frequency(
     us: Sequence[int],
     sensed: Sequence[int],
 ) -> Complex[Array, "n_f n_y n_s"]:
-    """Responses of all outputs to noise and of sensors, THEORY.md 14, eq. (14.33); arguments as :func:`closed`."""
+    """Responses of all outputs to noise at inputs and of sensors (THEORY.md 14, eq. (14.33)); see :func:`closed`."""
     enters = plant[:, :, np.asarray(us, int)]
     if places is None or gain is None:
         return enters

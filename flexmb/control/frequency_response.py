@@ -50,31 +50,31 @@ class FrequencyResponse(Labelled, Record):
     one_axis = "hertz"
 
     def of(self, output: str | None = None, input: str | None = None) -> Complex[Array, "n_f"]:
-        """Response of one output to one input, (n_f,) [unit of the output over that of the input].
+        """Return the response of one output to one input, (n_f,) [unit of the output over that of the input].
 
         Args:
-            output: Name of the output; may be left out where there is one.
-            input: Name of the input likewise.
+            output: Name of the output; optional if there is one.
+            input: Name of the input, likewise.
 
         Raises:
-            KeyError: There is no such output or input, or several and none is named.
+            KeyError: Unknown output or input, or several and none is named.
         """
         i, j = one_of("output", self.outputs, output), one_of("input", self.inputs, input)
         return self.response[..., i, j]
 
     def magnitude(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Amplitude of one output by that of one input, (n_f,) [unit of the output over that of the input].
+        """Return the amplitude of one output by one input, (n_f,) [unit of the output over that of the input].
 
         Args:
-            output, input: As of :meth:`of`.
+            output, input: As for :meth:`of`.
         """
         return jnp.abs(self.of(output, input))
 
     def phase(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Phase by which one output leads one input, first within pi, then without jumps of a turn, (n_f,) [rad].
+        """Return the phase by which one output leads one input, continuous from within pi, (n_f,) [rad].
 
         Args:
-            output, input: As of :meth:`of`.
+            output, input: As for :meth:`of`.
         """
         return jnp.unwrap(jnp.angle(self.of(output, input)))
 
@@ -134,7 +134,7 @@ class FrequencyResponse(Labelled, Record):
         return FrequencyResponse(*numbers, held.outputs, held.inputs, held.output_ports, held.input_ports)
 
     def summary(self) -> Summary:
-        """Frequencies, names, and where each response is largest."""
+        """Return frequencies, names, and where each response is largest."""
         hertz, sizes = np.asarray(self.hertz), np.abs(np.asarray(self.response))
         rows = {"frequencies": f"{len(hertz)}, {span(hertz, 'Hz')}"}
         rows |= {"outputs": listed(self.outputs), "inputs": listed(self.inputs)}
@@ -155,33 +155,33 @@ def ratio(unit: str, of: str) -> str:
 
 
 def one_of(kind: str, known: Sequence[str], name: str | None) -> int:
-    """Which of some names one is, None if there is but one; a blank stands for a dot, as in python-control."""
+    """Place of a name, None if there is only one; a blank matches a dot, as in python-control."""
     if name is None and len(known) == 1:
         return 0
     if isinstance(name, str):
-        for i, own in enumerate(known):
-            if name in (own, own.replace(".", " ")):
+        for i, existing in enumerate(known):
+            if name in (existing, existing.replace(".", " ")):
                 return i
-    asked = "Say which" if name is None else f"There is no {kind} '{clean(name)}'"
+    asked = "Choose one" if name is None else f"There is no {kind} '{clean(name)}'"
     raise KeyError(f"{asked}: the {kind}s are {', '.join(known)}.")
 
 
 def places_of(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
-    """Which of some names are wanted, in the order in which they are wanted; all of them unless said."""
+    """Places of the wanted names, in their order; by default all."""
     if not known:
-        raise ModelError(f"A response needs an {kind}: name it with {kind}() of the builder.")
+        raise ModelError(f"A response needs an {kind}. Name it with {kind}() of the builder.")
     if wanted is None:
         return list(range(len(known)))
     if not isinstance(wanted, Iterable):
         raise TypeError(f"Argument `{kind}s` must be a name or a list of names, not {shown(wanted)}.")
-    found = [one_of(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
-    if not found or len(set(found)) < len(found):
+    places = [one_of(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
+    if not places or len(set(places)) < len(places):
         raise ValueError(f"Argument `{kind}s` must name {kind}s, each once. There are: {', '.join(known)}.")
-    return found
+    return places
 
 
 def check_hertz(hertz: Any) -> Float[Array, "n_f"]:
-    """Frequencies as an array; ValueError where they are not finite, negative, or have more than one axis."""
+    """Frequencies as an array; ValueError if they are not finite, negative, or have more than one axis."""
     check_numbers("Argument `hertz`", hertz)
     if np.ndim(hertz) > 1:
         raise ValueError(f"Argument `hertz` must be frequencies, (n_f,), but has shape {np.shape(hertz)}.")
@@ -206,39 +206,39 @@ def frequency_response(
     time: float | None = None,
     increment: float | None = None,
 ) -> FrequencyResponse:
-    """Response of the outputs to harmonic inputs, at thousands of frequencies in one go.
+    """Return the response of the outputs to harmonic inputs, at thousands of frequencies at once.
 
-    Damping is that of the elements, or what :func:`flexmb.damped` states, and structural damping, which only a response
-    by frequency can have as it is. Motions without mass follow at once, with their damping. About a state of motion the
-    equations there are taken as constant.
+    Damping is that of the elements, or of :func:`flexmb.damped`, and structural damping, which only a response by
+    frequency can include exactly. Motions without mass follow at once, with their damping. About a state of motion the
+    equations are constant.
 
     Args:
-        model: Mechanism, or its linearisation; differentiable in its parameters, also where frequencies are repeated.
+        model: Mechanism, or its linearisation; differentiable in its parameters, also for repeated frequencies.
         hertz: Frequencies, (n_f,) [Hz]; differentiable.
-        inputs, outputs: Names of those wanted; all unless given.
-        loss_factor: Structural damping K0 (1 + i eta), at all frequencies and at 0 Hz too: one loss factor eta [-] for
-            all elements, or by name or Material, as :func:`flexmb.damped` takes them.
-        method: "modes" for a sum over all undamped modes, which costs next to nothing for each frequency where damping
-            does not couple them, and otherwise solves for their amplitudes; "direct" for a solution in the degrees of
-            freedom at each frequency. Both are exact but for round-off: where the contributions of many modes cancel,
-            as in an internal stress by an internal actuator far below the resonances, "direct" keeps more digits.
-            "modes" unless given, and "direct" where there are no modes: of an unsymmetric stiffness, about a state of
-            motion, and by sparse matrices.
-        sparse: By a solution with sparse matrices at each frequency, in all coordinates of a model that needs no
-            degrees of freedom; see :func:`flexmb.equilibrium` for what these take. Chosen by size unless given.
-        solver: "sparse" or "dense" for the same; a LinearSolver finds what is carried along at rest, and sparse factors
-            the complex solutions.
-        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
+        inputs, outputs: Names of those wanted; all by default.
+        loss_factor: Structural damping K0 (1 + i eta), at all frequencies including 0 Hz: one loss factor eta [-] for
+            all elements, or by name or Material, as in :func:`flexmb.damped`.
+        method: "modes": a sum over all undamped modes, almost free for each frequency if damping does not couple them;
+            otherwise it solves for their amplitudes. "direct": a solution in the degrees of freedom at each frequency.
+            Both are exact but for round-off; "direct" keeps more digits if contributions of many modes cancel, as in an
+            internal stress by an internal actuator far below the resonances. By default "modes", or "direct" without
+            real modes: for an unsymmetric stiffness, about a state of motion, and with sparse matrices.
+        sparse: Solve with sparse matrices at each frequency, in all coordinates of a model that needs no degrees of
+            freedom; see :func:`flexmb.equilibrium`. By default chosen by size.
+        solver: "sparse" or "dense" for the same; a LinearSolver computes the motion carried along at rest, sparse
+            factors the complex solutions.
+        at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        FrequencyResponse with the complex response (n_f, n_y, n_u) [SI]. Infinite where a resonance without damping is
-        hit exactly, as that of a free body at 0 Hz.
+        FrequencyResponse with the complex response (n_f, n_y, n_u) [SI]. Infinite at an undamped resonance, such as
+            that
+        of a free body at 0 Hz.
 
     Raises:
-        KeyError: There is no such input or output.
+        KeyError: Unknown input or output.
         ModelError: The model names no inputs or no outputs, or an input that moves nothing.
-        ValueError: A frequency that is negative or not finite; a loss factor of what has no stiffness.
-        NotImplementedError: ``method="modes"``, and an unsymmetric stiffness or a motion gives none.
+        ValueError: A frequency that is negative or not finite; a loss factor of elements without stiffness.
+        NotImplementedError: ``method="modes"`` for an unsymmetric stiffness or a motion.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
     Warns:
@@ -251,37 +251,37 @@ def frequency_response(
     frequencies = check_hertz(hertz)
     where = Where(at, step, time, increment)
     lin = asked_about(model, "frequency_response", where, asked_solver(sparse, solver), few=method != "modes")
-    found = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
-    if is_concrete((lin, found)):
-        _tell_of_infinite(found)
+    answer = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
+    if is_concrete((lin, answer)):
+        _tell_of_infinite(answer)
         m = lin.matrices
         if lin.large:
             unstable = is_unstable(jax.tree.map(np.asarray, lin.elements), m.symmetric)
         else:
             unstable = m.moving is None and unstable_motions(m.K0 + m.G0, m.K0, m.symmetric).shape[1] > 0
         _tell_of_unstable(unstable)
-    return found
+    return answer
 
 
 def response_of(
     lin: Linearization, hertz: Float[Array, "n_f"], inputs: Any, outputs: Any, losses: Any, method: str | None
 ) -> FrequencyResponse:
-    """As :func:`frequency_response`, of a linearisation, without a warning."""
+    """:func:`frequency_response` of a linearisation, without warnings."""
     m, labels = lin.matrices, lin.labels
     us = tuple(places_of("input", [s.name for s in labels.inputs], inputs))
     ys = tuple(places_of("output", [s.name for s in labels.outputs], outputs))
     rests = m.symmetric and m.moving is None
     if method == "modes":
         if lin.large:
-            raise NotImplementedError('Sparse matrices give no sum over all modes: leave out method="modes".')
+            raise NotImplementedError('Sparse matrices give no sum over all modes. Leave out method="modes".')
         refuse_unsymmetric(m.symmetric)
         if not rests:
-            raise NotImplementedError('About a state of motion there are no real modes: leave out method="modes".')
+            raise NotImplementedError('About a state of motion there are no real modes. Leave out method="modes".')
     orders, _ = orders_of(lin.model.signals()[0])
     if lin.large:
         _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
         losses = None if losses is None else loss_factors(lin, losses)
-        found = jax.device_put(response_by_elements(lin, hertz, us, ys, losses))
+        responses = jax.device_put(response_by_elements(lin, hertz, us, ys, losses))
     else:
         whole = second_order(lin)
         refuse_negative_mass(lin)
@@ -290,13 +290,13 @@ def response_of(
             refuse_idle_inputs(*known)
         _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
         losses = None if losses is None else loss_factors(lin, losses)
-        found, result = response_by_freedoms(lin, whole, hertz, us, ys, losses, method != "direct" and rests)
+        responses, result = response_by_freedoms(lin, whole, hertz, us, ys, losses, method != "direct" and rests)
         check_spectrum(result, True, lin)
-        found = or_nan(found, result)
+        responses = or_nan(responses, result)
     outputs, inputs = [labels.outputs[i] for i in ys], [labels.inputs[j] for j in us]
     return FrequencyResponse(
         hertz,
-        found,
+        responses,
         tuple(signal.name for signal in outputs),
         tuple(signal.name for signal in inputs),
         tuple(signal.port(labels) for signal in outputs),
@@ -305,23 +305,23 @@ def response_of(
 
 
 def _check_rest(hertz: Any, rates: list[str]) -> None:
-    """Refuse a response at rest to what is a rate: it would have moved without bounds."""
+    """Refuse 0 Hz for an input that is a rate: the motion would be unbounded."""
     if rates and is_concrete(hertz) and np.any(np.asarray(hertz) == 0):
         raise ValueError(
-            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a velocity or an acceleration that would"
-            " go on for ever. Leave that frequency out."
+            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a velocity or an acceleration that never"
+            " ends. Leave that frequency out."
         )
 
 
 def _tell_of_infinite(found: FrequencyResponse) -> None:
-    """Warn of responses that are infinite, by the first."""
+    """Warn of infinite responses, by the first."""
     infinite = np.argwhere(~np.isfinite(np.asarray(found.response)))
     if len(infinite):
         f, i, j = infinite[0]
         hertz = float(found.hertz[f])
         remedy = "Damp it (fm.damped, or `loss_factor`) or leave that frequency out."
         if hertz == 0:
-            remedy = "A motion meets no stiffness: support it, or leave 0 Hz out."
+            remedy = "A motion meets no stiffness. Support it, or leave 0 Hz out."
         warn(
             f"The response of '{found.outputs[i]}' to '{found.inputs[j]}' is infinite at {hertz:.6g} Hz: a resonance"
             f" without damping is hit. {remedy}"
@@ -329,11 +329,11 @@ def _tell_of_infinite(found: FrequencyResponse) -> None:
 
 
 def _tell_of_unstable(unstable: bool) -> None:
-    """Warn of a response that no mechanism has by itself."""
+    """Warn of a response about an unstable equilibrium."""
     if unstable:
         collect(RESULTS.unstable_state)
         warn(
-            "The equilibrium is not stable, as a negative frequency tells: the response is the transfer function there,"
-            " which is measured only while a controller holds the mechanism. Lower the load, or ask about a stable"
-            " state of fm.path."
+            "The equilibrium is not stable: it has a negative frequency. The response is the transfer function there,"
+            " which can be measured only while a controller holds the mechanism. Lower the load, or use a stable state"
+            " of fm.path."
         )

@@ -18,36 +18,31 @@ from ..linear.spectrum import shift_to_definite
 from ..math.by_deformations import forces, product, refined
 from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import diagonal_of, pencil
+from ..numerical_limits import (
+    COUPLED_BY_ROUND_OFF,
+    COUPLED_MODES,
+    NEAR_RESONANCE,
+    NO_PART_OF_MODE,
+    RESONANCE_HIT,
+    SAME_MODE,
+    TURN_OF_MODES,
+)
 from ..results import RESULTS
 from .second_order_form import SecondOrder, large_second_order, lossy_elements, second_order
 
-# Damping couples two modes where what is between them is above this share of the mean of their own, or, beside it, of
-# the largest there is: both are far above round-off and far below what an answer would show.
-COUPLED, ROUND_OFF = 1e-8, 1e-14
-# A resonance is hit where all that is left of stiffness less inertia is so many round-offs of them.
-HIT = 16 * float(np.finfo(float).eps)
-# A mode has no part in a response where it is below this share of the largest part that any has.
-NO_PART = 1e-12
-# Modes whose frequencies squared are nearer than this, relatively, are not told apart.
-NEAR = 1e-9
-# Nor are those that a step of Newton's method turns by more than this into each other: round-off does.
-TURN = 1e-5
-# What round-off may leave of a solution near a resonance without damping.
-NEAR_RESONANCE = 1e-3
-
 
 def plain(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
-    """Second-order form with arrays alone, and beside it of which derivative of what is moved each input is."""
+    """Second-order form with arrays only, and the orders of derivatives of the inputs."""
     none = np.zeros(0)
     return whole._replace(orders=none, moves=none), tuple(int(order) for order in whole.orders)
 
 
 def _of(whole: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
-    """The same of some inputs and outputs."""
+    """The form of some inputs and outputs."""
     u, y = np.array(us), np.array(ys)
-    own = {f"B{i}": getattr(whole, f"B{i}")[:, u] for i in range(3)}
-    own |= {f"C{i}": getattr(whole, f"C{i}")[y] for i in range(3)}
-    return whole._replace(**own, **{f"D{i}": getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)})
+    parts = {f"B{i}": getattr(whole, f"B{i}")[:, u] for i in range(3)}
+    parts |= {f"C{i}": getattr(whole, f"C{i}")[y] for i in range(3)}
+    return whole._replace(**parts, **{f"D{i}": getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)})
 
 
 def response_by_freedoms(
@@ -81,44 +76,41 @@ def _response(
     system = _of(system, us, ys)
     loss, of_loss = jnp.zeros_like(system.K), None
     if lossy is not None:
-        # Geometric stiffness and inertia do not depend on the elements' stiffness: what is left is linear in it.
-        with_it, without = (_of(own, us, ys) for own in lossy)
-        of_loss = jax.tree.map(lambda one, other: one - other, with_it, without)
+        # Geometric stiffness and inertia do not depend on the elements' stiffness; the difference is linear in it.
+        with_it, without = (_of(form, us, ys) for form in lossy)
+        of_loss = jax.tree.map(lambda a, b: a - b, with_it, without)
         loss = of_loss.K
     by_inputs, by_outputs, through = _polynomials(system, of_loss)
     parts = (system.M, system.C, system.K, loss)
     factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
     responses = _integrated(responses, w, np.asarray(orders)[np.array(us)])
-    # What is divided by nothing is infinite; of a state that was not found nothing is a number.
+    # A division by zero is infinite; all is NaN for a state that was not found.
     known = jnp.all(jnp.isfinite(system.M)) & jnp.all(jnp.isfinite(system.K))
     responses = jnp.where(jnp.isfinite(jnp.abs(responses)) | ~known, responses, jnp.inf + 0j)
     return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
 
 
 def _integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"], orders: Any) -> Any:
-    """Responses to inputs that are velocities or accelerations, by ``orders``, of those to the displacements."""
+    """Responses to inputs that are velocities or accelerations, from those to displacements."""
     for order in (1, 2):
-        own = np.asarray(orders) == order
-        if np.any(own):
-            whole = responses / _powers(w)[order][:, None, None]
-            responses = library_of((responses, w)).where(own, whole, responses)
+        is_order = np.asarray(orders) == order
+        if np.any(is_order):
+            divided = responses / _powers(w)[order][:, None, None]
+            responses = library_of((responses, w)).where(is_order, divided, responses)
     return responses
 
 
 def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:
-    """Second-order forms with the stiffness of the elements times their loss factors, and with none.
-
-    Their difference, in K, B0, C0 and D0, is what is lossy, to be taken i times.
-    """
+    """Second-order forms with lossy stiffness and without; i times their difference is the loss."""
     m = lin.matrices
     lossy, k = _lossy(m, losses)
     none = {name: np.zeros(m.K0.shape) for name in ("M0", "C0", "D0", "K0", "N0", "G0")} | {"S_d": np.zeros(m.S.shape)}
 
-    def of(**own: Any):
-        return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **own}), lin.model)))[0]
+    def form(**parts: Any):
+        return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **parts}), lin.model)))[0]
 
-    return of(S=lossy, K0=k), of(S=np.zeros(m.S.shape))
+    return form(S=lossy, K0=k), form(S=np.zeros(m.S.shape))
 
 
 @jit
@@ -129,14 +121,14 @@ def _lossy(m: Matrices, losses: Float[Array, "n_e"]):
 
 
 def _polynomials(system: SecondOrder, lossy: SecondOrder | None) -> list[Complex[Array, "3 i j"]]:
-    """What inputs do, outputs take, and takes outputs of inputs at once, by powers of i w from the lowest."""
-    found = []
+    """B, C and D by powers of i w, from the lowest."""
+    polynomials = []
     for name in "BCD":
-        own = jnp.stack([getattr(system, f"{name}{i}") for i in range(3)]).astype(complex)
+        matrices = jnp.stack([getattr(system, f"{name}{i}") for i in range(3)]).astype(complex)
         if lossy is not None:
-            own = own.at[0].add(1j * getattr(lossy, f"{name}0").astype(complex))
-        found.append(own)
-    return found
+            matrices = matrices.at[0].add(1j * getattr(lossy, f"{name}0").astype(complex))
+        polynomials.append(matrices)
+    return polynomials
 
 
 def _powers(w: Float[Array, "*n_f"], count: int = 3) -> Complex[Array, "count *n_f"]:
@@ -153,9 +145,9 @@ def _at(w: Float[Array, "n_f"], polynomial: Complex[Array, "3 i j"]) -> Complex[
 def _modal_factors(
     m: Float[Array, "n n"], c: Float[Array, "n n"], k: Float[Array, "n n"], loss: Float[Array, "n n"]
 ) -> tuple[Any, Any]:
-    """Undamped modes W with W^T (K + s M) W = 1, what mass, damping and loss are between them, and whether there are.
+    """Undamped modes W with W^T (K + s M) W = 1, mass, damping and loss between them, and whether there are any.
 
-    Scaled so, motions without mass are modes like others, with a mass of zero, and the sum has the whole flexibility.
+    With this scale, motions without mass are modes of zero mass, and the sum includes the whole flexibility.
     """
     m, c, k, loss = (jax.lax.stop_gradient(part) for part in (m, c, k, loss))
     shift, _, found = shift_to_definite(k, m)
@@ -167,24 +159,22 @@ def _modal_factors(
 def _refined(
     a: Float[Array, "n n"], b: Float[Array, "n n"], mu: Float[Array, "n"], vectors: Float[Array, "n n"]
 ) -> tuple[Any, Any]:
-    """Eigenvalues and vectors of A w = mu B w after one step of Newton's method, each right to its own round-off.
+    """Eigenvalues and vectors of A w = mu B w after one Newton step, each accurate to its own round-off.
 
-    As they are found they are known to round-off of the largest mu, of the slowest mode. What is left of products
-    w_i^T B w_j, the square of how far the step turned, is taken off once more.
-
-    Source:
-        Ogita, Aishima (2018), Japan J. Industrial and Applied Mathematics 35, 1007, with B in place of the unit matrix.
+    Before, they are accurate to round-off of the largest mu, of the slowest mode. A second correction removes the
+    square of the step from w_i^T B w_j (Ogita, Aishima (2018), Japan J. Industrial and Applied Mathematics 35, 1007,
+    with B in place of the unit matrix).
     """
     of_a, of_b = vectors.T @ a @ vectors, vectors.T @ b @ vectors
     values = diagonal_of(of_a) / diagonal_of(of_b)
     gap = values[None, :] - values[:, None]
-    apart = jnp.abs(gap) > NEAR * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
+    apart = jnp.abs(gap) > SAME_MODE * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
     turned = jnp.where(apart, (of_a - values[None, :] * of_b) / jnp.where(apart, gap, 1.0), 0.0)
-    # Modes of one frequency are as good in any directions, and so are those that round-off does not tell apart, as of
-    # motions almost without mass: those stay.
-    turned = jnp.where(jnp.maximum(jnp.abs(turned), jnp.abs(turned.T)) < TURN, turned, 0.0)
+    # Modes of one frequency may have any direction; they stay, like modes that round-off does not separate, as of
+    # motions almost without mass.
+    turned = jnp.where(jnp.maximum(jnp.abs(turned), jnp.abs(turned.T)) < TURN_OF_MODES, turned, 0.0)
     vectors = vectors + vectors @ turned
-    # Slow modes, the last ones, take the part of faster ones off, which moves them little; not the other way round.
+    # Remove faster modes from slow ones, the last, which moves these little; not the other way round.
     vectors = vectors - vectors @ jnp.triu(vectors.T @ b @ vectors, 1)
     of_a, of_b = jnp.sum(vectors * (a @ vectors), axis=0), jnp.sum(vectors * (b @ vectors), axis=0)
     return of_a / of_b, vectors / jnp.sqrt(of_b)
@@ -192,7 +182,7 @@ def _refined(
 
 def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
     own = jnp.abs(diagonal_of(matrix))
-    allowed = COUPLED * jnp.sqrt(own[:, None] * own) + ROUND_OFF * jnp.max(own, initial=0.0)
+    allowed = COUPLED_MODES * jnp.sqrt(own[:, None] * own) + COUPLED_BY_ROUND_OFF * jnp.max(own, initial=0.0)
     return jnp.any((jnp.abs(matrix) > allowed) & ~np.eye(len(matrix), dtype=bool))
 
 
@@ -207,16 +197,16 @@ def _transfer(
     """C(i w) (-w^2 M + i w C + K + i L)^-1 B(i w), THEORY.md 14, eq. (14.30), by modes (14.31).
 
     Args:
-        factors: As of :func:`_modal_factors`; None for solutions in the degrees of freedom.
+        factors: From :func:`_modal_factors`; None for solutions in the degrees of freedom.
         parts: M, C, K and L.
-        by_inputs: B by powers, (3, n_q, n_u), or one matrix for each frequency, (n_f, n_q, n_u), in a tuple.
+        by_inputs: B by powers, (3, n_q, n_u), or a tuple with one matrix for each frequency, (n_f, n_q, n_u).
         by_outputs: C likewise.
     """
     if factors is None:
         m, c, k, loss = parts
-        # Each freedom in a unit that makes its own stiffness one.
-        own = jnp.abs(diagonal_of(k))
-        scale = 1 / jnp.sqrt(jnp.where(own > 0, own, 1.0))
+        # Scale each freedom to a stiffness of one.
+        diagonal = jnp.abs(diagonal_of(k))
+        scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
         m, c, k, loss = (part * scale[:, None] * scale for part in (m, c, k, loss))
         units = scale.astype(complex)
         right, left = _expanded(w, by_inputs) * units[:, None], _expanded(w, by_outputs) * units
@@ -229,7 +219,7 @@ def _transfer(
         return _sum_over_modes(w, factors, by_inputs, by_outputs)
 
     def solved():
-        right, left = (_expanded(w, of) for of in (by_inputs, by_outputs))
+        right, left = (_expanded(w, polynomial) for polynomial in (by_inputs, by_outputs))
         stiffness, mass = jnp.diag(1 - shifted), jnp.diag(mu)
         return _solved_each(w, stiffness, mass, damping, losses, vectors.T @ right, left @ vectors)
 
@@ -237,7 +227,7 @@ def _transfer(
 
 
 def _expanded(w: Float[Array, "n_f"], given: Complex[Array, "3 i j"] | tuple[Array]):
-    """One matrix for each frequency, of a polynomial or of what is so already."""
+    """One matrix for each frequency, of a polynomial or of such matrices."""
     return given[0] if isinstance(given, tuple) else _at(w, given)
 
 
@@ -251,13 +241,13 @@ def _sum_over_modes(
     vectors = vectors.astype(complex)
     column = w[:, None]
     inverse = jax.lax.complex(1 - shifted - column**2 * mu, column * diagonal_of(damping) + diagonal_of(losses))
-    hit = jnp.abs(inverse) <= HIT * (1 + shifted + column**2 * mu)
+    hit = jnp.abs(inverse) <= RESONANCE_HIT * (1 + shifted + column**2 * mu)
     gains = jnp.where(hit, 0.0, 1 / jnp.where(hit, 1.0, inverse))
     if isinstance(by_inputs, tuple) or isinstance(by_outputs, tuple):
         right, left = vectors.T @ _expanded(w, by_inputs), _expanded(w, by_outputs) @ vectors
         return left @ (gains[:, :, None] * right)
     right, left = vectors.T @ by_inputs, by_outputs @ vectors
-    # Of each mode, output and input by powers of i w: then one product of matrices sums over all modes.
+    # For each mode, output and input by powers of i w: one product of matrices sums over all modes.
     (_, n, n_u), n_y = right.shape, left.shape[1]
     shares = [jnp.zeros((n, n_y, n_u), complex)] * 5
     for i in range(3):
@@ -266,7 +256,7 @@ def _sum_over_modes(
     flat = jnp.stack(shares).reshape(5, n, n_y * n_u)
     responses = jnp.sum(_powers(w, 5)[:, :, None] * (gains @ flat), axis=0)
     sizes = jnp.max(jnp.abs(flat), axis=0)
-    takes_part = sizes > NO_PART * jnp.max(sizes, axis=0, initial=0.0)
+    takes_part = sizes > NO_PART_OF_MODE * jnp.max(sizes, axis=0, initial=0.0)
     unbounded = (hit.astype(float) @ takes_part.astype(float)) > 0
     return jnp.where(unbounded, jnp.inf + 0j, responses).reshape(len(w), n_y, n_u)
 
@@ -282,11 +272,11 @@ def _solved_each(
 ):
     """Solutions at each frequency, one after the other: a batch of large LAPACK calls may never end on a CPU."""
 
-    def one(at: tuple[Array, ...]):
+    def at_frequency(at: tuple[Array, ...]):
         w, right, left = at
         return left @ jnp.linalg.solve(jax.lax.complex(k - w**2 * m, w * c + loss), right)
 
-    return jax.lax.map(one, (w, right, left))
+    return jax.lax.map(at_frequency, (w, right, left))
 
 
 @_transfer.defjvp
@@ -296,10 +286,10 @@ def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     _, dw, (dm, dc, dk, dloss), d_inputs, d_outputs = tangents
     n = parts[0].shape[0]
     every = (jnp.broadcast_to(jnp.eye(n, dtype=complex), (len(w), n, n)),)
-    right, left = (_expanded(w, of) for of in (by_inputs, by_outputs))
+    right, left = (_expanded(w, polynomial) for polynomial in (by_inputs, by_outputs))
     moved = _transfer(factors, w, parts, (right,), every)
     felt = _transfer(factors, w, parts, every, (left,))
-    found = left @ moved
+    responses = left @ moved
     one, s, s2 = (power[:, None, None] for power in _powers(w))
     of_z = sum(
         change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, one), (dloss, 1j))
@@ -315,29 +305,28 @@ def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
         return _at(w, d_polynomial) + turned * (polynomial[1] + 2 * s * polynomial[2])
 
     change = change + moves(by_outputs, d_outputs) @ moved + felt @ moves(by_inputs, d_inputs)
-    return found, change
+    return responses, change
 
 
 def response_by_elements(
     lin: Linearization, hertz: Float[Array, "n_f"], us: tuple[int, ...], ys: tuple[int, ...], losses: Any
 ) -> Any:
-    """H(i 2 pi f) of a large mechanism, (n_f, n_y, n_u), infinite where an undamped resonance is hit.
+    """H(i 2 pi f) of a large mechanism, (n_f, n_y, n_u), infinite at an undamped resonance.
 
-    Source:
-        THEORY.md 14, eq. (14.30), and its derivative (14.32), in the coordinates and multipliers of 7, eq. (7.15).
+    THEORY.md 14, eq. (14.30), and its derivative (14.32), in the coordinates and multipliers of 7, eq. (7.15).
     """
     system, w = large_second_order(lin).of(us, ys), 2 * np.pi * as_known(hertz)
     elements, polynomials = system.elements, [part.astype(complex) for part in system[1:4]]
     if losses is not None:
         lossy = large_second_order(lin, lossy_elements(lin, losses)).of(us, ys)
         elements = elements._replace(loss=lossy.elements.stiffness, lossy=lossy.elements.elastic)
-        polynomials = [part + 1j * own.astype(complex) for part, own in zip(polynomials, lossy[1:4], strict=True)]
+        polynomials = [part + 1j * loss.astype(complex) for part, loss in zip(polynomials, lossy[1:4], strict=True)]
     b, c, d = polynomials
     at_once = as_known(_transfer_by_elements(elements, w, b, c)) + _at(w, d)
-    # What is infinite at a resonance stays so, whatever it is divided by; what is no number stays none.
+    # Infinite responses at a resonance stay infinite after division; NaN stays NaN.
     with np.errstate(invalid="ignore"):
-        found = _integrated(at_once, w, system.orders)
-        return library_of(at_once).where(library_of(at_once).isinf(abs(at_once)), np.inf + 0j, found)
+        responses = _integrated(at_once, w, system.orders)
+        return library_of(at_once).where(library_of(at_once).isinf(abs(at_once)), np.inf + 0j, responses)
 
 
 @jax.custom_jvp
@@ -356,26 +345,23 @@ def solutions(
     *,
     only_responses: bool = False,
 ) -> Any:
-    """Z^-1 B and Z^-T C^T at each frequency, of coordinates that move and multipliers, or C Z^-1 B alone for less.
+    """Z^-1 B and Z^-T C^T at each frequency, of what moves and multipliers, or C Z^-1 B alone, which costs less.
 
-    Args:
-        b, c: By powers of i w, complex, (3, n_x, n_u) and (3, n_y, n_x).
-
-    Returns:
-        (n_f, n + h, n_u + n_y), zero where an undamped resonance is hit; or (n_f, n_y, n_u), infinite there.
+    ``b`` and ``c`` are complex, by powers of i w. Returns (n_f, n + h, n_u + n_y), zero at an undamped resonance; or
+    (n_f, n_y, n_u), infinite there.
     """
     like = jax.ShapeDtypeStruct(_shape(elements, w, b, c, only_responses), complex)
     return on_host(functools.partial(_solved_on_host, only_responses=only_responses), like, elements, w, b, c)
 
 
 def _shape(elements: ElementMatrices, w: Any, b: Any, c: Any, only_responses: bool) -> tuple[int, int, int]:
-    """Of what :func:`solutions` returns."""
+    """Shape of the result of :func:`solutions`."""
     n_u, n_y = b.shape[2], c.shape[1]
     return (w.shape[0], n_y, n_u) if only_responses else (w.shape[0], sum(elements.unknowns), n_u + n_y)
 
 
 def _solved_on_host(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray, *, only_responses: bool):
-    """As :func:`solutions` of known numbers; NumPy and SciPy alone."""
+    """:func:`solutions` of known numbers, by NumPy and SciPy alone."""
     shape = _shape(elements, w, b, c, only_responses)
     whole, rows, answer = Whole(elements), sum(elements.unknowns), np.full(shape, np.inf + 0j)
     for i, s in enumerate(1j * w):
@@ -397,7 +383,7 @@ def _solved_on_host(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: 
 
 
 def _solution(elements: ElementMatrices, factors: Any, s: complex, right: np.ndarray, transposed: bool = False):
-    """Solution of the equations at a frequency; NumPy and SciPy alone."""
+    """Solution of the equations at a frequency, by NumPy and SciPy alone."""
 
     def exact(z: np.ndarray):
         return forces(elements, z, transposed, s)
@@ -417,7 +403,7 @@ def _by_solutions(
     """C X + Y^T (B - Z X) at each frequency."""
     n, n_u = elements.unknowns[0], b.shape[2]
 
-    def one(at: tuple[Array, Array]):
+    def at_frequency(at: tuple[Array, Array]):
         s, (x, y) = lax.complex(jnp.zeros_like(at[0]), at[0]), jnp.split(at[1], [n_u], axis=1)
         powers = _powers(at[0])
         right = jnp.tensordot(powers, b, 1)[elements.free]
@@ -426,13 +412,13 @@ def _by_solutions(
         out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
         return left @ x[:n] + y.T @ out_of_balance
 
-    return lax.map(one, (w, moved))
+    return lax.map(at_frequency, (w, moved))
 
 
 @_transfer_by_elements.defjvp
 def _transfer_by_elements_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    """As (14.32): with X = Z^-1 B and Y = Z^-T C^T held, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
+    """(14.32): with constant X = Z^-1 B and Y = Z^-T C^T, C X + Y^T (B - Z X) has the derivative of C Z^-1 B."""
     moved = solutions(*primals)
-    found, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
+    responses, change = jax.jvp(lambda *numbers: _by_solutions(*numbers, moved), primals, tangents)
     regular = jnp.any(moved != 0, axis=(1, 2))[:, None, None] | ~jnp.any(primals[2])
-    return jnp.where(regular, found, jnp.inf + 0j), jnp.where(regular, change, 0j)
+    return jnp.where(regular, responses, jnp.inf + 0j), jnp.where(regular, change, 0j)

@@ -1,4 +1,4 @@
-"""What is held as freedoms of its own: how equations about a state depend on its motion, and what holds it."""
+"""Held coordinates as freedoms: effects of their motion on linearised equations, and forces that hold them."""
 
 import dataclasses
 from typing import Any, NamedTuple
@@ -22,9 +22,7 @@ from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..motion.element_forces import Moving, force_derivatives, prepared_blocks
-
-# What is below this share of what it could be is round-off.
-ROUND_OFF = 1e-13
+from ..numerical_limits import ENTRY_ROUND_OFF
 
 
 class Held(NamedTuple):
@@ -32,8 +30,8 @@ class Held(NamedTuple):
 
     Attributes:
         of_element: Whether it is a deformation.
-        at: Index in x or e; of a rotation in space, that of its first Euler parameter.
-        axis: About which axis of a rotation in space; None for others.
+        at: Index in x or e; of a rotation in space, its first Euler parameter.
+        axis: Axis of a rotation in space; None for others.
         local: Whether the axis turns with the node.
     """
 
@@ -44,18 +42,18 @@ class Held(NamedTuple):
 
 
 def held_by(signals: tuple[Signal, ...]) -> tuple[Held, ...]:
-    """What is moved by inputs or what holds it is measured by outputs, each once, in their order."""
-    found = [held_of(s) for s in signals if s.held and (s.order is not None or s.quantity in ("reaction", "stress"))]
-    return tuple(dict.fromkeys(found))
+    """Held coordinates that inputs move, or whose forces outputs measure, each once, in their order."""
+    held = [s for s in signals if s.held and (s.order is not None or s.quantity in ("reaction", "stress"))]
+    return tuple(dict.fromkeys(map(held_of, held)))
 
 
 def held_of(signal: Signal) -> Held:
-    """What a signal moves, or what holds it."""
+    """Held coordinate that a signal moves, or whose force it measures."""
     return Held(signal.of_element, signal.index, signal.axis, signal.local)
 
 
 def moved_by(causes: tuple[Signal, ...], held: tuple[Held, ...]) -> np.ndarray:
-    """Which of what is held each input moves, (held, inputs)."""
+    """Which held coordinate each input moves, (held, inputs)."""
     motions = np.zeros((len(held), len(causes)))
     for j, s in enumerate(causes):
         if s.order is not None:
@@ -64,13 +62,10 @@ def moved_by(causes: tuple[Signal, ...], held: tuple[Held, ...]) -> np.ndarray:
 
 
 def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tuple[Held, ...]) -> Matrices:
-    """Linearised equations in the degrees of freedom and in what is held, after them, about any state.
+    """Linearised equations in the degrees of freedom, then in held coordinates, about any state.
 
-    The degrees of freedom stay as they are where something held moves. The force that must be put on what is held is
-    M0 qdd + (C0 + D0) qd + K q along it; of a deformation this is less its stress resultant.
-
-    Source:
-        THEORY.md 14, eq. (14.2) and (14.3).
+    The degrees of freedom stay constant when held coordinates move. The force on held coordinates is M0 qdd + (C0 + D0)
+    qd + K q along them; for a deformation it is minus its stress resultant (THEORY.md 14, eq. (14.2) and (14.3)).
     """
     if not held:
         return m
@@ -81,8 +76,8 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     seed_x, seed_e = seeds(topology, x, held)
 
     def answer(excess: Float[Array, "n_e k"], shift: Float[Array, "n_x k"]):
-        """Change of all coordinates, the degrees of freedom as they are."""
-        return jax.vmap(lambda *of: correction(topology, tangent, *of), (1, 1), 1)(excess, shift)
+        """Change of all coordinates at constant degrees of freedom."""
+        return jax.vmap(lambda e, x: correction(topology, tangent, e, x), (1, 1), 1)(excess, shift)
 
     moved = answer(jacobian @ seed_x - seed_e, seed_x)
     given = topology.e.given
@@ -93,8 +88,8 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
         loads = loads + weight_stiffness(topology, parameters, x, m.felt.gravity)
     if m.turning is not None:
         loads = loads + m.turning
-    # Of held deformations the whole stress resultant is a force that holds them: that of a stiffness is in it.
-    stiffness, damping = (put(of, topology.e.held, 0.0) for of in (m.S, m.S_d))
+    # The force on held deformations is their total stress resultant, which includes that of their stiffness.
+    stiffness, damping = (put(matrix, topology.e.held, 0.0) for matrix in (m.S, m.S_d))
     moving, velocity, dynamic = None, jnp.zeros((z.shape[1],) * 2), jnp.zeros((z.shape[1],) * 2)
     curvature = deformation_curvature(topology, parameters, x, near, m.sigma)
     if m.moving is None:
@@ -117,7 +112,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     structural = dfe.T @ stiffness @ dfe
 
     def joined(own: Float[Array, "n n"], whole: Float[Array, "w w"]):
-        """The degrees of freedom's own part as it is known."""
+        """The matrix with the known part of the degrees of freedom."""
         return whole.at[:n, :n].set(own)
 
     k0, n0, g0 = joined(m.K0, _exact(structural)), joined(m.N0, dynamic), joined(m.G0, geometric)
@@ -141,62 +136,61 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
 def seeds(
     topology: Topology, x: Float[Array, "n_x"], held: tuple[Held, ...]
 ) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
-    """Changes of held coordinates and deformations by a unit of each of what is held."""
+    """Changes of held coordinates and deformations by a unit of each."""
     library = library_of(x)
     seed_x, seed_e = library.zeros((topology.n_x, len(held))), library.zeros((topology.n_e, len(held)))
-    for i, of in enumerate(held):
-        if of.of_element:
-            seed_e = put(seed_e, (of.at, i), 1.0)
-        elif of.axis is None:
-            seed_x = put(seed_x, (of.at, i), 1.0)
+    for i, each in enumerate(held):
+        if each.of_element:
+            seed_e = put(seed_e, (each.at, i), 1.0)
+        elif each.axis is None:
+            seed_x = put(seed_x, (each.at, i), 1.0)
         else:
-            own = of.at + np.arange(4)
-            # Of omega = 2 Lbar d(lambda)/dt the inverse: d(lambda)/dt = Lbar^T omega / 2.
-            seed_x = put(seed_x, (own, i), rotation_row(x[own], of.axis, of.local) / 4)
+            euler = each.at + np.arange(4)
+            # d(lambda)/dt = Lbar^T omega / 2, the inverse of omega = 2 Lbar d(lambda)/dt.
+            seed_x = put(seed_x, (euler, i), rotation_row(x[euler], each.axis, each.local) / 4)
     return seed_x, seed_e
 
 
 def _exact(matrix: Float[Array, "w w"]) -> Float[Array, "w w"]:
-    """Nothing where there is but round-off, of a positive semidefinite matrix; its derivatives stay.
+    """A positive semidefinite matrix with zeros for round-off; its derivatives stay.
 
-    Whether an output takes a rate of an input, which no state space has, hangs on it.
+    Round-off would make an output depend on a rate of an input, which no state space includes.
     """
     known = jax.lax.stop_gradient(matrix)
     size = jnp.sqrt(jnp.abs(jnp.diag(known)))
-    small = jnp.abs(known) <= ROUND_OFF * size[:, None] * size
+    small = jnp.abs(known) <= ENTRY_ROUND_OFF * size[:, None] * size
     return jnp.where(small, matrix - known, matrix)
 
 
 def _factors(m: Matrices) -> Any:
     if m.factors is None:
-        raise ValueError("These matrices do not know the factors of their loads: take them from fm.linearize(model).")
+        raise ValueError("These matrices do not include the factors of their loads. Use fm.linearize(model).")
     return m.factors
 
 
 def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
-    """What moments that hold a turned node change by since they are about axes: 2 Lbar(lambda) turns along."""
-    found = library_of((m.x, m.reactions)).zeros((n + len(held), n + len(held)))
-    for i, of in enumerate(held):
+    """Change of moments that hold a turned node, since they are about axes: 2 Lbar(lambda) turns with it."""
+    stiffness = library_of((m.x, m.reactions)).zeros((n + len(held), n + len(held)))
+    for i, each in enumerate(held):
         for j, by in enumerate(held):
-            if of.axis is not None and by.axis is not None and of.at == by.at:
-                own = of.at + np.arange(4)
-                turned = rotation_row(m.x[own], by.axis, by.local) / 4
-                change = rotation_row(turned, of.axis, of.local) / 4 @ m.reactions[own]
-                found = put(found, (n + i, n + j), change)
-    return found
+            if each.axis is not None and by.axis is not None and each.at == by.at:
+                euler = each.at + np.arange(4)
+                turned = rotation_row(m.x[euler], by.axis, by.local) / 4
+                change = rotation_row(turned, each.axis, each.local) / 4 @ m.reactions[euler]
+                stiffness = put(stiffness, (n + i, n + j), change)
+    return stiffness
 
 
 def _beside_elements(
     m: Matrices, added: Float[Array, "n_q n_q"], by_held: Float[Array, "n_q k"], of_held: Float[Array, "k n_q"]
 ) -> Float[Array, "w w"]:
-    """Damping that is not of the elements, ``added``, of what moves beyond that which follows at rest.
+    """Damping ``added`` beside that of the elements, for motion beyond the motion at rest.
 
-    ``by_held`` and ``of_held`` are the stiffness between the degrees of freedom and what is held, (n_q, k) and (k,
-    n_q).
+    ``by_held`` and ``of_held`` are the stiffness between the degrees of freedom and held coordinates.
     """
     shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
-    # Round-off of what is not there would ask for a regular stiffness.
-    there = jnp.max(jnp.abs(added), initial=0.0) > 10 * ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
+    # Round-off of no added damping would need a regular stiffness.
+    there = jnp.max(jnp.abs(added), initial=0.0) > 10 * ENTRY_ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
     factors = factorise(jnp.where(there, m.K + shift * m.M0, jnp.eye(len(added))))
     added = jnp.where(there, added, 0.0)
     right = jnp.concatenate([jnp.eye(len(added)), factors.solve(by_held)], axis=1)

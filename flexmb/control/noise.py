@@ -20,20 +20,16 @@ from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
+from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE
 from ..statics.equilibrium import Equilibrium
 from .energy_form import EnergyForm, energy_form
 from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
 from .frequency_response import check_hertz, one_of, places_of, response_of
 from .harmonic import plain
-from .noise_frequencies import DECAYS, areas, drawn, filled, frequencies, refined, undamped_within
+from .noise_frequencies import areas, drawn, filled, frequencies, refined, undamped_within
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
 
-# A motion grows whose pole has a real part beyond this share of the largest pole: round-off leaves of a free motion,
-# whose pole is double, its root.
-GROWS = 1e-10
-# Where a spectrum at the begin of a band from 0 Hz, times that frequency, is more than this of the sum, it drifts.
-DRIFTS = 0.01
 Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
 
 
@@ -43,7 +39,7 @@ class NoiseBudget(Result, Record):
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
         spectra: Power spectral density of each output by each source, (n_f, n_y, n_s) [unit^2/Hz].
-        below: What each adds up to between the lowest frequency and each, (n_f, n_y, n_s) [unit^2].
+        below: Integral of each from the lowest frequency to each, (n_f, n_y, n_s) [unit^2].
         variances: Square of the root mean square of each, (n_y, n_s) [unit^2].
         outputs: Names of the outputs.
         sources: Names of the sources.
@@ -58,47 +54,49 @@ class NoiseBudget(Result, Record):
     one_axis = "hertz"
 
     def rms(self, output: str | None = None, source: str | None = None) -> Float[Array, ""]:
-        """Root mean square of an output, () [unit of the output].
+        """Return the root mean square of an output, () [unit of the output].
 
         Args:
-            output: Name of the output; may be left out where there is one.
-            source: Of one source alone; of all together unless given.
+            output: Name of the output; optional if there is one.
+            source: One source; by default all together.
 
         Raises:
-            KeyError: There is no such output or source.
+            KeyError: Unknown output or source.
         """
         return root_or_zero(self._part(self.variances, output, source))
 
     def _part(self, values: Any, output: str | None, source: str | None) -> Any:
-        own = values[..., one_of("output", self.outputs, output), :]
-        return jnp.sum(own, axis=-1) if source is None else own[..., one_of("source", self.sources, source)]
+        by_source = values[..., one_of("output", self.outputs, output), :]
+        return jnp.sum(by_source, axis=-1) if source is None else by_source[..., one_of("source", self.sources, source)]
 
     def spectrum(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
-        """Power spectral density of an output, one-sided, (n_f,) [unit^2/Hz].
+        """Return the one-sided power spectral density of an output, (n_f,) [unit^2/Hz].
 
         Args:
-            output, source: As of :meth:`rms`.
+            output, source: As for :meth:`rms`.
         """
         return self._part(self.spectra, output, source)
 
     def cumulative(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
-        """Root mean square of what an output does between the lowest frequency and each, (n_f,) [unit of the output].
+        """Return the root mean square of an output between the lowest frequency and each, (n_f,) [unit of the output].
 
         Args:
-            output, source: As of :meth:`rms`.
+            output, source: As for :meth:`rms`.
         """
         return root_or_zero(self._part(self.below, output, source))
 
     def summary(self) -> Summary:
-        """Root mean square of each output, and the share that each source has in its square."""
+        """Return the root mean square of each output, and the share of each source in its square."""
         rows = {"frequencies": span(self.hertz, "Hz"), "sources": listed(self.sources)}
-        for name, own in zip(self.outputs, np.asarray(self.variances), strict=True):
-            total = float(np.sum(own))
+        for name, variances in zip(self.outputs, np.asarray(self.variances), strict=True):
+            total = float(np.sum(variances))
             if not np.isfinite(total) or total == 0:
                 rows[f"rms of {name}"] = short(np.sqrt(total))
                 continue
             shares = [
-                f"{100 * part / total:.1f} % {source}" for part, source in zip(own, self.sources, strict=True) if part
+                f"{100 * part / total:.1f} % {source}"
+                for part, source in zip(variances, self.sources, strict=True)
+                if part
             ]
             rows[f"rms of {name}"] = f"{short(np.sqrt(total))}: {', '.join(shares)}"
         title = f"NoiseBudget: {len(self.outputs)} outputs, {len(self.sources)} sources"
@@ -122,59 +120,60 @@ def noise_budget(
     time: float | None = None,
     increment: float | None = None,
 ) -> NoiseBudget:
-    """What independent sources of noise make of the outputs, through the mechanism and a controller around it.
+    """Return the noise of outputs by independent sources, through the mechanism and a controller around it.
 
-    With ``hertz`` the root mean square is that between the first and the last, by the trapezoidal rule, with ``band``
-    that within, at frequencies that are chosen. With neither, sources are white, and it is exact over all frequencies,
+    The root mean square is that between the first and the last of ``hertz``, by the trapezoidal rule, or within
+    ``band``, at frequencies that flexmb chooses. With neither, sources are white, and it is exact over all frequencies,
     by Lyapunov's equation.
 
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
-        parameters.
-        hertz: Frequencies, ascending, (n_f,) [Hz], close enough to each other to draw every resonance.
-        sources: Power spectral densities, one-sided, [unit^2/Hz]: a number, an array, (n_f,), that goes with ``hertz``,
-            or a function of frequencies, (n_f,) [Hz]. Their keys are names of inputs, for what adds to these, such as
-            motion of a floor, or "sensor " and the name of an output, for what adds to what a controller reads of it.
-        band: Lowest and highest frequency [Hz], between which frequencies are chosen, closer beside each pole, and
-            where a density that is a function bends or jumps; from 0 Hz it begins at 1e-4 of the slowest pole. A line
-            of a density is met that is 1e-3 of its frequency wide at each side: narrower ones need ``hertz``, and so do
-            those of a density that ``jax.jit`` traces.
+            parameters.
+        hertz: Ascending frequencies, (n_f,) [Hz], dense enough to resolve every resonance.
+        sources: One-sided power spectral densities [unit^2/Hz]: a number, an array, (n_f,), for ``hertz``, or a
+            function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to these, such as motion of
+            a floor, or "sensor " and the name of an output, for noise added to the controller's reading of it.
+        band: Lowest and highest frequency [Hz]. Frequencies between are denser beside each pole, and where a density
+            function bends or jumps; a band from 0 Hz starts at 1e-4 of the slowest pole. Lines of a density are found
+            if they extend 1e-3 of their frequency to each side; for narrower ones, and for densities that ``jax.jit``
+            traces, use ``hertz``.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
             n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
-            of one by one. Matrices and what functions return may be traced. Whether a loop with a function is stable is
-            not known.
-        measured: Names of the outputs that the controller reads, in its order; those that it names itself, or all.
-        driven: Names of the inputs that it drives likewise.
-        sign: -1 for u = -K y, as of ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
-        outputs: Names of the outputs wanted; all unless given.
-        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
+            for one by one. Matrices and results of functions may be traced. Stability of a loop with a function is not
+            known.
+        measured: Names of the outputs that the controller reads, in its order; by default its own names, or all.
+        driven: Names of the inputs that it drives, likewise.
+        sign: -1 for u = -K y, as in ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
+        outputs: Names of the outputs wanted; all by default.
+        at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        NoiseBudget. A root mean square is infinite where white noise passes at once, as from a force to an
-        acceleration, or makes an output drift; under a trace also where the loop is not stable.
+        NoiseBudget. A root mean square is infinite if white noise passes at once, as from a force to an acceleration,
+            or
+        makes an output drift; under a trace also if the loop is not stable.
 
     Raises:
-        AnalysisError: unstable where the mechanism, or the loop, does not come to rest, or has a resonance without
-            damping within the frequencies, so that its noise has no end; what the linearisation failed by.
+        AnalysisError: unstable: the mechanism, or the loop, does not come to rest, or has an undamped resonance within
+            the frequencies, so that its noise is unbounded; or a failure of the linearisation.
         ModelError: Noise of a sensor that no controller reads; no outputs; an input that moves nothing.
-        KeyError: A source, an output or an input that there is not.
-        ValueError: No sources; a density that is negative or has another shape; neither ``hertz`` nor ``band`` where a
-            density is no number; a controller that does not fit; under ``jax.jit`` a ``band`` beside one that is a
+        KeyError: Unknown source, output or input.
+        ValueError: No sources; a density that is negative or has a wrong shape; neither ``hertz`` nor ``band`` for a
+            density that is no number; a controller that does not fit; under ``jax.jit`` a ``band`` with one that is a
             function.
 
     Warns:
-        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band begins; the loop of
-            a controller that is a function, or a density that is one, is too sharp to be drawn.
+        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a loop with
+            a controller function, or a density function, is too sharp to be resolved.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).
     """
     if hertz is not None and band is not None:
-        raise ValueError("Give either `hertz` or `band`: a budget is that between the first and the last frequency.")
+        raise ValueError("Give either `hertz` or `band`, not both.")
     if sign not in (-1, 1):
         raise ValueError(f"Argument `sign` must be -1 or 1, but is {shown(sign)}.")
     lin = linearized(model, "noise_budget", where=Where(at, step, time, increment))
-    ins, outs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
+    ins, outs = ([s.name for s in signals] for signals in (lin.labels.inputs, lin.labels.outputs))
     wanted = tuple(places_of("output", outs, outputs))
     loop = None
     if controller is not None:
@@ -186,7 +185,8 @@ def noise_budget(
         _check_white(entering, lin, loop)
     band = None if band is None else _band(band)
     over = _frequencies(lin, loop, entering, hertz, band)
-    densities = [_density(*one, over.hertz) for one in zip(entering.names, entering.densities, strict=True)]
+    pairs = zip(entering.names, entering.densities, strict=True)
+    densities = [_density(name, density, over.hertz) for name, density in pairs]
     spectra, below, variances = _budget(
         response_of(lin, over.hertz, None, None, None, None).response,
         None if loop is None else loop.by_frequency(over.hertz),
@@ -196,16 +196,16 @@ def noise_budget(
         entries=entering.entries,
         wanted=wanted,
     )
-    found = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
-    if is_concrete(found):
-        _tell_of_infinite(found)
+    budget = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
+    if is_concrete(budget):
+        _tell_of_infinite(budget)
         if band is not None and band[0] == 0:
-            _tell_of_rest(found)
-    return found
+            _tell_of_rest(budget)
+    return budget
 
 
 class _Entering(NamedTuple):
-    """Where noise enters: numbers of inputs and of outputs with a noisy sensor, and of all names and densities."""
+    """Where noise enters: numbers of inputs and of outputs with noisy sensors, all names and densities."""
 
     entries: tuple[tuple[int, ...], tuple[int, ...]]
     names: tuple[str, ...]
@@ -213,12 +213,12 @@ class _Entering(NamedTuple):
 
 
 def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controller | None) -> _Entering:
-    """Inputs, then sensors, whatever their order."""
+    """Inputs, then sensors, in any order of the sources."""
     if not isinstance(sources, Mapping) or not sources:
         raise ValueError("Argument `sources` must be densities by name, such as {'floor': 1e-9}, at least one.")
     at_inputs, of_sensors = {}, {}
     for name, density in sources.items():
-        known = {*inputs, *(own.replace(".", " ") for own in inputs)}
+        known = {*inputs, *(input_name.replace(".", " ") for input_name in inputs)}
         if name in known:
             at_inputs[one_of("input", inputs, name)] = density
         elif isinstance(name, str) and name.startswith("sensor "):
@@ -245,29 +245,28 @@ def _places(loop: Controller | None) -> Places | None:
 
 
 def _check_white(entering: _Entering, lin: Linearization, loop: Controller | None) -> None:
-    """Refuse what has no sum over all frequencies, or none that is found without a band; warn of what it leaves out."""
+    """Refuse sources or controllers without an exact sum over all frequencies; warn of damping that it leaves out."""
     for name, density in zip(entering.names, entering.densities, strict=True):
         if callable(density) or np.ndim(density):
-            raise ValueError(f"Source '{name}' is not white: give `hertz` or `band`, over which its noise is summed.")
+            raise ValueError(f"Source '{name}' is not white. Give `hertz` or `band`, over which its noise is summed.")
     if loop is not None and loop.matrices is None:
         raise ValueError(
-            "Of a controller that is a function of frequencies the poles are not known: give `hertz` or `band`."
+            "The controller is a function of frequencies, whose poles are not known. Give `hertz` or `band`."
         )
     if is_concrete(lin.matrices) and (name := damped_without_mass(lin)):
         warn(
-            f"The motion of {name} carries no mass but is damped, which the exact sum leaves out. Give `band`, by"
-            " which it counts, or give it a mass."
+            f"The motion of {name} carries no mass but is damped. The exact sum leaves its damping out. Give `band`,"
+            " which includes it, or give it a mass."
         )
 
 
 class _Frequencies(NamedTuple):
-    """Frequencies that spectra are drawn at, and what their sum needs.
+    """Frequencies of spectra, and what their sum needs.
 
     Attributes:
-        hertz: Frequencies, (n_f,) [Hz].
-        steps: The width that each of a band stands for, (n_f,) [Hz], and their places in such widths; None: trapezia.
-        settles: Whether noise has an end.
-        whole: The state space that sums over all frequencies, where it is to.
+        steps: Width that each frequency of a band represents, and its place in such widths; None for trapezia.
+        settles: Whether noise is bounded.
+        whole: State space for the exact sum over all frequencies.
     """
 
     hertz: Any
@@ -279,9 +278,9 @@ class _Frequencies(NamedTuple):
 def _frequencies(
     lin: Linearization, loop: Controller | None, entering: _Entering, hertz: Any, band: tuple[float, float] | None
 ) -> _Frequencies:
-    """The frequencies given, or those that the poles ask for."""
+    """The given frequencies, or those that the poles require."""
     entries, exact = entering.entries, hertz is None and band is None
-    # Of a controller that is known by frequency alone no poles are: those of the mechanism tell where it vibrates.
+    # A controller function has no known poles: those of the mechanism show its resonances.
     by_states = loop is None or loop.matrices is not None
     refuse_without_anything(lin)
     system, orders = plain(second_order(lin))
@@ -315,10 +314,10 @@ def _frequencies(
 
 
 def _asked_by_densities(entering: _Entering, band: tuple[float, float]) -> np.ndarray | None:
-    """Frequencies of a band that densities ask for which are functions, (n,) [Hz]; None of none."""
-    of_functions = [own for own in zip(entering.names, entering.densities, strict=True) if callable(own[1])]
-    found = [drawn(name, functools.partial(_density, name, given), *band) for name, given in of_functions]
-    return filled(np.unique(np.concatenate(found))) if found else None
+    """Frequencies of a band that density functions require, (n,) [Hz]; None without any."""
+    pairs = [pair for pair in zip(entering.names, entering.densities, strict=True) if callable(pair[1])]
+    grids = [drawn(name, functools.partial(_density, name, density), *band) for name, density in pairs]
+    return filled(np.unique(np.concatenate(grids))) if grids else None
 
 
 def _band(band: Any) -> tuple[float, float]:
@@ -331,40 +330,40 @@ def _band(band: Any) -> tuple[float, float]:
 
 def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "*n_f"]:
     """Density of a source at all frequencies, or one for all of them."""
-    found: Any = given(grid) if callable(given) else given
-    check_numbers(f"Density of source '{name}'", found, grid.shape if np.ndim(found) else ())
-    if is_concrete(found) and np.any(np.asarray(found) < 0):
-        raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(found)}.")
-    if is_concrete(found):
-        found = np.asarray(found, float)
-    return found
+    density: Any = given(grid) if callable(given) else given
+    check_numbers(f"Density of source '{name}'", density, grid.shape if np.ndim(density) else ())
+    if is_concrete(density) and np.any(np.asarray(density) < 0):
+        raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(density)}.")
+    if is_concrete(density):
+        density = np.asarray(density, float)
+    return density
 
 
 def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
-    """Raise unstable where something does not come to rest."""
+    """Raise unstable for a mechanism or loop that does not come to rest."""
     if settles:
         return
     worst = complex(poles[np.argmax(poles.real)])
     hertz = abs(worst.imag) / (2 * np.pi)
     what = "The loop of mechanism and controller" if closed else "The mechanism"
     how = f"its pole {worst.real:.4g} ± {abs(worst.imag):.4g}i rad/s, at {hertz:.4g} Hz,"
-    if worst.real > GROWS * np.max(np.abs(poles)):
+    if worst.real > GROWING_NOISE * np.max(np.abs(poles)):
         remedy = "Change the controller, or its sign (`sign`)." if closed else "Support it, or close a loop around it."
-        raise AnalysisError("unstable", f"{what} is unstable: {how} grows, so that noise has no end. {remedy}")
+        raise AnalysisError("unstable", f"{what} is unstable: {how} grows. Its noise is unbounded. {remedy}")
     raise AnalysisError(
         "unstable",
-        f"{what} does not come to rest: {how} has no damping, so that white noise has no end. Damp it, as by"
+        f"{what} does not come to rest: {how} has no damping. Its response to white noise is unbounded. Damp it, as by"
         " fm.damped(model, ratio=0.01), or give a `band` without it.",
     )
 
 
 def _refuse_undamped(poles: Any) -> None:
-    """Raise unstable of resonances without damping within the frequencies."""
+    """Raise unstable for undamped resonances within the frequencies."""
     if len(poles):
         raise AnalysisError(
             "unstable",
-            f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping, so that noise has"
-            " no end there. Damp it, as by fm.damped(model, ratio=0.01), or give a band without it.",
+            f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping. Its noise is"
+            " unbounded. Damp it, as by fm.damped(model, ratio=0.01), or give a band without it.",
         )
 
 
@@ -380,14 +379,14 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
 
 
 def _tell_of_rest(found: NoiseBudget) -> None:
-    """Warn where what grows without bounds towards 0 Hz is most of what a band from there adds up to."""
+    """Warn if unbounded growth towards 0 Hz is most of the sum over a band from there."""
     first = np.asarray(found.hertz)[0] * np.asarray(found.spectra)[0]
-    drifting = np.argwhere(first > DRIFTS * np.asarray(found.variances))
+    drifting = np.argwhere(first > DRIFTING_NOISE * np.asarray(found.variances))
     if len(drifting):
         i, j = drifting[0]
         warn(
-            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz, so that its root mean"
-            f" square is that from {short(found.hertz[0])} Hz, where the sum begins. Give the band a lowest frequency."
+            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz. Its root mean square is"
+            f" that from {short(found.hertz[0])} Hz, where the sum begins. Give the band a lowest frequency."
         )
 
 
@@ -405,13 +404,13 @@ def _loop(
 ):
     """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies.
 
-    The frequencies move with the poles, and so do those of a derivative: on a grid that stands still its error would be
-    that of the sum times the sharpness of a resonance.
+    Frequencies move with the poles, also in derivatives: on a fixed grid the error of a derivative would be that of the
+    sum times the sharpness of a resonance.
     """
     whole = closed(energy_form(system, orders), matrices, places, *entries)
     poles, _, _ = general_eigen(whole.A)
-    # So that what is not a number does not count as unstable.
-    settles = ~(jnp.max(jnp.real(poles)) >= (-DECAYS if exact else GROWS) * jnp.max(jnp.abs(poles)))
+    # Negated, so that NaN does not count as unstable.
+    settles = ~(jnp.max(jnp.real(poles)) >= (-DECAYING_POLE if exact else GROWING_NOISE) * jnp.max(jnp.abs(poles)))
     return whole, poles, settles, frequencies(poles, *(band or (None, None)), asked)
 
 
@@ -426,10 +425,10 @@ def _budget(
     entries: tuple[tuple[int, ...], tuple[int, ...]],
     wanted: tuple[int, ...],
 ):
-    """Spectra and their sums, (n_f, n_y, n_s), and variances, (n_y, n_s): within the grid, or exactly."""
-    (grid, steps, settles, whole), own = over, np.array(wanted)
-    density = jnp.stack([jnp.broadcast_to(one, grid.shape) for one in densities], axis=1)[:, None, :]
-    responses = closed_by_frequency(plant, gain, places, *entries)[:, own]
+    """Spectra, cumulative sums and variances: within the grid, or exact."""
+    (grid, steps, settles, whole), rows = over, np.array(wanted)
+    density = jnp.stack([jnp.broadcast_to(each, grid.shape) for each in densities], axis=1)[:, None, :]
+    responses = closed_by_frequency(plant, gain, places, *entries)[:, rows]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
     spectra = jnp.where(density <= 0, 0.0, size * density)
     if steps is None:
@@ -437,7 +436,7 @@ def _budget(
         below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
     else:
         below = areas(spectra * steps[0][:, None, None], steps[1])
-    variances = below[-1] if whole is None else _white(whole, density[0, 0])[own]
+    variances = below[-1] if whole is None else _white(whole, density[0, 0])[rows]
     return spectra, below, jnp.where(settles, variances, jnp.inf)
 
 
@@ -446,7 +445,7 @@ def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n
     b = whole.B.T[:, :, None]
     covariance = lyapunov(whole.A, b * b.swapaxes(1, 2))
     variances = jnp.einsum("yi,sij,yj->ys", whole.C, covariance, whole.C)
-    # Two-sided, a density is half of that one-sided.
-    found = jnp.maximum(variances, 0.0) * densities / 2
+    # A two-sided density is half the one-sided one.
+    bounded = jnp.maximum(variances, 0.0) * densities / 2
     unbounded = (whole.rough | (whole.D != 0)) & (densities > 0)
-    return jnp.where(unbounded, jnp.inf, found)
+    return jnp.where(unbounded, jnp.inf, bounded)

@@ -18,6 +18,7 @@ from ..motion.drives_by_name import Drives, driven_by
 from ..motion.loop import check_signals, measuring, under_inputs
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
+from ..numerical_limits import DEPENDENT_FOUND
 from ..results import RESULTS
 from ..statics.configuration import configuration
 from ..statics.equilibrium import warn_of_increment
@@ -25,17 +26,13 @@ from ..statics.equilibrium import warn_of_increment
 if TYPE_CHECKING:
     import control
 
-# Newton's method has found the dependent coordinates where as many steps again change them by less than this share of
-# the extent, or radians: the error is then the square of that, or less.
-FOUND = 1e-6
-# From where the last evaluation was, degrees of freedom go in steps of this many extents, metres (of deformations) or
-# radians at most, so that turns are counted, and in so many at most; where nothing is found, in four times as many, so
-# often.
+# Degrees of freedom move from the last evaluation in steps of at most STEP extents, metres (of deformations) or
+# radians, so that turns are counted, in at most FARTHEST steps; after a failure FINER times in four times as many.
 STEP, FARTHEST, FINER = 1.0, 20_000, 4
 
 
 class Evaluated(NamedTuple):
-    """Rates of the state and outputs; the memory to go on from; and whether it was found, below ``FOUND``."""
+    """Rates of the states, outputs, the memory to continue from, and the last change of Newton's method."""
 
     rates: Float[Array, "n"]
     y: Float[Array, "n_y"]
@@ -52,18 +49,18 @@ def plant_rates(
     memory: Float[Array, "m"],
     u: Float[Array, "n_u"],
 ) -> Evaluated:
-    """Rates and outputs at a state, with the other coordinates from a memory of all of them and of deformations."""
+    """Rates and outputs at a state; the memory of all coordinates and deformations is Newton's first guess."""
     undriven = coordinates_form(model.topology, model.parameters, driven)
     form = reduced_form(under_inputs(model, undriven, u))
     n = form.size
     q, qd = state[:n] / form.sizes, state[n:] / form.sizes
     at = form.settle(t, MotionState(q, qd, memory))
     whole = form.whole_motion(t, at)
-    own = undriven.state_of(whole.x, whole.xd, whole.near)
+    in_coordinates = undriven.state_of(whole.x, whole.xd, whole.near)
     sensors = measuring(model, undriven, None)
-    z = under_inputs(model, undriven, u).acceleration(t, own)[0] if sensors.places.late else None
-    y = sensors.measured(t, own, z, u)
-    # The rates are those after this second search.
+    z = under_inputs(model, undriven, u).acceleration(t, in_coordinates)[0] if sensors.places.late else None
+    y = sensors.measured(t, in_coordinates, z, u)
+    # The second search measures the error of the first.
     again = form.settle(t, at).memory
     moved = jnp.abs(again - at.memory)[: model.topology.n_x] / sizes_of(model.topology, model.parameters)
     rates = jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes])
@@ -71,7 +68,7 @@ def plant_rates(
 
 
 class Freedoms(NamedTuple):
-    """Where in the memory degrees of freedom are, what they are there undeformed, and their sizes, each (n_q,)."""
+    """Places of degrees of freedom in the memory, their undeformed values, and their sizes."""
 
     places: np.ndarray
     origins: np.ndarray
@@ -88,7 +85,7 @@ def freedoms_in_memory(model: Model) -> Freedoms:
 
 
 def memory_at_start(model: Model) -> np.ndarray:
-    """Coordinates and deformations where the builder lets a motion begin, (n_x + n_e,) [m, rad, -]."""
+    """Coordinates and deformations at the builder's start, (n_x + n_e,)."""
     start = configuration(model)
     return np.concatenate([start.x, start.e])
 
@@ -96,11 +93,11 @@ def memory_at_start(model: Model) -> np.ndarray:
 def to_nonlinear_system(
     model: Model, *, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> "control.NonlinearIOSystem":
-    """The mechanism with all its nonlinearity as a plant for ``control.input_output_response`` and its like.
+    """Return the nonlinear mechanism as a plant for ``control.input_output_response`` and similar functions.
 
-    States are the degrees of freedom, from the undeformed mechanism, and their rates; inputs and outputs those that the
-    builder named, rotations in space measured from the undeformed mechanism. Every evaluation places the other
-    coordinates from where the last one left them, in steps of the degrees of freedom where that is far away.
+    States are the degrees of freedom, from the undeformed mechanism, and their rates. Inputs and outputs are those
+    named in the builder; rotations in space are measured from the undeformed mechanism. Each evaluation computes the
+    other coordinates from those of the last one, in steps if that is far away.
 
     Args:
         model: Mechanism with named inputs and outputs.
@@ -113,7 +110,7 @@ def to_nonlinear_system(
     Raises:
         ModelError: The model names no inputs or no outputs, an input that is a motion, or one that can move nothing.
         TypeError: Numbers of the model are traced, as under ``jax.jit``.
-        AnalysisError: out_of_reach, raised where the system is evaluated: the mechanism cannot be assembled there.
+        AnalysisError: out_of_reach, raised when the system is evaluated: the mechanism cannot be assembled there.
 
     Source:
         THEORY.md 5, eq. (5.2), and 9 (a).
@@ -139,10 +136,10 @@ def to_nonlinear_system(
             found: Any = None
             for k in range(1, steps + 1):
                 state = np.concatenate([before + way * k / steps, np.zeros(n)]) if k < steps else np.asarray(x, float)
-                numbers = (np.asarray(own, float) for own in (t, state, at, u))
+                numbers = (np.asarray(number, float) for number in (t, state, at, u))
                 found = jax.device_get(plant_rates(nameless, driven, *numbers))
                 at = found.memory
-                if not found.gap < FOUND:
+                if not found.gap < DEPENDENT_FOUND:
                     break
             else:
                 memory = at

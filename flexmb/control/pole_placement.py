@@ -1,4 +1,4 @@
-"""Controllers for a mechanism that moves as one mass: PID by placing poles, and notch filters."""
+"""Controllers for a mechanism that moves as one mass: PID by pole placement, and notch filters."""
 
 from __future__ import annotations
 
@@ -10,36 +10,32 @@ from ..arguments import check_number
 from ..errors import ModelError, heard
 from ..linear.linearize import Linearization
 from ..model.model import Model, as_model
+from ..numerical_limits import POSITION_OUTPUT
 from .state_space import to_statespace
 
 if TYPE_CHECKING:
     import control
 
-# The output of a plant of one motion is a position where the part by its rate is below this share of it, at its
-# frequency.
-PLACED = 0.1
-
 
 def one_mass(plant: Any) -> tuple[float, float, float]:
-    """Mass, damping and stiffness that an input finds at an output that is a position, of a state space of two states.
+    """Mass, damping and stiffness between input and position output of a state space of two states.
 
-    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B, where C B = 0. What
-    follows at once (D) is left out. ModelError: it has more states or signals, the output is no position, or does not
-    move.
+    y = 1/(m s^2 + d s + k) u has the determinant k/m and the trace -d/m of A, and 1/m = C A B, where C B = 0; D is left
+    out. ModelError for more states or signals, or an output that is no position or does not move.
     """
     if plant.nstates != 2 or plant.ninputs != 1 or plant.noutputs != 1:
         raise ModelError(
             f"The plant has {plant.nstates} states, {plant.ninputs} inputs and {plant.noutputs} outputs, but poles are"
-            " placed for one motion, one input and one output: give fm.to_statespace(model, modes=1), and name `input`"
-            " and `output` where there are several."
+            " placed for one motion, one input and one output. Give fm.to_statespace(model, modes=1), and name `input`"
+            " and `output` if there are several."
         )
     a, b, c = (np.asarray(part) for part in (plant.A, plant.B, plant.C))
-    # y = (rate s + inverse)/(s^2 + ..) u: of modes that are left out, what damping makes of them is a rate, but small.
+    # y = (rate s + inverse)/(s^2 + ..) u: damping of the omitted modes adds a small rate.
     rate = (c @ b).item()
     inverse = (c @ a @ b).item() - float(np.trace(a)) * rate
     fast = max(np.sqrt(abs(float(np.linalg.det(a)))), abs(float(np.trace(a))))
-    if abs(rate) * fast > PLACED * abs(inverse) or (rate and not inverse):
-        raise ModelError(f"Output '{plant.output_labels[0]}' is no position: name an `output` that is one.")
+    if abs(rate) * fast > POSITION_OUTPUT * abs(inverse) or (rate and not inverse):
+        raise ModelError(f"Output '{plant.output_labels[0]}' is no position. Name an `output` that is one.")
     if inverse == 0:
         raise ModelError(f"Input '{plant.input_labels[0]}' does not move output '{plant.output_labels[0]}'.")
     mass = 1 / inverse
@@ -47,7 +43,7 @@ def one_mass(plant: Any) -> tuple[float, float, float]:
 
 
 def _moved(plant: Any) -> Any:
-    """The states of a plant that its input reaches: others stand for what other inputs move."""
+    """The states of a plant that its input reaches; others belong to other inputs."""
     import control
 
     a, reached = np.asarray(plant.A) != 0, np.any(np.asarray(plant.B), axis=1)
@@ -70,29 +66,29 @@ def pid(
     input: str | None = None,
     output: str | None = None,
 ) -> control.StateSpace:
-    """A PID controller with filter that puts all poles of its loop with one moving mass where one likes.
+    """Return a PID controller with filter that places all poles of its loop with one moving mass.
 
-    The mechanism is taken as the one motion m q'' + d q' + k q = u, of a rigid body or of its lowest mode. With
-    C(s) = (kd s^2 + kp s + ki)/(s (T s + 1)) the loop has four poles, and the four numbers of the controller put them
-    at (s^2 + 2 zeta w s + w^2)(s + slow w)(s + fast w), with w = 2 pi bandwidth. What the one motion leaves out,
-    :func:`closed_loop` with the whole model tells.
+    The mechanism is one motion m q'' + d q' + k q = u, of a rigid body or of its lowest mode. With C(s) = (kd s^2 + kp
+    s + ki)/(s (T s + 1)) the loop has four poles. The four numbers of the controller put them at (s^2 + 2 zeta w s +
+    w^2)(s + slow w)(s + fast w), with w = 2 pi bandwidth. Check the whole model by :func:`closed_loop`.
 
     Args:
-        model: Mechanism or its linearisation, of which the lowest mode is taken; or a state space of one motion.
+        model: Mechanism or its linearisation, whose lowest mode is used; or a state space of one motion.
         bandwidth: Undamped frequency of the pair of poles [Hz].
         damping: Their damping ratio zeta [-].
-        slow: The real pole that the integrator leads to, over w [-]; 0 for a PD controller, without integrator.
-        fast: The real pole that the filter leads to, over w [-]. The larger it is, the less phase the filter takes at
-            the crossover, and the more noise it lets through.
-        input, output: Names of the model's, where it has several.
+        slow: The real pole of the integrator, over w [-]; 0 for a PD controller, without integrator.
+        fast: The real pole of the filter, over w [-]. A larger value costs less phase at the crossover, and passes more
+            noise.
+        input, output: Names of the model's signals, if it has several.
 
     Returns:
-        ``control.StateSpace`` that sees reference - y, named so that it connects to the model; its states are the
-        integrator (none where ``slow`` is 0) and the filter.
+        ``control.StateSpace`` that reads reference - y, with the names of the model; its states are the integrator
+            (none if
+        ``slow`` is 0) and the filter.
 
     Raises:
-        ModelError: No such input or output, the output is no position, the plant has more than one motion.
-        ValueError: Numbers out of range; the plant is damped more than the poles that are wanted.
+        ModelError: Unknown input or output, an output that is no position, a plant of more than one motion.
+        ValueError: Numbers out of range; the plant is damped more than the wanted poles.
 
     Source:
         THEORY.md 14, eq. (14.43), by comparing coefficients.
@@ -108,7 +104,6 @@ def pid(
     if not isinstance(model, control.StateSpace):
         model = model if isinstance(model, Linearization) else as_model(model, "control.pid")
         quantities = [signal.quantity for signal in model.labels.outputs]
-        # What the one motion leaves out is not of interest here.
         with heard():
             plant = to_statespace(model, modes=1)
     to, of = (
@@ -118,15 +113,15 @@ def pid(
     names: Any = {"inputs": [plant.output_labels[of]], "outputs": [plant.input_labels[to]]}
     if quantities and quantities[of] not in ("position", "deformation"):
         raise ModelError(
-            f"Output '{plant.output_labels[of]}' is a {quantities[of]}: name an `output` that is a position."
+            f"Output '{plant.output_labels[of]}' is a {quantities[of]}. Name an `output` that is a position."
         )
     m, d, k = one_mass(_moved(plant[of, to]))
     w = 2 * np.pi * bandwidth
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:
         raise ValueError(
-            f"The plant by itself decays with {d / m:.4g} 1/s, and the wanted poles together with {a3:.4g} 1/s only:"
-            " ask for a higher `bandwidth` or a larger `fast`."
+            f"The plant by itself decays with {d / m:.4g} 1/s, and the wanted poles together with {a3:.4g} 1/s only."
+            " Give a higher `bandwidth` or a larger `fast`."
         )
     filtered = m / (a3 * m - d)
     kd, kp, ki = m * filtered * a2 - d - k * filtered, m * filtered * a1 - k, m * filtered * a0
@@ -140,7 +135,7 @@ def _chosen(name: str | None, there: list[str], what: str) -> int:
     """Place of an input or output by its name."""
     if name is None:
         if len(there) > 1:
-            raise ModelError(f"The model has several {what}s: name one as `{what}`, of {', '.join(there)}.")
+            raise ModelError(f"The model has several {what}s. Name one as `{what}`, of {', '.join(there)}.")
         return 0
     clean = str(name).replace(".", " ")
     if clean not in there:
@@ -149,16 +144,16 @@ def _chosen(name: str | None, there: list[str], what: str) -> int:
 
 
 def notch(frequency: float, depth: float = 0.1, width: float = 1.0) -> control.TransferFunction:
-    """A filter that takes gain away about one frequency, where a resonance would make a loop unstable.
+    """Return a filter that lowers the gain at one frequency, where a resonance would make a loop unstable.
 
     N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and one
-    far from it. A depth above one is a peak. python-control puts it in series, and forgets the names:
+    far from it. A depth above one is a peak. A product in python-control loses the names:
     ``control.ss(pid * fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
 
     Args:
         frequency: Its centre [Hz].
         depth: Gain there [-].
-        width: Between the frequencies, over the centre, where half of the power is taken away if it is deep [-].
+        width: Distance of the frequencies of half power, for a deep notch, over the centre [-].
 
     Returns:
         ``control.TransferFunction``.

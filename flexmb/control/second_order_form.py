@@ -1,4 +1,4 @@
-"""The linearised mechanism in second-order form, with all that its inputs do and its outputs measure."""
+"""The linearised mechanism in second-order form, with the effects of its inputs and its outputs."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -29,28 +29,24 @@ from ..mechanics.signals import (
 from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import IDLE_FORCE, SUM_ROUND_OFF
 from .held import Held, about_axes, held_by, held_of, moved_by, seeds, with_held
-
-# A sum of terms is round-off below this share of their sizes.
-ROUND_OFF = 1e-12
-# Share of a force below which what is left beside those of constraints is round-off.
-IDLE = 1e-9
 
 
 class SecondOrder(NamedTuple):
     """M q'' + C q' + K q = B0 p + B1 p' + B2 p'',  y = C0 q + C1 q' + C2 q'' + D0 p + D1 p' + D2 p''.
 
-    p is the input u itself, but of an input that is the velocity or the acceleration of what is held the displacement:
-    u is its derivative of the order ``orders`` says. In the frequency domain, with s = i w, of input j:
-    q = (s^2 M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
+    p is the input u itself. For an input that is the velocity or acceleration of a held coordinate, p is the
+    displacement, and u its derivative of order ``orders``. In the frequency domain, with s = i w, for input j: q = (s^2
+    M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
 
     Attributes:
         M, C, K: Mass, damping and stiffness of the degrees of freedom, (n_q, n_q) [SI].
-        B0, B1, B2: What acts on them by p and its rates, (n_q, n_u).
+        B0, B1, B2: Effects of p and its rates on them, (n_q, n_u).
         C0, C1, C2: Outputs by the degrees of freedom and their rates, (n_y, n_q).
         D0, D1, D2: Outputs by p and its rates, (n_y, n_u).
-        orders: Of which derivative of p each input is, 0, 1 or 2, (n_u,); plain numbers.
-        moves: Which inputs move what is held, rather than being forces, (n_u,); plain booleans.
+        orders: Order of the derivative of p that each input is, 0, 1 or 2, (n_u,); plain numbers.
+        moves: Whether each input moves a held coordinate, and is no force, (n_u,); plain booleans.
     """
 
     M: Float[Array, "*t n_q n_q"]
@@ -69,35 +65,34 @@ class SecondOrder(NamedTuple):
     moves: np.ndarray
 
     def at(self, s: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """K, B, C and D at one s = i w of a form of one state: u does C K^-1 B + D.
+        """Return K, B, C and D of one state at s = i w: the output by u is C K^-1 B + D.
 
         Args:
-            s: i w [rad/s]; not zero where an input is a velocity or an acceleration.
+            s: i w [rad/s]; not zero if an input is a velocity or an acceleration.
 
         Returns:
             (n_q, n_q), (n_q, n_u), (n_y, n_q) and (n_y, n_u), complex.
         """
-        k, c, m, b0, b1, b2, *rest = (np.asarray(of) for of in (self.K, self.C, self.M, *self[3:12]))
-        c0, c1, c2, d0, d1, d2 = rest
+        m, c, k, b0, b1, b2, c0, c1, c2, d0, d1, d2 = map(np.asarray, self[:12])
         by_u = s ** -self.orders.astype(float)
         forces, through = (b0 + s * b1 + s**2 * b2) * by_u, (d0 + s * d1 + s**2 * d2) * by_u
         return k + s * c + s**2 * m, forces, c0 + s * c1 + s**2 * c2, through
 
     def __repr__(self) -> str:
-        return "SecondOrder: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
+        return "SecondOrder: " + ", ".join(f"{name} {np.shape(matrix)}" for name, matrix in self._asdict().items())
 
 
 class LargeSecondOrder(NamedTuple):
-    """M v'' + C v' + K v + D^T m = B0 p + B1 p' + B2 p'', D v = 0, and outputs, as :class:`SecondOrder` has them.
+    """M v'' + C v' + K v + D^T m = B0 p + B1 p' + B2 p'', D v = 0, and outputs as in :class:`SecondOrder`.
 
-    The coordinates are those beside what follows what is held at rest: x = v + Z p.
+    The coordinates are relative to the motion at rest that held coordinates cause: x = v + Z p.
 
     Attributes:
         elements: K, C, M and D, element by element.
-        B: What acts on the coordinates by p and its two rates, (3, n_x, n_u).
-        C: Outputs by the coordinates and their rates, (3, n_y, n_x).
-        D: Outputs by p and its rates, (3, n_y, n_u).
-        orders, moves: As of :class:`SecondOrder`.
+        B: Effects of p and its two rates on the coordinates.
+        C: Outputs by the coordinates and their rates.
+        D: Outputs by p and its rates.
+        orders, moves: As in :class:`SecondOrder`.
     """
 
     elements: ElementMatrices
@@ -108,21 +103,21 @@ class LargeSecondOrder(NamedTuple):
     moves: np.ndarray
 
     def of(self, us: Sequence[int], ys: Sequence[int]) -> "LargeSecondOrder":
-        """The same of some inputs and outputs, by their numbers."""
+        """The form of some inputs and outputs, by their numbers."""
         u, y = np.array(us), np.array(ys)
         d = self.D[:, y][:, :, u]
         return LargeSecondOrder(self.elements, self.B[:, :, u], self.C[:, y], d, self.orders[u], self.moves[u])
 
 
 class _Around(NamedTuple):
-    """Stiffness, damping and mass around what is held, and what the inputs do that are forces.
+    """Stiffness, damping and mass around held coordinates, and effects of inputs that are forces.
 
     Attributes:
-        by_held: Forces on the freedoms by what is held and its rates, each (n, k).
-        of_held: Forces that hold it by the freedoms and their rates, each (k, n).
-        between: Forces that hold it by itself, each (k, k).
+        by_held: Forces on the freedoms by held coordinates and their rates, each (n, k).
+        of_held: Holding forces by the freedoms and their rates, each (k, n).
+        between: Holding forces by held coordinates, each (k, k).
         forces: Of the inputs on the freedoms, (n, terms).
-        on_held: Of the inputs on what is held, (k, terms).
+        on_held: Of the inputs on held coordinates, (k, terms).
     """
 
     by_held: Sequence[Any]
@@ -133,17 +128,18 @@ class _Around(NamedTuple):
 
 
 def second_order(lin: Linearization) -> SecondOrder:
-    """Second-order form of a linearised mechanism, for the model's named inputs and outputs.
+    """Return the second-order form of a linearised mechanism, for the model's named inputs and outputs.
 
     Args:
-        lin: Linearization; that along a motion has the times in front. Differentiable in the model's parameters.
+        lin: Linearization; along a motion, times are the first axis. Differentiable in the model's parameters.
 
     Returns:
         SecondOrder.
 
     Source:
-        THEORY.md 14, eq. (14.1) to (14.4): what is held is a freedom of its own in the equations about the state, the
-        constraint forces in their stiffness, and the columns of what moves it go to the right.
+        THEORY.md 14, eq. (14.1) to (14.4): held coordinates are freedoms in the equations about the state, with
+            constraint
+        forces in their stiffness; columns of moved ones go to the right-hand side.
     """
     model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
@@ -151,27 +147,27 @@ def second_order(lin: Linearization) -> SecondOrder:
     whole = _with_held(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
-        # For sizes that come but once, where compiling takes longer than computing.
+        # On the host: compilation of sizes that occur once takes longer than computing.
         m, whole, weights = jax.tree.map(np.asarray, (m, whole, weights))
-        found = _about_state(m, whole, weights, inputs, outputs, held, np)
+        parts = _about_state(m, whole, weights, inputs, outputs, held, np)
     else:
-        found = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
+        parts = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = orders_of(inputs)
-    return SecondOrder(*found, orders=orders, moves=moves)
+    return SecondOrder(*parts, orders=orders, moves=moves)
 
 
 def orders_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Of which derivative of a displacement each input is, and which move what is held."""
+    """Order of the derivative of a displacement that each input is, and whether it moves held coordinates."""
     orders = [s.terms[0].order for s in inputs]
     return np.array([order or 0 for order in orders], int), np.array([order is not None for order in orders], bool)
 
 
 @kernel
 def _with_held(topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[Held, ...], times: bool):
-    def one(m: Matrices):
+    def in_state(m: Matrices):
         return with_held(topology, parameters, m, held)
 
-    return jax.vmap(one)(m) if times else one(m)
+    return jax.vmap(in_state)(m) if times else in_state(m)
 
 
 @jit
@@ -184,10 +180,10 @@ def _second_order(
     outputs: tuple[Signal, ...],
     held: tuple[Held, ...],
 ) -> Any:
-    def one(m: Matrices, whole: Matrices):
+    def in_state(m: Matrices, whole: Matrices):
         return _about_state(m, whole, weights, inputs, outputs, held, jnp)
 
-    return jax.vmap(one)(m, whole) if m.M0.ndim > 2 else one(m, whole)
+    return jax.vmap(in_state)(m, whole) if m.M0.ndim > 2 else in_state(m, whole)
 
 
 def _about_state(
@@ -199,7 +195,7 @@ def _about_state(
     held: tuple[Held, ...],
     xp: Any,
 ) -> tuple[Any, ...]:
-    """The twelve matrices of one state, by NumPy or by jax.numpy; in ``whole`` what is held stands last."""
+    """The twelve matrices of one state, by NumPy or by jax.numpy; in ``whole`` held coordinates are last."""
     n, causes = m.M0.shape[0], terms_of(inputs)
     parts = (whole.K, whole.C0 + whole.D0, whole.M0)
     columns = [input_row(s, whole.x, whole.DFx, whole.DFe) if s.order is None else None for s in causes]
@@ -230,12 +226,12 @@ def _assembled(
     xp: Any,
     passes: bool = True,
 ) -> tuple[list[Any], list[Any], list[Any]]:
-    """What inputs do, outputs by the freedoms, and outputs by inputs, each by powers of the rate.
+    """Effects of inputs, outputs by the freedoms, and outputs by inputs, each by powers of the rate.
 
     Args:
-        weights: Of the terms of inputs and outputs, or None where each has but one.
-        measured: Rows of an output by the freedoms and by what is held, each with its rates, None where there is none.
-        passes: Whether a stress input adds to the stress that is measured.
+        weights: Of the terms of inputs and outputs; None if each has one term.
+        measured: Rows of an output by the freedoms and by held coordinates, each with its rates, None for zero.
+        passes: Whether a stress input adds to the measured stress.
     """
     causes, (n, k) = terms_of(inputs), (around.forces.shape[0], len(held))
     motions = moved_by(causes, held)
@@ -244,51 +240,51 @@ def _assembled(
     by_q, by_held, passed = [], [], []
     for s in terms_of(outputs):
         if s.held and s.quantity in ("reaction", "stress"):
-            # What is put on a deformation from outside is less its stress resultant.
+            # The external force on a deformation is minus its stress resultant.
             i, sign = held.index(held_of(s)), -1.0 if s.of_element else 1.0
             by_q.append([sign * part[i] for part in around.of_held])
             by_held.append([sign * part[i] for part in around.between])
             passed.append(-sign * around.on_held[i])
         else:
-            for rows, own in zip((by_q, by_held), measured(s), strict=True):
-                rows.append(own)
-            # Inputs that are a stress add to the one that is measured.
+            for rows, measured_rows in zip((by_q, by_held), measured(s), strict=True):
+                rows.append(measured_rows)
+            # Stress inputs add to the measured stress.
             same = [float(u.quantity == "stress" and u.index == s.index and u.order is None) for u in causes]
             passed.append(np.array(same) if passes and s.quantity == "stress" else None)
     by_q, by_held = (
         [_stacked([row[rate] for row in rows], size, xp) for rate in range(3)]
         for rows, size in ((by_q, n), (by_held, k))
     )
-    through = [of @ motions for of in by_held]
+    through = [rows @ motions for rows in by_held]
     through[0] = through[0] + _stacked(passed, len(causes), xp)
     if weights is None:
         return by_p, by_q, through
     mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
-    found = [of @ mix for of in by_p], [read @ of for of in by_q], [read @ of @ mix for of in through]
+    totals = [b @ mix for b in by_p], [read @ c for c in by_q], [read @ d @ mix for d in through]
     by, of = abs(mix), abs(read)
     sizes = [abs(b) @ by for b in by_p], [of @ abs(c) for c in by_q], [of @ abs(d) @ by for d in through]
-    # A floor that moves as a whole deforms nothing: what its points do cancels but for round-off.
-    return jax.tree.map(_exact, found, sizes)
+    # A floor that moves as a whole deforms nothing: effects of its points cancel but for round-off.
+    return jax.tree.map(_exact, totals, sizes)
 
 
 def _exact(total: Any, size: Any) -> Any:
-    """Nothing where terms of a size cancel but for round-off; derivatives stay."""
+    """Zero where terms of a size cancel but for round-off; derivatives stay."""
     known = jax.lax.stop_gradient(total)
-    small = abs(known) <= ROUND_OFF * jax.lax.stop_gradient(size)
+    small = abs(known) <= SUM_ROUND_OFF * jax.lax.stop_gradient(size)
     return library_of(small).where(small, total - known, total)
 
 
 def _stacked(rows: list[Any], size: int, xp: Any) -> Any:
-    """Rows below each other, zero where one is None."""
+    """Rows below each other, zero for None."""
     none = xp.zeros(size)
     return xp.stack([none if row is None else row for row in rows]) if rows else xp.zeros((0, size))
 
 
 def _output_rows(s: Signal, m: Matrices) -> tuple[Any, ...]:
-    """Derivatives of an output by the freedoms, their rates and second rates, None where there is none.
+    """Derivatives of an output by the freedoms, their rates and second rates; None for zero.
 
-    Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: of omega = 2 Lbar(lambda)
-    d(lambda)/dt the change is 2 Lbar(lambda) of the rate's less 2 Lbar(d(lambda)/dt) of the parameters'.
+    Along a motion the rate of DFx q is DFx qd + DFx_d q, and a rotation's axes turn: the change of omega = 2
+    Lbar(lambda) d(lambda)/dt is 2 Lbar(lambda) of the rate's minus 2 Lbar(d(lambda)/dt) of the parameters' change.
     """
     moving = m.moving
     if s.quantity == "stress":
@@ -296,57 +292,55 @@ def _output_rows(s: Signal, m: Matrices) -> tuple[Any, ...]:
         return by_q if moving is None else by_q + rates @ moving.DFe_d, rates @ m.DFe, None
     of_e = s.quantity.startswith("deformation")
     place = {**ORDERS, **DEFORMATION_ORDERS}[s.quantity]
-    own, row = (np.array([s.index]), np.ones(1)) if of_e else along_coordinates(s, m.x)
-    along = row @ (m.DFe if of_e else m.DFx)[own]
+    indices, row = (np.array([s.index]), np.ones(1)) if of_e else along_coordinates(s, m.x)
+    along = row @ (m.DFe if of_e else m.DFx)[indices]
     if place == 0 or moving is None:
         return tuple(along if i == place else None for i in range(3))
     first, second = (moving.DFe_d, moving.DFe_dd) if of_e else (moving.DFx_d, moving.DFx_dd)
     turning = jnp.zeros_like(along)
     if s.axis is not None:
         rates = moving.xd if place == 1 else moving.xdd
-        turning = rotation_row(rates[own], s.axis, s.local) @ m.DFx[own]
+        turning = rotation_row(rates[indices], s.axis, s.local) @ m.DFx[indices]
     if place == 1:
-        return row @ first[own] - turning, along, None
-    return row @ second[own] - turning, 2 * row @ first[own], along
+        return row @ first[indices] - turning, along, None
+    return row @ second[indices] - turning, 2 * row @ first[indices], along
 
 
 def lossy_elements(lin: Linearization, losses: Float[Array, "n_e"]) -> ElementMatrices:
-    """Element matrices of which stiffness and elastic are those times the loss factors of the deformations."""
+    """Element matrices whose stiffness is multiplied by the loss factors of the deformations."""
     elements, losses = as_known((lin.elements, losses))
     elastic = [
-        (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * own)
-        for rows, columns, own in elements.elastic
+        (rows, columns, (losses[rows][:, :, None] + losses[columns][:, None, :]) / 2 * stiffness)
+        for rows, columns, stiffness in elements.elastic
     ]
     structural = by_coordinates(elements.constraints, elastic)
     return elements._replace(structural=structural, curved=[], damping=[], mass=[], elastic=elastic, viscous=[])
 
 
 def large_second_order(lin: Linearization, lossy: ElementMatrices | None = None) -> LargeSecondOrder:
-    """Second-order form of a large mechanism, as :func:`second_order`; or ModelError where an input moves nothing.
+    """Second-order form of a large mechanism; ModelError for an input that moves nothing.
 
-    With ``lossy``, as of :func:`lossy_elements`, what is lossy in B, C and D is found in place of what is elastic.
-
-    Source:
-        THEORY.md 7, eq. (7.18), in place of 14, eq. (14.2) and (14.3).
+    With ``lossy``, from :func:`lossy_elements`, B, C and D are those of the losses. THEORY.md 7, eq. (7.18), in place
+    of 14, eq. (14.2) and (14.3).
     """
     return by_library(_large_second_order, lin, lossy)
 
 
 def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, library: Any) -> LargeSecondOrder:
-    """The same by NumPy, of arrays of its own, or by JAX."""
+    """:func:`large_second_order` by NumPy, from NumPy arrays, or by JAX."""
     model, elements, n_x = lin.model, lin.elements, lin.x.shape[0]
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     causes = terms_of(inputs)
     held = held_by((*causes, *terms_of(outputs)))
     carried = _carried(lin, elements, held, library)
-    # What holds it is measured along the motions that meet no force of the transposed stiffness.
+    # Holding forces are measured along motions that meet no force of the transposed stiffness.
     along = carried if lin.symmetric else _carried(lin, transposed(elements), held, library)
-    own, elastic = (elements, True) if lossy is None else (lossy, False)
+    matrices, elastic = (elements, True) if lossy is None else (lossy, False)
     columns = [_force(s, lin, library) if s.order is None and elastic else None for s in causes]
     forces = _stacked(columns, n_x, library).T
-    # What is carried at rest meets no elastic force.
-    parts = [] if elastic else own.stiffness, own.damping, own.mass
-    beyond = [between(part, along, carried) for part in (own.stiffness, own.damping, own.mass)]
+    # Motions at rest meet no elastic force.
+    parts = [] if elastic else matrices.stiffness, matrices.damping, matrices.mass
+    beyond = [between(part, along, carried) for part in (matrices.stiffness, matrices.damping, matrices.mass)]
     if elastic:
         beyond[0] = beyond[0] + about_axes(lin, held, 0)
     by_held = [times(part, carried, size=n_x) for part in parts]
@@ -354,12 +348,12 @@ def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, libra
     around = _Around(by_held, of_held, beyond, forces, along.T @ forces)
 
     def measured(s: Signal):
-        rows = _measured(s, lin, own, elastic, library)
+        rows = _measured(s, lin, matrices, elastic, library)
         return rows, [row @ carried for row in rows]
 
-    found = _assembled(inputs, outputs, model.parameters.weights, held, around, measured, library, elastic)
-    b, c, d = map(library.stack, found)
-    form = LargeSecondOrder(own, b, c, d, *orders_of(inputs))
+    powers = _assembled(inputs, outputs, model.parameters.weights, held, around, measured, library, elastic)
+    b, c, d = map(library.stack, powers)
+    form = LargeSecondOrder(matrices, b, c, d, *orders_of(inputs))
     if elastic:
         _refuse_idle(lin, form)
     return form
@@ -369,8 +363,8 @@ def _force(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_x"]:
     """Forces on the coordinates of a unit input."""
     if s.quantity == "stress":
         return -_of_deformation(lin, _unit(s, lin, library))
-    own, row = along_coordinates(s, lin.x)
-    return accumulate(library.zeros(lin.x.shape[0]), own, row)
+    indices, row = along_coordinates(s, lin.x)
+    return accumulate(library.zeros(lin.x.shape[0]), indices, row)
 
 
 def _unit(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_e"]:
@@ -379,32 +373,32 @@ def _unit(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_e"]:
 
 
 def _of_deformation(lin: Linearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
-    """Derivative of a sum of deformations by the coordinates."""
+    """Derivative of a weighted sum of deformations by the coordinates."""
     return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
 
 
-def _measured(s: Signal, lin: Linearization, own: ElementMatrices, elastic: bool, library: Any) -> list[Any]:
-    """Derivatives of an output by the coordinates and their two rates, each (n_x,); but for stress if ``elastic``."""
+def _measured(s: Signal, lin: Linearization, matrices: ElementMatrices, elastic: bool, library: Any) -> list[Any]:
+    """Derivatives of an output by the coordinates and their two rates; of a stress alone unless ``elastic``."""
     none = library.zeros(lin.x.shape[0])
-    found: list[Any] = [none, none, none]
+    rows: list[Any] = [none, none, none]
     if s.quantity == "stress":
         unit = _unit(s, lin, library)[:, None]
-        for rate, pieces in enumerate((own.elastic, own.viscous)):
-            found[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
+        for rate, pieces in enumerate((matrices.elastic, matrices.viscous)):
+            rows[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
     elif not elastic:
-        return found
+        return rows
     elif s.quantity.startswith("deformation"):
-        found[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin, library))
+        rows[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin, library))
     else:
         at, row = along_coordinates(s, lin.x)
-        found[ORDERS[s.quantity]] = accumulate(none, at, row)
-    return found
+        rows[ORDERS[s.quantity]] = accumulate(none, at, row)
+    return rows
 
 
 def _carried(
     lin: Linearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
 ) -> Float[Array, "n_x k"]:
-    """Motions at rest of all coordinates by a unit of each of what is held."""
+    """Motions at rest of all coordinates by a unit of each held coordinate."""
     if not held:
         return library.zeros((lin.x.shape[0], 0))
     n_x, n_e = lin.x.shape[0], lin.e.shape[0]
@@ -416,7 +410,7 @@ def _carried(
 
 
 def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
-    """Whether forces on what moves, (n, k), meet more than constraints, (k,)."""
+    """Whether forces on what moves, (n, k), do more than load constraints."""
     elements, n_x = lin.elements, lin.x.shape[0]
     n, h = elements.unknowns
     largest = np.max(np.abs(forces), axis=0, initial=0.0)
@@ -425,22 +419,22 @@ def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
     try:
         moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))]), solver=lin.solver))
     except AnalysisError:
-        # Of a motion without stiffness that is not known.
+        # With a motion without stiffness this is not known.
         return largest > 0
     elastic = times(elements.stiffness, spread(elements, moved[:n]), size=n_x)[elements.free]
-    return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE * largest
+    return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE_FORCE * largest
 
 
 def _refuse_idle(lin: Linearization, found: LargeSecondOrder) -> None:
     """Refuse inputs that move nothing; of concrete numbers."""
     if not is_concrete(found[:4]):
         return
-    own = np.asarray(found.B)[:, np.asarray(lin.elements.free)]
-    forces = np.any(np.array([_carries(lin, of) for of in own]), axis=0)
+    on_free = np.asarray(found.B)[:, np.asarray(lin.elements.free)]
+    forces = np.any(np.array([_carries(lin, columns) for columns in on_free]), axis=0)
     idle = np.flatnonzero(~forces & ~np.any(np.asarray(found.D), axis=(0, 1)))
     if len(idle):
         s = lin.labels.inputs[idle[0]]
         raise ModelError(
-            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state. Let it act on what can move, or"
-            " leave it out."
+            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state. Let it act on something that can move,"
+            " or leave it out."
         )

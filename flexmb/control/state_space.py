@@ -20,6 +20,7 @@ from ..math.linear_solver import LinearSolver, asked_solver
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
+from ..numerical_limits import IDLE_INPUT, LOST_DAMPING, RATE_ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
 from .second_order_form import SecondOrder, second_order
@@ -28,19 +29,15 @@ from .truncation import by_modes, chosen_modes, error_of, error_of_large, trunca
 if TYPE_CHECKING:
     import control
 
-# A state space may be off by so much without a word, looked at at so many frequencies.
-LOST_DAMPING, MOST_COMPARED = 0.01, 60
-# What an input does below this share of what it could, as round-off leaves it, is nothing.
-IDLE = 1e-12
-# A rate of an input below this share of what it consists of is round-off.
-LEFT = 1e-9
+# Largest number of frequencies at which responses are compared.
+MOST_COMPARED = 60
 
 
 class StateMatrices(NamedTuple):
     """z_dot = A z + B u, y = C z + D u with z = (q, q_dot) of the degrees of freedom that carry mass.
 
-    Where inputs are velocities or accelerations of what is held, its displacements stand after q and, of accelerations,
-    its velocities after q_dot.
+    For inputs that are velocities or accelerations of held coordinates, displacements follow q, and for accelerations
+    velocities follow q_dot.
 
     Attributes:
         A: (n_z, n_z); n_z is 2 n without such inputs.
@@ -55,17 +52,15 @@ class StateMatrices(NamedTuple):
     D: Float[Array, "n_y n_u"]
 
     def __repr__(self) -> str:
-        return "StateMatrices: " + ", ".join(f"{name} {np.shape(own)}" for name, own in self._asdict().items())
+        return "StateMatrices: " + ", ".join(f"{name} {np.shape(matrix)}" for name, matrix in self._asdict().items())
 
 
 class _Realised(NamedTuple):
-    """State-space matrices, and what their names and their checks need.
+    """State-space matrices, and values for their names and checks.
 
     Attributes:
-        matrices: A, B, C and D.
-        late: Which rate of an input an output takes that no state space has, 0 where it takes none, (n_y, n_u).
-        shifted: Whether the states that stand for the degrees of freedom, and those for their rates, are less what the
-            inputs move at once, (n,) and (n,).
+        late: Rate of an input that an output needs and no state space has; 0 for none.
+        shifted: Whether states of degrees of freedom, and of their rates, exclude what the inputs move at once.
     """
 
     matrices: StateMatrices
@@ -82,12 +77,12 @@ def _realised(
     condensed: tuple[int, ...],
     modes: tuple[int, ...] = (),
 ) -> _Realised:
-    """First-order form of a second-order one, motions without mass condensed, or all modes but some; at each time."""
+    """First-order form of a second-order one, with massless motions condensed, or some modes only; at each time."""
 
-    def one(parts: tuple[Array, ...]):
+    def in_state(parts: tuple[Array, ...]):
         return _realised_at(parts, np.array(orders, int), np.array(moves, float), condensed, modes)
 
-    return one(parts) if parts[0].ndim == 2 else jax.vmap(one)(parts)
+    return in_state(parts) if parts[0].ndim == 2 else jax.vmap(in_state)(parts)
 
 
 def _realised_at(
@@ -105,17 +100,17 @@ def _realised_at(
     elif condensed:
         moved = response_without_mass(m, k, condensed, jnp.concatenate([by_p[0], k @ keep], axis=1))
         direct, keep = moved[:, :n_u], keep - moved[:, n_u:]
-    mass, damping, stiffness = (keep.T @ of @ keep for of in (m, c, k))
+    mass, damping, stiffness = (keep.T @ matrix @ keep for matrix in (m, c, k))
     by_p[0], through[0] = by_p[0] - k @ direct, through[0] + c_q[0] @ direct
     by_rates = 0.0 if left_out is None else c_q[0] @ left_out(c @ keep)
     if np.any(moves):
-        # What follows at once follows a motion with its rates, too; rates of forces are not known.
-        for i, of in ((1, c), (2, m)):
-            by_p[i], through[i] = by_p[i] - of @ (direct * moves), through[i] + c_q[i] @ (direct * moves)
+        # Massless motions also follow the rates of a motion; rates of forces are not known.
+        for i, matrix in ((1, c), (2, m)):
+            by_p[i], through[i] = by_p[i] - matrix @ (direct * moves), through[i] + c_q[i] @ (direct * moves)
             if left_out is not None:
-                # And what it meets then by damping and inertia, where the input has such a rate.
+                # Damping and inertia add to the effect of an input with such a rate.
                 through[i] = through[i] + c_q[0] @ left_out(by_p[i] * (orders >= i).astype(float))
-        by_p, c_q = [keep.T @ of for of in by_p], [of @ keep for of in c_q]
+        by_p, c_q = [keep.T @ b for b in by_p], [c @ keep for c in c_q]
         c_q[1] = c_q[1] - by_rates
         return _first_order(mass, damping, stiffness, by_p, c_q, through, orders)
     n = keep.shape[1]
@@ -123,13 +118,13 @@ def _realised_at(
     v_dot, pull = lower[:, : 2 * n], lower[:, 2 * n :]
     z_dot = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n)], axis=1)
     row = jnp.concatenate([c_q[0] @ keep, c_q[1] @ keep - by_rates], axis=1) + c_q[2] @ keep @ v_dot
-    found = StateMatrices(
+    matrices = StateMatrices(
         jnp.concatenate([z_dot, v_dot]),
         jnp.concatenate([jnp.zeros((n, n_u)), pull]),
         row,
         through[0] + c_q[2] @ keep @ pull,
     )
-    return _Realised(found, jnp.zeros(found.D.shape, jnp.int32), (jnp.zeros(n, bool), jnp.zeros(n, bool)))
+    return _Realised(matrices, jnp.zeros(matrices.D.shape, jnp.int32), (jnp.zeros(n, bool), jnp.zeros(n, bool)))
 
 
 def _first_order(
@@ -141,22 +136,24 @@ def _first_order(
     through: list[Array],
     orders: np.ndarray,
 ) -> _Realised:
-    """States z, displacements that inputs are rates of, v, and velocities that inputs are rates of; (14.5)."""
+    """States z, displacements that inputs are rates of, v, and velocities that inputs are rates of (14.5)."""
     n, n_u = by_p[0].shape
     inverse = factorise(mass)
     once, twice = np.flatnonzero(orders > 0), np.flatnonzero(orders == 2)
 
-    def level(of: list[Array], rate: int):
-        """What a rate of the inputs does, or where negative an integral of them, of what their displacements do."""
-        nothing = jnp.zeros(of[0].shape[0])
-        return jnp.stack([of[k + rate][:, j] if 0 <= k + rate < 3 else nothing for j, k in enumerate(orders)], axis=1)
+    def level(powers: list[Array], rate: int):
+        """Effect of a rate (negative: an integral) of the inputs, from those of their displacements."""
+        nothing = jnp.zeros(powers[0].shape[0])
+        return jnp.stack(
+            [powers[k + rate][:, j] if 0 <= k + rate < 3 else nothing for j, k in enumerate(orders)], axis=1
+        )
 
     b0, b1, b2 = (level(by_p, rate) for rate in range(3))
     d0, d1, d2 = (level(through, rate) for rate in range(3))
     at_once = inverse.solve(b2)
     rates = inverse.solve(b1 - damping @ at_once)
     integrals, sensed = ([level(of, -1)[:, once], level(of, -2)[:, twice]] for of in (by_p, through))
-    # Columns: z, v, the first integrals of inputs and the second ones.
+    # Columns: z, v, first integrals of inputs, second integrals.
     by_state = jnp.concatenate([-stiffness, -damping, *integrals], axis=1)
     lower = inverse.solve(jnp.concatenate([by_state, b0 - stiffness @ at_once - damping @ rates], axis=1))
     v_dot, pull = jnp.split(lower, [by_state.shape[1]], axis=1)
@@ -192,14 +189,14 @@ def _left(
     c: tuple[Array, Array],
     through: tuple[Array, Array],
 ):
-    """Which rate of an input is left in an output, 1 or 2, or 0; what is below round-off of its parts is nothing."""
+    """Rate of an input that is left in an output, 1 or 2, or 0, apart from round-off of its parts."""
     (b1, b2), (at_once, rates), (c1, c2), (d1, d2) = by_rates, moved, c, through
     size = jnp.abs(inverse.solve(jnp.eye(len(damping))))
     most = size @ jnp.abs(b2)
     most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
     first, second = c1 @ at_once + c2 @ rates + d1, c2 @ at_once + d2
     largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1), jnp.abs(c2) @ most + jnp.abs(d2)
-    there = [jnp.abs(of) > LEFT * size for of, size in zip((first, second), largest, strict=True)]
+    there = [jnp.abs(total) > RATE_ROUND_OFF * size for total, size in zip((first, second), largest, strict=True)]
     return jnp.where(there[1], 2, jnp.where(there[0], 1, 0))
 
 
@@ -211,51 +208,50 @@ def state_matrices(
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
 ) -> tuple[StateMatrices, list[str]]:
-    """State-space matrices about the static equilibrium, for the model's named inputs and outputs.
+    """Return state-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
     Motions without mass are condensed statically, without their damping: states are the degrees of freedom that carry
-    mass. Where everything is held there are none, and D says how the outputs follow.
+    mass. If everything is held there are none, and D relates outputs to inputs.
 
-    An input that is the displacement of what is held adds no states: they are the degrees of freedom less what the
-    input moves at once by its inertia, and are then named "shifted". A velocity adds its integral to the states, an
-    acceleration both of its integrals, named "moved by" the input. An output that takes a rate of an input, such as the
-    acceleration of a mass where the displacement of a damper's end is the input, is refused by the quantity to take.
+    An input that is the displacement of a held coordinate adds no states: they are the degrees of freedom minus what
+    the input moves at once by its inertia, and are named "shifted". A velocity adds its integral to the states, an
+    acceleration both integrals, named "moved by" the input. An output that needs a rate of an input, such as the
+    acceleration of a mass for the displacement of a damper's end, raises with the quantity to use.
 
     Args:
-        model: Mechanism, or its linearisation, also that along a motion: then the matrices have the times in front.
+        model: Mechanism, or its linearisation, also along a motion: times are then the first axis of the matrices.
             Differentiable in its parameters for named inputs and outputs. Which motions carry no mass is decided on
-            concrete numbers; under a trace all are taken to carry mass, and D is NaN where an output takes a rate of an
-            input.
-        modes: How many of the lowest modes to keep, or which, numbered from 0; the states are their amplitudes [m
-            sqrt(kg)] and rates. All others follow inputs at once, as they do at rest, to an acceleration of what is
-            held with the inertia that it moves: the response at rest of positions, deformations, stresses and reactions
-            is right, and that in the band nearly so. Velocities and accelerations of what follows would take rates of
-            the inputs and are left out, so that these outputs are off by the share of the flexibility at rest that is
-            not that of the modes kept. By damping what follows does not act back on the modes that are kept.
-            Differentiable where the frequencies of modes that are kept differ from all others.
+            concrete numbers; under a trace all are assumed to carry mass, and D is NaN where an output needs a rate of
+            an input.
+        modes: Number of the lowest modes to keep, or their numbers, from 0; states are their amplitudes [m sqrt(kg)]
+            and rates. All others follow inputs at once, as at rest, and an acceleration of a held coordinate with their
+            inertia: the response of positions, deformations, stresses and reactions is exact at rest and almost exact
+            in the band. Velocities and accelerations of the others would need rates of the inputs and are left out, so
+            that these outputs are wrong by the share of the flexibility at rest of the other modes. Damping of the
+            others does not act on kept modes. Differentiable if frequencies of kept modes differ from all others.
         bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
-        sparse: Modes by sparse matrices in all coordinates, of a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium` for what these take. Chosen by size unless given, where modes are to be kept.
+        sparse: Modes by sparse matrices in all coordinates, for a model that needs no degrees of freedom; see
+            :func:`flexmb.equilibrium`. By default chosen by size, if modes are to be kept.
         solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
 
     Returns:
         A, B, C, D (shapes in StateMatrices) [SI], and the names of the states.
 
     Raises:
-        ModelError: An input moves nothing, or an output takes a rate of an input.
-        AnalysisError: singular_mass where no degree of freedom carries mass, or some motion a negative one; what the
-            linearisation failed by.
-        ValueError: Both ``modes`` and ``bandwidth`` are given, there are no such modes, no mode is below the bandwidth,
-            or a motion would be left out that does not vibrate.
-        NotImplementedError: Modes are to be kept, and an unsymmetric stiffness gives none.
+        ModelError: An input moves nothing, or an output needs a rate of an input.
+        AnalysisError: singular_mass: no degree of freedom carries mass, or some motion a negative one; or a failure of
+            the linearisation.
+        ValueError: Both ``modes`` and ``bandwidth``, unknown modes, no mode below the bandwidth, or a mode left out
+            that does not vibrate.
+        NotImplementedError: Modes of an unsymmetric stiffness.
 
     Warns:
-        FlexmbWarning: Damping of motions without mass is left out, and responses at the frequencies of poles are off by
-            more than 1 % for that; what is kept is off by more than 1 % in its band, as :func:`to_statespace` says.
+        FlexmbWarning: Damping of motions without mass is left out, and responses at the frequencies of poles are wrong
+            by more than 1 %; or kept modes have an error above 1 % in their band, see :func:`to_statespace`.
 
     Source:
         THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K,
-        -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of what is held and constraint
+        -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of held coordinates and constraint
         forces 14, eq. (14.1) to (14.5).
     """
     few = modes is not None or bandwidth is not None
@@ -264,12 +260,11 @@ def state_matrices(
         if _is_along_motion(model)
         else asked_about(model, "state_matrices", None, asked_solver(sparse, solver), few=few)
     )
-    found, names, _ = _matrices_of(lin, modes, bandwidth)
-    return found, names
+    return _matrices_of(lin, modes, bandwidth)[:2]
 
 
 def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
-    """State-space matrices, names of the states, and of some modes the error in their band, unless under a trace."""
+    """State-space matrices, names of the states, and the error of kept modes in their band, None under a trace."""
     known = lin if lin.large else undifferentiated(lin)
     traced, condensed, kept = not is_concrete(known), (), ()
     plain: Any = None
@@ -293,14 +288,14 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
             if condensed and not names:
                 raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     orders, moves = tuple(form.orders.tolist()), tuple(form.moves.tolist())
-    found = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
+    realised = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
     if traced:
-        # No number stands where a rate of an input would have to.
-        d = jnp.where(found.late > 0, jnp.nan, found.matrices.D)
-        return found.matrices._replace(D=d), _names(names, lin, orders, (names, names)) if names else [], None
-    late, moved, numbers = undifferentiated((found.late, found.shifted, found.matrices))
+        # NaN in place of a rate of an input.
+        d = jnp.where(realised.late > 0, jnp.nan, realised.matrices.D)
+        return realised.matrices._replace(D=d), _names(names, lin, orders, (names, names)) if names else [], None
+    late, moved, numbers = undifferentiated((realised.late, realised.shifted, realised.matrices))
     _refuse_rates(lin, np.asarray(late), orders)
-    shifted = [np.any(of, axis=tuple(range(np.ndim(of) - 1))).tolist() for of in map(np.asarray, moved)]
+    shifted = [np.any(flags, axis=tuple(range(np.ndim(flags) - 1))).tolist() for flags in map(np.asarray, moved)]
     error = None
     if some is not None:
         error = error_of_large(lin, some, bandwidth, numbers)
@@ -308,54 +303,51 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
         error = error_of(known, kept, bandwidth, plain, numbers)
     elif condensed and lin.matrices.M0.ndim == 2:
         _warn_of_lost_damping(known, plain, numbers)
-    return found.matrices, _names(names, lin, orders, shifted), error
+    return realised.matrices, _names(names, lin, orders, shifted), error
 
 
 def damped_without_mass(lin: Linearization) -> str:
-    """Name of a motion without mass that is damped, empty where there is none; of concrete numbers."""
+    """Name of a damped motion without mass, or empty; of concrete numbers."""
     condensed = _all_massless(lin)
     damping = np.asarray(lin.matrices.C0 + lin.matrices.D0)
     return lin.model.q_labels[condensed[0]] if np.any(damping[..., list(condensed), :]) else ""
 
 
 def _warn_of_lost_damping(lin: Linearization, whole: SecondOrder, found: StateMatrices) -> None:
-    """Warn where damping of motions without mass matters, for which positions and rates of the others are no states.
-
-    Responses to all inputs are compared, at the frequencies of the poles, with those of the second-order form.
-    """
+    """Warn if damping of massless motions, which states do not include, changes responses at frequencies of poles."""
     name = damped_without_mass(lin)
     if not name or not found.B.size or not found.C.size:
         return
     a, b, c, d = (np.asarray(part) for part in found)
     rates = np.unique(np.abs(np.linalg.eigvals(a)).round(9))
-    right, own = [], []
+    right, by_states = [], []
     for w in rates[rates > 0][:MOST_COMPARED]:
         k, forces, rows, through = whole.at(1j * w)
         right.append(rows @ np.linalg.solve(k, forces) + through)
-        own.append(c @ np.linalg.solve(1j * w * np.eye(len(a)) - a, b) + d)
+        by_states.append(c @ np.linalg.solve(1j * w * np.eye(len(a)) - a, b) + d)
     if not right:
         return
     sizes = np.maximum(np.abs(right), 1e-9 * np.max(np.abs(right), axis=0))
-    off = np.max(np.abs(np.subtract(own, right)) / np.where(sizes > 0, sizes, 1.0))
+    off = np.max(np.abs(np.subtract(by_states, right)) / np.where(sizes > 0, sizes, 1.0))
     if not off < LOST_DAMPING:
         warn(
-            f"The motion of {name} carries no mass but is damped. A state space has it follow at once, without that"
-            f" damping: responses are off by up to {100 * off:.2g} %, and poles with them. fm.poles,"
-            " fm.frequency_response and a noise budget in a band have the damping. Give it a mass, or no damper."
+            f"The motion of {name} carries no mass but is damped. In a state space it follows at once, without that"
+            f" damping: responses and poles are wrong by up to {100 * off:.2g} %. fm.poles, fm.frequency_response and a"
+            " noise budget in a band include the damping. Give it a mass, or no damper."
         )
 
 
 def _names(names: list[str], lin: Any, orders: tuple[int, ...], shifted: Any) -> list[str]:
-    """Names of the states: of degrees of freedom or modes, of displacements that inputs are rates of, and of rates."""
+    """Names of the states: degrees of freedom or modes, displacements that inputs are rates of, and rates."""
     labels = lin.labels.inputs
     moved = [(f"moved by {s.name}", order) for s, order in zip(labels, orders, strict=True) if order]
-    z, v = ([f"{name} shifted" if by else name for name, by in zip(names, of, strict=True)] for of in shifted)
+    z, v = ([f"{name} shifted" if by else name for name, by in zip(names, flags, strict=True)] for flags in shifted)
     speeds = [name for name, order in moved if order == 2]
     return [*z, *(name for name, _ in moved), *(f"d {name}" for name in (*v, *speeds))]
 
 
 def _refuse_rates(lin: Any, late: np.ndarray, orders: tuple[int, ...]) -> None:
-    """Refuse an output that takes a rate of an input, by the quantity to take in its place."""
+    """Refuse an output that needs a rate of an input, with the quantity to use instead."""
     late = np.max(late, axis=tuple(range(late.ndim - 2)), initial=0)
     if not np.any(late):
         return
@@ -363,9 +355,9 @@ def _refuse_rates(lin: Any, late: np.ndarray, orders: tuple[int, ...]) -> None:
     output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
     has, takes, needs = (MOTIONS[orders[u] + int(rate)] for rate in (0, late[y, u], np.max(late[:, u])))
     raise ModelError(
-        f"Output '{output}' takes the {takes} of what the input '{source}' moves, which a state space cannot tell from"
-        f' its {has}: let the input be the {needs}, quantity="{needs}", which adds the motion itself to the states; or'
-        " leave the output out."
+        f"Output '{output}' takes the {takes} of what the input '{source}' moves. A state space knows only its {has}."
+        f' Make the input the {needs}, quantity="{needs}", which adds the motion itself to the states; or leave the'
+        " output out."
     )
 
 
@@ -374,7 +366,7 @@ def _is_along_motion(model: Model | Linearization) -> TypeGuard[Linearization]:
 
 
 def _refuse_undetermined(lin: Linearization) -> None:
-    """Refuse a motion at some time of which the degrees of freedom do not determine the configuration."""
+    """Refuse a motion with times at which the degrees of freedom do not determine the configuration."""
     wrong = np.flatnonzero(np.asarray(lin.matrices.result) != RESULTS.successful)
     if len(wrong) and lin.matrices.M0.ndim > 2:
         code = RESULTS(int(np.asarray(lin.matrices.result)[wrong[0]]))
@@ -382,24 +374,24 @@ def _refuse_undetermined(lin: Linearization) -> None:
 
 
 def _at_each_time(lin: Linearization) -> list[Matrices]:
-    """Matrices at the times of a motion, or the only ones."""
+    """Matrices at the times of a motion, or of one state."""
     m = jax.tree.map(np.asarray, lin.matrices)
     return [m] if m.M0.ndim == 2 else [jax.tree.map(lambda a, i=i: a[i], m) for i in range(len(m.M0))]
 
 
 def _all_massless(lin: Linearization) -> tuple[int, ...]:
     """Degrees of freedom to condense at all times."""
-    found = {tuple(massless_freedoms(np.asarray(m.M0))) for m in _at_each_time(lin)}
-    if len(found) > 1:
+    condensed = {tuple(massless_freedoms(np.asarray(m.M0))) for m in _at_each_time(lin)}
+    if len(condensed) > 1:
         raise AnalysisError(
             "singular_mass",
-            RESULTS.singular_mass.message + " Which motion carries none changes along the motion: choose a time.",
+            RESULTS.singular_mass.message + " Which motion carries none changes along the motion. Choose a time.",
         )
-    return found.pop()
+    return condensed.pop()
 
 
 def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
-    """Raise ModelError of inputs whose columns of B and D are zero but for round-off, at all times; known numbers."""
+    """Raise ModelError for inputs whose columns of B and D are zero but for round-off, at all times; known numbers."""
     whole, condensed = jax.tree.map(np.asarray, whole), _all_massless(lin)
     if not len(whole.orders):
         return
@@ -409,43 +401,42 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
     factors = np.abs(np.asarray(combined(inputs, None if weights is None else weights[0])))
     sizes = sizes_of(lin.model.topology, lin.model.parameters)
     largest = np.max(sizes)
-    own = np.array([max(1.0, largest) if s.of_element else sizes[s.index] for s in terms_of(inputs)])
-    size = factors @ own
+    size = factors @ np.array([max(1.0, largest) if s.of_element else sizes[s.index] for s in terms_of(inputs)])
     idle = set(range(len(inputs)))
-    numbers = whole[:12] if whole.M.ndim > 2 else [of[None] for of in whole[:12]]
+    numbers = whole[:12] if whole.M.ndim > 2 else [matrix[None] for matrix in whole[:12]]
     for m, *parts in zip(_at_each_time(lin), *numbers, strict=True):
-        own_parts: Any = (*parts, whole.orders, whole.moves)
-        now = SecondOrder(*own_parts)
-        # How far, in extents and radians, each degree of freedom moves what it moves most.
+        fields: Any = (*parts, whole.orders, whole.moves)
+        now = SecondOrder(*fields)
+        # Largest motion of each degree of freedom in extents and radians.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
         for i in sorted(idle):
             if whole.moves[i]:
-                acts = any(np.any(of[:, i]) for of in (now.B0, now.B1, now.B2))
+                acts = any(np.any(b[:, i]) for b in (now.B0, now.B1, now.B2))
             else:
-                acts = np.any(np.abs(now.B0[:, i]) > IDLE * size[i] * reach)
+                acts = np.any(np.abs(now.B0[:, i]) > IDLE_INPUT * size[i] * reach)
                 acts = acts and not _drives_only_unseen(m, now, i, condensed)
-            seen = any(np.any(np.abs(of[:, i]) > IDLE * max(1.0, size[i])) for of in (now.D0, now.D1, now.D2))
+            seen = any(np.any(np.abs(d[:, i]) > IDLE_INPUT * max(1.0, size[i])) for d in (now.D0, now.D1, now.D2))
             if acts or seen:
                 idle.discard(i)
     if idle:
         s = inputs[min(idle)]
         raise ModelError(
             f"Input '{s.name}' (a {s.quantity}) moves nothing about this state: its columns of B and D are zero. Let it"
-            " act on what can move, or leave it out."
+            " act on something that can move, or leave it out."
         )
 
 
 def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tuple[int, ...]) -> bool:
-    """Whether an input acts on massless motions alone, of which no output tells."""
+    """Whether an input acts only on massless motions that no output measures."""
     if not condensed:
         return False
     force = whole.B0[:, i]
     kept = np.array([j for j in range(len(force)) if j not in condensed], int)
     direct = response_without_mass(m.M0, m.K, condensed, force, np.linalg.solve)
-    left = np.abs(force - m.K @ direct)[kept] > IDLE * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept]
+    left = np.abs(force - m.K @ direct)[kept] > IDLE_INPUT * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept]
     if np.any(left):
         return False
-    return not np.any(np.abs(whole.C0 @ direct) > IDLE * (np.abs(whole.C0) @ np.abs(direct)))
+    return not np.any(np.abs(whole.C0 @ direct) > IDLE_INPUT * (np.abs(whole.C0) @ np.abs(direct)))
 
 
 @unguarded
@@ -461,28 +452,30 @@ def to_statespace(
     sparse: bool | None = None,
     solver: str | LinearSolver | None = None,
 ) -> "control.StateSpace":
-    """The linearised mechanism as a ``control.StateSpace`` with names for states, inputs and outputs.
+    """Return the linearised mechanism as a ``control.StateSpace`` with names of states, inputs and outputs.
 
     Args:
-        model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``. Damping is that of its
-            elements, unless it is a linearisation by :func:`flexmb.damped`.
-        at, step, time, increment: About which state it is asked, as for :func:`flexmb.frequencies`.
-        modes: How many of the lowest modes to keep, or which, numbered from 0; see :func:`state_matrices`. A controller
-            is designed on few states, and margins of many stiff ones are beyond python-control.
+        model: Mechanism, or its linearisation; of a motion that at one time, ``lin.at_time(0)``. Damping is that of the
+            elements, or that of a linearisation by :func:`flexmb.damped`.
+        at, step, time, increment: State, as for :func:`flexmb.frequencies`.
+        modes: Number of the lowest modes to keep, or their numbers, from 0; see :func:`state_matrices`. Use few states
+            for controller design: python-control cannot compute margins of many stiff ones.
         bandwidth: Keep all modes up to this frequency [Hz].
         sparse, solver: As for :func:`state_matrices`.
 
     Returns:
-        control.StateSpace; matrices as :func:`state_matrices`. Where modes are kept it has an attribute
-        ``truncation_error``, (n_y, n_u) [-]: by how much the response of each output to each input is off at most, up
-        to ``bandwidth`` or else the highest mode that is kept. It is measured against all modes at 120 frequencies over
-        two decades and beside each mode; by sparse matrices at 40 frequencies and at two beside each mode. It is the
-        difference over the larger of the full response there and its median within half an octave to both sides, which
-        keeps an antiresonance from counting.
+        control.StateSpace with the matrices of :func:`state_matrices`. With kept modes it has an attribute
+        ``truncation_error``, (n_y, n_u) [-]: largest error of the response of each output to each input, up to
+        ``bandwidth`` or the highest mode kept. It is measured against all modes at 120 frequencies over two decades and
+        beside each mode; with sparse matrices at 40 frequencies and at two beside each mode. It is the difference over
+            the
+        larger of the full response there and its median within half an octave to both sides, so that an antiresonance
+            does
+        not count.
 
     Raises:
-        ModelError: The model names no inputs or no outputs, an output takes a rate of an input, or an input moves
-            nothing; the linearisation is that at many times.
+        ModelError: The model names no inputs or no outputs, an output needs a rate of an input, or an input moves
+            nothing; the linearisation has many times.
         AnalysisError: singular_mass.
         ValueError: As :func:`state_matrices`.
         TypeError: Numbers are traced, as under ``jax.grad``.
@@ -497,23 +490,23 @@ def to_statespace(
 
     if _is_along_motion(model):
         raise ModelError(
-            f"This linearisation is along a motion, at {len(model.matrices.M0)} times, and a control.StateSpace is that"
-            " at one: give lin.at_time(0), or take A, B, C and D at all of them from state_matrices(lin)."
+            f"This linearisation is along a motion, at {len(model.matrices.M0)} times, but a control.StateSpace has"
+            " one. Give lin.at_time(0), or use A, B, C and D at all times from state_matrices(lin)."
         )
     few = modes is not None or bandwidth is not None
     lin = asked_about(model, "to_statespace", Where(at, step, time, increment), asked_solver(sparse, solver), few=few)
-    inputs, outputs = ([s.name for s in found] for found in (lin.labels.inputs, lin.labels.outputs))
+    inputs, outputs = ([s.name for s in signals] for signals in (lin.labels.inputs, lin.labels.outputs))
     if not inputs or not outputs:
-        raise ModelError("A state-space model needs an input and an output: name them with input() and output().")
+        raise ModelError("A state-space model needs an input and an output. Name them with input() and output().")
     if not is_concrete(lin):
         raise TypeError(
-            "A control.StateSpace holds concrete numbers: make it outside jax.jit and jax.grad, or take"
+            "A control.StateSpace needs concrete numbers. Make it outside jax.jit and jax.grad, or use"
             " fm.control.state_matrices, which has derivatives."
         )
-    found, states, error = _matrices_of(lin, modes, bandwidth)
-    # control refuses a dot in a name.
+    matrices, states, error = _matrices_of(lin, modes, bandwidth)
+    # python-control refuses dots in names.
     clean = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]
-    parts = [np.asarray(m) for m in found]
+    parts = [np.asarray(m) for m in matrices]
     system: Any = control.StateSpace(*parts, states=clean[0], inputs=clean[1], outputs=clean[2])
     if error is not None:
         system.truncation_error = error

@@ -1,4 +1,4 @@
-"""A state space of the modes that matter: which they are, what follows them statically, and the error that is left."""
+"""A state space of few modes: which modes, the static response of the others, and the error that is left."""
 
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
@@ -16,20 +16,15 @@ from ..linear.spectrum import shift_to_definite, spectrum, to_frequency
 from ..math.by_deformations import spread
 from ..math.element_matrices import between, times
 from ..math.linear import factorise
+from ..numerical_limits import IDLE_RESPONSE, STILL_MODE, TRUNCATION_ERROR
 from .harmonic import solutions
 from .second_order_form import LargeSecondOrder, SecondOrder, large_second_order
 
-# Above this error a truncated state space is warned of.
-TOLERANCE = 0.01
-# A mode below this share of the highest frequency does not vibrate: its frequency is that of round-off.
-STILL = 1e-7
-# Frequencies at which responses are compared: so many over two decades, and these beside each mode. Of a large
-# mechanism, where each takes factors of its own, fewer.
+# Frequencies at which responses are compared, over two decades, and beside each mode; fewer for a large mechanism,
+# where each needs factors.
 POINTS, FEW_POINTS = 120, 40
 BESIDE = 1 + np.array([-1e-2, -1e-3, 1e-3, 1e-2])
-# What responds by less than this share of what a force along it and the input along itself do, does so by round-off.
-IDLE = 1e-9
-# So many modes of a large mechanism are looked for at first where a bandwidth says how many there are.
+# Modes of a large mechanism computed first for a bandwidth.
 FIRST = 8
 
 
@@ -37,10 +32,10 @@ class ByModes(NamedTuple):
     """Second-order form of a few modes of a large mechanism.
 
     Attributes:
-        form: In amplitudes of the modes that are kept; what all other motions add at rest is in D0.
+        form: In amplitudes of the kept modes; D0 includes all other motions at rest.
         whole: In all coordinates.
         kept: Numbers of the modes, from 0, ascending.
-        hertz: Frequencies of all modes up to the highest that is kept, (n,) [Hz].
+        hertz: Frequencies of all modes up to the highest one kept [Hz].
     """
 
     form: SecondOrder
@@ -50,101 +45,88 @@ class ByModes(NamedTuple):
 
 
 def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, ...]:
-    """Numbers of the modes to keep of a mechanism in degrees of freedom, from 0, ascending.
-
-    Args:
-        modes: How many of the lowest, or which, from 0; or None.
-        bandwidth: Frequency up to which modes are kept [Hz]; or None.
-
-    Raises:
-        ValueError: Both are given, the numbers are no modes, no mode is below the bandwidth, one that does not vibrate
-            is left out, or a bandwidth is given under a trace.
-        NotImplementedError: The stiffness is unsymmetric.
-        AnalysisError: As :func:`flexmb.modes`.
-    """
+    """Ascending numbers of the modes to keep in degrees of freedom, from 0; raise for wrong `modes` or `bandwidth`."""
 
     def every(_: int):
-        hertz, result = (np.asarray(of) for of in modal_frequencies(lin))
+        hertz, result = map(np.asarray, modal_frequencies(lin))
         check_spectrum(result, True, lin)
         return hertz[np.isfinite(hertz)], None
 
     _refuse_both(lin, modes, bandwidth)
     if lin.matrices.M0.ndim > 2:
-        raise ValueError("Modes are those of one state, and this linearisation is along a motion: give lin.at_time(0).")
+        raise ValueError("Modes need one state, but this linearisation is along a motion. Give lin.at_time(0).")
     if not is_concrete((lin.matrices, bandwidth)):
         return numbered(modes, lin.matrices.M0.shape[0])
     hertz, _ = every(0)
-    found = numbered(modes, len(hertz)) if bandwidth is None else _below(bandwidth, len(hertz), every)[0]
-    _refuse_left_out(found, hertz)
-    return found
+    kept = numbered(modes, len(hertz)) if bandwidth is None else _below(bandwidth, len(hertz), every)[0]
+    _refuse_left_out(kept, hertz)
+    return kept
 
 
 def _refuse_both(lin: Linearization, modes: Any, bandwidth: Any) -> None:
     if modes is not None and bandwidth is not None:
-        raise ValueError("Give `modes` or `bandwidth`, not both: each says which modes are kept.")
+        raise ValueError("Give `modes` or `bandwidth`, not both: each chooses the modes to keep.")
     refuse_unsymmetric(lin.symmetric)
     if bandwidth is not None and not is_concrete((lin.matrices, bandwidth)):
-        raise ValueError("Which modes are below a `bandwidth` depends on numbers: give `modes` under a trace.")
+        raise ValueError("Which modes are below a `bandwidth` depends on traced numbers. Give `modes` under a trace.")
 
 
 def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]]) -> tuple[tuple[int, ...], Any]:
-    """Modes up to a frequency, and what finds them, which answers for so many of the lowest, with their frequencies."""
+    """Modes up to a frequency, and the result of ``lowest_of``, which computes a number of the lowest."""
     check_number("bandwidth", bandwidth, above=0)
     count = FIRST
     while True:
-        hertz, found = lowest_of(min(count, most))
+        hertz, answer = lowest_of(min(count, most))
         below = np.flatnonzero(hertz <= bandwidth)
         if not len(below):
             raise ValueError(
-                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz, so that no"
-                " state would be left: up to there the response is that at rest, fm.frequency_response(model, 0.0)."
+                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz. No state"
+                " would be left. Up to there the response is that at rest, fm.frequency_response(model, 0.0)."
             )
         if len(below) < len(hertz) or count >= most:
-            return tuple(below.tolist()), found
+            return tuple(below.tolist()), answer
         count *= 2
 
 
 def _refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
-    """Refuse to leave out a mode that does not vibrate, of frequencies that ascend."""
-    out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL * hertz[-1]]
+    """Refuse to leave out a mode that does not vibrate, by ascending frequencies."""
+    out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL_MODE * hertz[-1]]
     if out:
         raise ValueError(
-            f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz), so that it cannot follow at once: keep it,"
-            f" as number {out[0]} of `modes`."
+            f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz) and cannot follow at once. Keep it, as"
+            f" number {out[0]} of `modes`."
         )
 
 
 def numbered(modes: Any, count: int) -> tuple[int, ...]:
-    """Numbers of the modes that the argument `modes` says, of so many, from 0, ascending."""
+    """Ascending numbers of modes from the argument `modes`, for a count of modes."""
     if (whole := as_whole(modes)) is not None:
         if not 1 <= whole <= count:
             raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {whole}.")
         return tuple(range(whole))
     if not isinstance(modes, list | tuple | range | np.ndarray) or np.ndim(modes) != 1 or not len(modes):
         raise TypeError(f"Argument `modes` must be a whole number, or numbers of modes from 0, not {shown(modes)}.")
-    found = [check_whole("modes", number) for number in modes]
-    if len(set(found)) < len(found) or min(found) < 0 or max(found) >= count:
+    numbers = [check_whole("modes", number) for number in modes]
+    if len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) >= count:
         raise ValueError(
             f"Argument `modes` must be numbers of modes from 0 to {count - 1}, each once, but is {shown(modes)}."
         )
-    return tuple(sorted(found))
+    return tuple(sorted(numbers))
 
 
 def truncated(
     k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], kept: tuple[int, ...]
 ) -> tuple[Float[Array, "n_q k"], Callable[[Float[Array, "n_q f"]], Float[Array, "n_q f"]]]:
-    """Mass-normalised shapes that are kept, and the displacements by which all other motions follow forces at once.
+    """Mass-normalised shapes that are kept, and the function by which all other motions follow forces at once.
 
-    Source:
-        THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move the modes that are kept, and plus what s takes
-        from the others.
+    THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move kept modes, plus what s takes from the others.
     """
     shift, _, _ = shift_to_definite(k, m)
     values, shapes, _, _ = spectrum(k, m)
-    own, others = np.array(kept), np.array([i for i in range(len(values)) if i not in kept], int)
-    keep, left = shapes[:, own], shapes[:, others]
+    others = np.array([i for i in range(len(values)) if i not in kept], int)
+    keep, left = shapes[:, np.array(kept)], shapes[:, others]
     inertia = m @ keep
-    # Motions without mass have infinite values and no shape: they are in the first term.
+    # Motions without mass have infinite values and no shape: the first term includes them.
     massive = jnp.isfinite(values[others])
     rest = jnp.where(massive, values[others], 1.0)
     factors = factorise(k + shift * m)
@@ -152,7 +134,7 @@ def truncated(
 
     def follows(forces: Float[Array, "n_q f"]):
         direct = factors.solve(forces - inertia @ (keep.T @ forces))
-        # What is kept would swamp the rest by its round-off, where it has little stiffness.
+        # Round-off of soft kept modes would exceed the rest.
         direct = direct - keep @ (inertia.T @ direct)
         return direct + left @ ((left.T @ forces) * share[:, None])
 
@@ -160,45 +142,40 @@ def truncated(
 
 
 def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes:
-    """Equations of a few modes of a large mechanism; arguments and errors as of :func:`chosen_modes`.
+    """Equations of a few modes of a large mechanism (THEORY.md 7, eq. (7.14), with R B_u from (7.17)).
 
-    Also ModelError: an input moves nothing; and singular_stiffness: a motion without stiffness is not kept.
-
-    Source:
-        THEORY.md 7, eq. (7.14), with R B_u from (7.17).
+    Raises as :func:`chosen_modes`, ModelError for an input that moves nothing, and singular_stiffness for a motion
+    without stiffness that is not kept.
     """
     _refuse_both(lin, modes, bandwidth)
     if modes is None and bandwidth is None:
-        raise ValueError(
-            "A state space of a large mechanism is one of few modes: say how many by `modes`, or by `bandwidth`."
-        )
+        raise ValueError("A state space of a large mechanism needs a choice of few modes. Give `modes` or `bandwidth`.")
     return by_library(_by_modes, lin, modes, bandwidth)
 
 
 def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
-    """The same by NumPy, of arrays of its own, or by JAX."""
+    """:func:`by_modes` by NumPy, from NumPy arrays, or by JAX."""
     whole = large_second_order(lin)
     elements, n_x, (n, h) = lin.elements, lin.x.shape[0], lin.elements.unknowns
 
     def lowest_of(count: int):
-        found: Any = as_known(lowest(elements, count, lin.solver))
-        return as_known(to_frequency(found.values)), found
+        answer: Any = as_known(lowest(elements, count, lin.solver))
+        return as_known(to_frequency(answer.values)), answer
 
     if bandwidth is None:
         kept = numbered(modes, n - h)
-        found = lowest_of(max(kept) + 1)[1]
+        modal = lowest_of(max(kept) + 1)[1]
     else:
-        kept, found = _below(bandwidth, n - h, lowest_of)
-    hertz = as_known(to_frequency(found.values))
+        kept, modal = _below(bandwidth, n - h, lowest_of)
+    hertz = as_known(to_frequency(modal.values))
     if is_concrete(hertz):
         hertz = hertz[np.isfinite(hertz)]
         if max(kept) >= len(hertz):
             raise ValueError(f"Argument `modes` = {shown(modes)}: {len(hertz)} modes of this mechanism have mass.")
         _refuse_left_out(kept, np.asarray(hertz))
-    own = np.array(kept)
-    values, shapes = found.values[own], found.motions[:, own]
-    # What all others follow at once: the inputs with those rates that they have, and the damping of what is kept.
-    by_p = [of * (whole.orders >= i).astype(float) for i, of in enumerate(whole.B)]
+    values, shapes = modal.values[np.array(kept)], modal.motions[:, np.array(kept)]
+    # All others follow at once the inputs with their rates, and the damping of kept modes.
+    by_p = [b * (whole.orders >= i).astype(float) for i, b in enumerate(whole.B)]
     acting = library.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
     border = times(elements.mass, shapes, size=n_x)[elements.free]
     right = library.concatenate([acting, library.zeros((h, acting.shape[1]))])
@@ -206,8 +183,8 @@ def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: 
     n_u = len(whole.orders)
     *at_once, by_rates = library.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
     d, (places, rates, second) = whole.D + library.stack(at_once), whole.C @ shapes
-    parts: list[Any] = [library.eye(len(own)), between(elements.damping, shapes, shapes), library.diag(values)]
-    parts += [*(shapes.T @ of for of in whole.B), places, rates + by_rates, second, *d]
+    parts: list[Any] = [library.eye(len(kept)), between(elements.damping, shapes, shapes), library.diag(values)]
+    parts += [*(shapes.T @ b for b in whole.B), places, rates + by_rates, second, *d]
     form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
     return ByModes(form, whole, kept, hertz)
 
@@ -215,17 +192,11 @@ def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: 
 def error_of(
     lin: Linearization, kept: tuple[int, ...], bandwidth: float | None, whole: SecondOrder, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
-    """Largest error of a truncated state space in its band, measured against the full one; warns above a hundredth.
+    """Largest error of a truncated state space in its band, (n_y, n_u) [-]; warns above a hundredth.
 
-    Args:
-        kept: Numbers of the modes that are kept.
-        bandwidth: End of the band [Hz]; the highest mode that is kept unless given.
-        whole: Second-order form of all modes, in plain numbers.
-        small: A, B, C and D of the truncated state space.
-
-    Returns:
-        (n_y, n_u) [-]: difference of the responses over the larger of the full one there and its median within half an
-        octave to both sides; the median keeps an antiresonance from counting.
+    It is the difference of responses over the larger of the full one and its median within half an octave to both
+    sides, so that an antiresonance does not count. ``whole`` is the form of all modes, ``small`` the truncated state
+    space.
     """
     hertz = np.asarray(modal_frequencies(lin)[0])
     hertz = hertz[np.isfinite(hertz)]
@@ -243,18 +214,18 @@ def error_of(
 def error_of_large(
     lin: Linearization, found: ByModes, bandwidth: float | None, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
-    """As :func:`error_of`, measured against solutions in all coordinates at fewer frequencies."""
+    """:func:`error_of` against solutions in all coordinates, at fewer frequencies."""
     whole = found.whole
     end, grid = _band(found.kept, bandwidth, np.asarray(found.hertz), FEW_POINTS, BESIDE[[0, -1]])
     n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
     free, w = np.asarray(whole.elements.free), 2 * np.pi * grid
-    b, c, d = (np.asarray(of) for of in whole[1:4])
-    solved_at = np.asarray(solutions(whole.elements, w, *(of.astype(complex) for of in whole[1:3])))
+    b, c, d = map(np.asarray, whole[1:4])
+    solved_at = np.asarray(solutions(whole.elements, w, whole.B.astype(complex), whole.C.astype(complex)))
 
     def full():
         for s, z in zip(1j * w, solved_at, strict=True):
             by_u, powers = s ** -whole.orders.astype(float), s ** np.arange(3)
-            forces, rows, through = (np.tensordot(powers, of, 1) for of in (b[:, free], c[:, :, free], d))
+            forces, rows, through = (np.tensordot(powers, m, 1) for m in (b[:, free], c[:, :, free], d))
             yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
 
     return _told_error(lin, grid, full(), small, end, str(len(found.kept)))
@@ -263,17 +234,11 @@ def error_of_large(
 def _band(
     kept: tuple[int, ...], bandwidth: float | None, hertz: np.ndarray, points: int, beside: np.ndarray
 ) -> tuple[float, np.ndarray]:
-    """End of a band [Hz], and frequencies at which responses are compared; none is a resonance, where some have no end.
-
-    Args:
-        hertz: Of modes, (modes,) [Hz].
-        points: So many over the two decades below the end.
-        beside: And these beside each mode, as shares of its frequency, (k,) [-].
-    """
+    """End of a band [Hz], and frequencies over two decades below it and beside each mode, none at a resonance."""
     end = float(np.max(hertz[list(kept)])) if bandwidth is None else bandwidth
-    if end <= 0 or end <= STILL * hertz[-1]:
-        # All that is kept moves without stiffness: the band ends well below what vibrates.
-        vibrates = hertz[(hertz > 0) & (hertz > STILL * hertz[-1])]
+    if end <= 0 or end <= STILL_MODE * hertz[-1]:
+        # All kept modes have no stiffness: the band ends well below vibrations.
+        vibrates = hertz[(hertz > 0) & (hertz > STILL_MODE * hertz[-1])]
         end = float(np.min(vibrates)) / 10 if len(vibrates) else 1.0
     near = np.outer(hertz, beside).ravel()
     grid = np.unique(np.concatenate([end * np.logspace(-2, 0, points), near[(near > 1e-2 * end) & (near <= end)]]))
@@ -284,30 +249,25 @@ def _band(
 def _told_error(
     lin: Linearization, grid: np.ndarray, full: Iterable[tuple[Any, ...]], small: Any, end: float, some: str
 ) -> Float[np.ndarray, "n_y n_u"]:
-    """Largest error of responses, told where it is large.
+    """Largest error of responses, with a warning if it is large.
 
-    Args:
-        lin: For the names.
-        grid: Frequencies, (n_f,) [Hz].
-        full: At each, what inputs do and outputs take, (n, n_u) and (n_y, n), what passes at once, (n_y, n_u), and the
-            motions by the inputs and by the outputs as forces, (n, n_u) and (n, n_y).
-        small: A, B, C and D of the truncated state space.
-        end: End of the band [Hz].
-        some: How many modes are kept.
+    ``full`` yields, for each frequency, effects of inputs, outputs, the part that passes at once, and the motions by
+    inputs and by outputs as forces. ``some`` names the number of kept modes.
     """
-    a, b, c, d = (np.asarray(of) for of in small)
-    right, own, least = [], [], np.zeros(d.shape)
+    a, b, c, d = map(np.asarray, small)
+    right, truncated_responses, least = [], [], np.zeros(d.shape)
     for s, (forces, rows, through, moved, sensed) in zip(2j * np.pi * grid, full, strict=True):
         right.append(rows @ moved + through)
-        own.append(c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d)
+        truncated_responses.append(c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d)
         sizes = np.abs(np.sum(rows.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0))
-        least = np.maximum(least, IDLE * np.sqrt(np.outer(*sizes)))
-    right, own = np.array(right), np.array(own)
+        least = np.maximum(least, IDLE_RESPONSE * np.sqrt(np.outer(*sizes)))
+    right = np.array(right)
+    difference = np.abs(np.array(truncated_responses) - right)
     size, near = np.abs(right), np.abs(np.log2(grid[:, None] / grid)) <= 0.5
     usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in near]))
-    errors = np.where(np.max(size, axis=0) <= least, 0.0, np.abs(own - right) / np.where(usual > 0, usual, 1.0))
+    errors = np.where(np.max(size, axis=0) <= least, 0.0, difference / np.where(usual > 0, usual, 1.0))
     error = np.max(errors, axis=0, initial=0.0)
-    if np.max(error, initial=0.0) > TOLERANCE:
+    if np.max(error, initial=0.0) > TRUNCATION_ERROR:
         # The first of those that are equal but for round-off, as velocity and acceleration are.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..control.nonlinear_system import FARTHEST, FINER, FOUND, STEP, freedoms_in_memory, memory_at_start, plant_rates
+from ..control.nonlinear_system import FARTHEST, FINER, STEP, freedoms_in_memory, memory_at_start, plant_rates
 from ..errors import AnalysisError
 from ..linear.loose import without_mass
 from ..model.model import Model, as_model
@@ -16,6 +16,7 @@ from ..motion.coordinates_form import coordinates_form
 from ..motion.drives_by_name import Drives, driven_by
 from ..motion.kinks import kinks_of
 from ..motion.loop import check_signals
+from ..numerical_limits import DEPENDENT_FOUND
 from ..results import RESULTS
 from ..statics.equilibrium import warn_of_increment
 from .translate import Unit
@@ -97,7 +98,7 @@ def plant(
     )
     (w, n), m = done.work, memory.size
     numbers = {"WORK": w, "MEMORY": m, "X": 2 * n_q, "Q": n_q}
-    numbers |= {"FOUND": FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
+    numbers |= {"DEPENDENT_FOUND": DEPENDENT_FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
     defined = "\n".join(f"#define PLANT_{name} {value!r}" for name, value in numbers.items())
     call = f"{defined}\n{CALL.read_text(encoding='utf-8')}"
     names = tuple(model.q_labels)

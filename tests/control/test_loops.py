@@ -211,7 +211,7 @@ def test_a_continuous_delay_is_all_pass():
     found = fm.control.delayed(control.tf([2.0], [1, 3]), 0.1, order=1)
     s = 1j * np.array([0.1, 1.0, 30.0])
     np.testing.assert_allclose(found(s), 2 / (s + 3) * (1 - 0.05 * s) / (1 + 0.05 * s), rtol=1e-12)
-    with pytest.raises(fm.ModelError, match="give `order`"):
+    with pytest.raises(fm.ModelError, match="Give `order`"):
         fm.control.delayed(control.tf([2.0], [1, 3]), 0.1)
 
 
@@ -222,7 +222,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda: fm.control.saturated(INTEGRATOR, 1.0), "give `tracking`"),
+        (lambda: fm.control.saturated(INTEGRATOR, 1.0), "Give `tracking`"),
         (lambda: fm.control.saturated(LAG, 1.0, tracking=0.1), "`tracking` is for integrators"),
         (lambda: fm.control.saturated(LAG, [[1.0, -1.0]]), "least must be below"),
         (lambda: fm.control.saturated(LAG, [-1.0, 1.0]), r"has shape \(2,\)"),
@@ -243,7 +243,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.closed_loop(LAG, lag(1.0, np.nan)), "controller are not finite, in its A"),
         (lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG), "mechanism's state space are not finite, in its A"),
         (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1: give the"),
-        (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "without delay, and has no solution"),
+        (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "an algebraic loop without solution"),
         (lambda: fm.simulate(MODEL, TIMES, control=lag(1.0, np.nan)), "controller are not finite, in its A"),
         (
             lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
@@ -273,7 +273,7 @@ def test_systems_of_traced_gains_are_refused_by_name():
         lambda own: fm.control.delayed(gains(own), 0.1, order=1).D[0, 0],
         lambda own: fm.control.delayed(LAG, own, order=1).D[0, 0],
     ):
-        with pytest.raises(TypeError, match=r"makes a control\.StateSpace, which holds concrete numbers"):
+        with pytest.raises(TypeError, match=r"returns a control\.StateSpace, which needs concrete numbers"):
             jax.grad(ask)(1.0)
 
 
@@ -290,9 +290,9 @@ def test_integrators_are_led_back_alike_where_gains_are_traced():
         fm.control.saturated(gains, 1.0, **tracking)
         return a
 
-    with pytest.raises(fm.ModelError, match="or may where its A is traced"):
+    with pytest.raises(fm.ModelError, match="or may since its A is traced"):
         jax.jit(limited)(np.zeros((1, 1)))
-    with pytest.raises(fm.ModelError, match="not known since its A is traced"):
+    with pytest.raises(fm.ModelError, match="unknown since its A is traced"):
         jax.jit(lambda a: limited(a, tracking=0.1))(np.zeros((1, 1)))
     jax.jit(lambda a: limited(a, tracking=np.inf))(np.zeros((1, 1)))
 

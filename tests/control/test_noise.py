@@ -200,7 +200,7 @@ def test_a_gain_that_is_traced_in_a_function_of_frequencies():
     value, slopes = jax.value_and_grad(rms, argnums=(0, 1))(1e3, K)
     # As far as the rule that sums is exact.
     np.testing.assert_allclose(slopes, -value / (2 * (K + 1e3)), rtol=2e-3)
-    with pytest.raises(ValueError, match=r"give `hertz` under jax\.jit"):
+    with pytest.raises(ValueError, match=r"Give `hertz` under jax\.jit"):
         jax.jit(rms)(1e3)
 
 
@@ -208,7 +208,7 @@ def test_a_loop_without_damping_that_a_function_of_frequencies_closes_is_told():
     b = sprung_mass(stiffness=K, damping=0.0, mass=M)
     b.input("mass", "x", name="push")
     b.output("mass", "x", name="tip")
-    with pytest.warns(fm.FlexmbWarning, match="resonance without damping, or a long delay"):
+    with pytest.warns(fm.FlexmbWarning, match="an undamped resonance, or a long delay"):
         fm.control.noise_budget(
             b.build(), sources={"push": FORCE}, band=(0.5, 10.0), controller=lambda f: 50.0 + 0j * f
         )
