@@ -207,7 +207,7 @@ class _Taken:
             # Of the material of the section.
             del properties["damping"]
         if "clamped" in properties and name in self.stated:
-            properties["clamped"] = tuple(flag == 1 for flag in properties["clamped"])
+            properties["clamped"] = tuple(bool(flag == 1) for flag in properties["clamped"])
         else:
             properties.pop("clamped", None)
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}
