@@ -506,3 +506,200 @@ SMALLEST_RESPONSE = 1e-9
 SMALLEST_SHAPE = 1e-6
 """A mode moves its lines, or turns its sections, above this, per unit of its largest coordinate. Below stands the
 round-off of the difference that finds the motion."""
+
+NOT_MOVED = 1e-12
+"""A mechanism is drawn as undeformed if no coordinate is farther off than this, which is round-off [m, rad]."""
+
+SAME_PLACE_ON_LINE = 1e-9
+"""A node is the end of a line if it is nearer than this share of the line's extent."""
+
+BETWEEN_ENDS = 1e-9
+"""A state lies between two others within this share of their squared distance: an end is between them too."""
+
+OPPOSITE_TANGENTS = 1e-9
+"""1 plus the cosine of a turn is at least this. A line that turns back on itself has no smallest rotation."""
+
+PHASE_OF_MINUS_180 = 1e-3
+"""A phase that begins within this below 180 degrees is drawn from -180, as of a mass without support [degrees]."""
+
+POLE_AT_ZERO = 1e-9
+"""A pole below this share of the largest has no place among the frequencies of a Bode plot."""
+
+# --- workbench ------------------------------------------------------------------------------------------------------
+
+SAME_PLACE = 1e-9
+"""Two places are the same up to this share of the largest coordinate: positions are sums and products of texts."""
+
+SAME_DEFORMATION = 1e-9
+"""Deformations of an element and of its mirror image agree up to this share of the largest: both carry round-off."""
+
+REPEATED_ANSWER = 1e-6
+"""Two frequencies, load multipliers or stresses are repeated within this share: one alone has no derivative there."""
+
+SAME_ANSWER = 1e-6
+"""A compiled function belongs to the drawn mechanism if its answer agrees up to this share. Beyond, more than numbers
+has changed since it was compiled."""
+
+TARGET_MET = 1e-9
+"""A target is met if its answer misses it by this share at most."""
+
+TARGET_TO_ROUND_OFF = 1e-12
+"""A target is met to round-off within this share. Below it the nearest design is best."""
+
+TARGET_NEARLY = 1e-6
+"""The search for targets may miss them by this share. Searches for the targets alone follow it."""
+
+TARGET_AGAINST = 1e-4
+"""A target that is met with less than this share to spare limits the others."""
+
+FREE_MOTION = 1e-13
+"""A motion is free if its eigenvalue is below this share of the largest. Below stands round-off."""
+
+MASSLESS_MOTION = 1e-12
+"""A motion is massless if its mass is below this share of the largest. Below stands round-off."""
+
+STRAIGHT_LINE = 1e-9
+"""A line is straight, and a length zero, below this share of the mechanism. Below stands round-off."""
+
+# --- design ---------------------------------------------------------------------------------------------------------
+
+NOT_LINEAR = 0.2
+"""A scatter is not linear if its second order exceeds this share of the first. Our choice."""
+
+ZERO_SECOND_ORDER = 1e-9
+"""Second order of a scatter below this share of the answer is round-off."""
+
+RIGID_NODE = 1e-20
+"""A node is rigid along an axis if its compliance is below this share of the most compliant node. Below stands
+round-off of the solution."""
+
+ALONG_AXIS = 1 - 1e-12
+"""A unit vector lies along an axis if its component exceeds this."""
+
+STRAIGHT_MOTION = 1e-9
+"""Parasitic motion below this share of the stroke is round-off."""
+
+EQUAL_OVER_STROKE = 1e-9
+"""Numbers over the stroke are equal within this share: round-off separates symmetric strokes."""
+
+VIOLATION_FALLS = 0.25
+"""The weight of the penalty grows if a round leaves more than this share of the violation."""
+
+MISSED_TOLERANCES = 100
+"""Targets are missed beyond this many tolerances. Our choice."""
+
+MISSED_BY_FIT = 0.1
+"""Targets that outnumber the dimensions are missed beyond this: a fit meets them in the mean only. Our choice."""
+
+AT_BOUND = 1e-6
+"""A dimension is at a bound within this share of its range."""
+
+STATIONARY = 1e-7
+"""Projected derivative of the scaled Lagrangian at an optimum."""
+
+FIRST_STATIONARY = 1e-2
+"""The same after the first round, whose multipliers are rough."""
+
+NEARLY_STATIONARY = 1e-4
+"""The same if no lower design is found: round-off of the answers hides the descent."""
+
+TARGET_OF_TUNE_MET = 1e-8
+"""A target is met if its answer misses it by less than this share. Below stands round-off of the answers."""
+
+NEGLIGIBLE_SHARE = 0.1
+"""Share of the tolerance of a lean model for negligible deformations. The rest is for condensed ones. Our choice."""
+
+NO_MISSING_RESPONSE = 1e-12
+"""A static response is complete, and a motion has no energy, below this share. Below stands round-off."""
+
+SAME_DIRECTIONS = (1e-4, 1e-6, 1e-8, 1e-10)
+"""Directions whose energy is below this share of the largest are dropped. Smaller ones are tried if the error is too
+large."""
+
+NO_MOTION = 1e-7
+"""A deformation depends on those that are FIXED if this share of its motion is left."""
+
+LIMIT_PLACE = 1e-6
+"""A limit is located to this share of the distance between two strokes."""
+
+LIMIT_EXTREME = 1e-4
+"""An extreme of a curve is located to this share of the distance between the strokes beside it."""
+
+LIMIT_ENDS = 0.01
+"""The last stroke with an equilibrium is located to this share of the given stroke."""
+
+NO_DIRECTION = 1e-9
+"""A direction of deformations is lost if its singular value is below this share of the largest."""
+
+NEAR_RESONANCE = 0.1
+"""Transfer functions are compared beyond this relative distance from resonances, where small shifts change them much.
+Our choice."""
+
+ZERO_FREQUENCY_OF_BAND = 1e-9
+"""Frequencies below this share of the bandwidth are compared as if they had this size."""
+
+NEAR_BAND = 2.0
+"""Vibrations of a beam between its ends matter up to this multiple of the bandwidth. Our choice."""
+
+SAME_STORED = 1e-6
+"""Stored answers belong to a sweep if they agree up to this share of the largest. Our choice: beyond round-off times
+the condition of a leaf spring."""
+
+# --- spacar ---------------------------------------------------------------------------------------------------------
+
+SAME_POISSON = 1e-12
+"""Poisson's ratio equals E/(2 G) - 1 within this, which is round-off."""
+
+SIZES_ALIKE = 0.02
+"""Second moments over the area by sizes and by ESTIFF agree within this share. Sizes in files are often rounded."""
+
+LARGEST_MULTIPLIER = 1e12
+"""Load multipliers beyond this are round-off of the geometric stiffness: no load acts."""
+
+LIGHT_SHORTEST = 1e-5
+"""Shortest beam of a SPACAR Light script, and longest hinge [m]. The predecessor has the same limit."""
+
+LIGHT_LENGTH_RATIO = 1000
+"""Largest ratio of two beam lengths in a SPACAR Light script. The predecessor has the same limit."""
+
+LIGHT_PARALLEL = 1e-5
+"""A beam is parallel to its orien up to this sine of the angle. The predecessor has the same limit."""
+
+LIGHT_THIN = 1e-4
+"""A size of a section below this is likely given in the wrong unit [m]."""
+
+SAME_AXIS = 1e-9
+"""Components of two unit vectors along one axis agree within this: they are quotients of given numbers."""
+
+# --- checks ---------------------------------------------------------------------------------------------------------
+
+SMALLEST_SHARE = 1e-3
+"""Parts below this in a motion or a self-stress, whose largest is 1, are not listed."""
+
+LOCKED_INPUT = 1e-9
+"""An input is locked if the motions move it by less than this share."""
+
+NOT_VANISHING = 1e-9
+"""Deformations do not vanish above this share of what the mechanism's extent would make of them. Below stands
+round-off."""
+
+SAME_SHARE = 1e-6
+"""Parts closer than this share of the largest are equal but for round-off: the first of them leads the list."""
+
+TAKES_NO_PART = 1e-6
+"""A constraint with less than this part in all self-stresses of norm 1 takes no part in them."""
+
+CLOSED_LOOP = 1e-10
+"""Scaled deformations that are fixed are closed below this, which Newton's method reaches in double precision."""
+
+SELF_STRESS = 1e-6
+"""Scaled singular values below this are those of a self-stress. Near a branching point the others come close."""
+
+SAME_RANGE = 1e-6
+"""Ranges of coordinates closer than this share are equal but for round-off: the first names the place."""
+
+# --- answers --------------------------------------------------------------------------------------------------------
+
+LOOSE_FREEDOM = 1e-12
+"""A degree of freedom is loose if its stiffness is below this share of the largest, both per unit mass. Below stands
+round-off of the stiffness matrix."""

@@ -3558,12 +3558,12 @@ FAULTS = [
     Fault("workbench/compare.py", "/ abs(before)", "/ before", "workbench/test_compare.py"),
     Fault(
         "workbench/live_answers.py",
-        "1 / own if own",
-        "own if own",
+        "1 / entry if entry",
+        "entry if entry",
         "workbench/test_live.py -k public_functions",
         slow=True,
     ),
-    Fault("workbench/ways.py", "0.0) + one / value", "0.0) + one", "workbench/test_ways.py -k powers", slow=True),
+    Fault("workbench/ways.py", "0.0) + slope / value", "0.0) + slope", "workbench/test_ways.py -k powers", slow=True),
     Fault("files.py", "if name not in found:\n", "if True:\n", "answers/test_files.py"),
     Fault(
         "errors.py",

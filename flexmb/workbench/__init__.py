@@ -1,6 +1,6 @@
-"""The workbench: a mechanism that is drawn and changed in a browser, with its answers beside it all the time.
+"""The workbench: a mechanism that you draw and change in a browser, with its answers beside it.
 
-The document here is the truth; pages send edits and are told what follows. What a page does is JavaScript, in
+The document is in Python. Pages send edits and receive what follows from them. The JavaScript of a page is in
 ``viewer/src/workbench``; ``workbench.js`` here is built from it.
 """
 

@@ -1,11 +1,11 @@
-"""All analyses of a document at a click: the modes of the command line, the stroke, and an answer over a dimension."""
+"""All analyses of a document: modes of the command line, the stroke, and an answer over a dimension."""
 
 from __future__ import annotations
 
 import dataclasses
 import inspect
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -31,69 +31,57 @@ from .more_analyses import OWN
 from .options import FIELDS, checked, missing
 from .targets import Watched
 
-# Lines of a table that a page shows.
+# Number of lines of a table on the page.
 MOST_LINES = 60
 
 
 def analyses() -> dict[str, Analysis]:
-    """All analyses by name: those of the command line by their names there, and those of this file."""
-    found = {mode.name: _of_mode(mode) for mode in modes().values()}
-    return found | OWN
+    """All analyses by name."""
+    return {mode.name: _of_mode(mode) for mode in modes().values()} | OWN
 
 
 def offered(document: Document) -> dict[str, dict[str, Any]]:
-    """What a page offers: of each analysis its title, doc, fields, and what is missing in the document, in words."""
+    """Analyses for the page: title, doc, fields, and what the document lacks, in words."""
     found = {}
-    for name, own in analyses().items():
-        fields = [field for need in own.needs for field in FIELDS.get(need, lambda _: [])(document)]
-        lacks = next((text for need in own.needs if (text := missing(need, document))), None)
-        found[name] = {"title": own.title, "doc": own.doc, "fields": fields, "missing": lacks}
+    for name, analysis in analyses().items():
+        fields = [field for need in analysis.needs for field in FIELDS.get(need, lambda _: [])(document)]
+        lacks = next((text for need in analysis.needs if (text := missing(need, document))), None)
+        found[name] = {"title": analysis.title, "doc": analysis.doc, "fields": fields, "missing": lacks}
     return found
 
 
 def _of_mode(mode: Mode) -> Analysis:
     function = inspect.unwrap(getattr(mode.run, "func", mode.run))
-    said = (sys.modules[function.__module__].__doc__ or "").partition(":")[2].strip()
+    text = (sys.modules[function.__module__].__doc__ or "").partition(":")[2].strip()
     needs = (*mode.needs, *(("frequencies",) if "signals" in mode.needs else ()))
     title = mode.name.replace("-", " ").capitalize() + (" and Bode plot" if "signals" in mode.needs else "")
-    return Analysis(
-        f"{title} (mode {mode.number})", said[:1].upper() + said[1:], needs, lambda asked: _run(mode, asked)
-    )
+    title = f"{title} (mode {mode.number})"
+    return Analysis(title, text[:1].upper() + text[1:], needs, lambda asked: _run(mode, asked))
 
 
 def run(document: Document, name: str, options: Mapping[str, Any], job: Watched) -> dict[str, Any]:
-    """Run an analysis.
-
-    Args:
-        document: The document.
-        name: Of the analysis.
-        options: Texts by the names of its fields; arithmetic of the document's names too.
-        job: Told how far it is, and asked whether to stop: a motion and a path then end with what they have.
+    """Run an analysis with texts of its fields, which may contain names of the document.
 
     Returns:
-        "status" ("done" or "failed"), "title", "text", "rows", and where there are any "picture" (SVG) and "view" (data
+        "status" ("done" or "failed"), "title", "text", "rows", and if there are any "picture" (SVG) and "view" (data
         of a page that plays it).
-
-    Raises:
-        ValueError: There is no such analysis or option, or an option that is none.
-        ModelError: The document builds no mechanism, or lacks what the analysis needs.
     """
     known = offered(document)
     if name not in known:
         raise ValueError(f"There is no analysis '{clean(name)}'. There are: {', '.join(known)}.")
-    own = known[name]
-    if own["missing"]:
-        raise ModelError(own["missing"])
+    analysis = known[name]
+    if analysis["missing"]:
+        raise ModelError(analysis["missing"])
     built = build(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-    asked = Request(document, built.builder, checked(own, options, document), job)
-    job.tell(title=own["title"], text="compiling")
-    return {"title": own["title"], **analyses()[name].run(asked)}
+    asked = Request(document, built.builder, checked(analysis, options, document), job)
+    job.tell(title=analysis["title"], text="compiling")
+    return {"title": analysis["title"], **analyses()[name].run(asked)}
 
 
 def _run(mode: Mode, asked: Request) -> dict[str, Any]:
-    """A mode of the command line."""
+    """Run a mode of the command line."""
     options, settings, most = asked.options, {}, asked.options.get("max_steps")
     if "times" in mode.needs:
         settings |= {"TIMESTEP": {"end": options["end"], "steps": options["steps"]}}
@@ -102,31 +90,30 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
         settings |= _trajectory(asked)
     watch = asked.watch("states") if "steps" in mode.needs else asked.watch("parts of the time")
     if "steps" in mode.needs:
-        watch = _load_factor(watch)
+        # A path ends at the load factor 1.
+        report = watch
+        watch = lambda states, load: report(max(float(load), 0.0), 1.0)  # noqa: E731
     found = answer(
         asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
     )
     lines = table(found.data).splitlines()[1:]
     more = [f"… and {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         "status": "failed" if found.exit_status else "done",
         "text": "\n".join([*lines[:MOST_LINES], *more]),
         "rows": _rows(found.found),
     }
     if found.model is None or (found.exit_status and found.found is None and found.lin is None):
-        return told
+        return data
     asked.job.tell(text="drawing")
     with PICTURES, heard():
-        told["picture"] = _picture(found, options).decode()
+        data["picture"] = _picture(found, options).decode()
     states = found.shown.states() if hasattr(found.shown, "states") else None
+    along = found.found if states is not None and states.along is not None else None
     with heard():
-        told["view"] = _viewed(found.shown, found.found if states is not None and states.along is not None else None)
-    return told
-
-
-def _load_factor(report: Callable[..., None]) -> Callable[..., None]:
-    """A path is done at the load factor 1, wherever it went before."""
-    return lambda states, load: report(max(float(load), 0.0), 1.0)
+        stresses = _stresses(along) if along is not None else None
+        data["view"] = page_data(view(found.shown, stresses) if stresses else view(found.shown))
+    return data
 
 
 def _rows(found: Any) -> list[list[str]]:
@@ -140,18 +127,12 @@ def _picture(found: Answer, options: Mapping[str, Any]) -> bytes:
     low = (high or 1.0) / 1e4 if low is None else low
     high = low * 1e4 if high is None else high
     if not 0 < low < high:
-        raise ValueError(f"Frequencies go from a lower to a higher one, above zero, not from {low:g} to {high:g} Hz.")
+        raise ValueError(f"The frequencies are {low:g} and {high:g} Hz. They must be positive and ascending.")
     return figure_bytes(lambda: plot.bode(found.lin, hertz=np.geomspace(low, high, 400)), "svg")
 
 
-def _viewed(shown: Any, result: Any) -> dict[str, Any]:
-    """Data of the page, states of a path or a motion coloured by stress where elements have one."""
-    own = _stresses(result) if result is not None else None
-    return page_data(view(shown, own) if own else view(shown))
-
-
 def _stresses(result: Any) -> list[Stress] | None:
-    """Stress in each state of a path or a motion."""
+    """Stress in each state of a path or a motion; None if it has none."""
     model: Model = result.model
     if not has_stress(model):
         return None
@@ -163,7 +144,7 @@ def _stresses(result: Any) -> list[Stress] | None:
 
 
 def _one_of(every: Stress, i: int) -> Stress:
-    """One state of several; strengths are the same in all."""
+    """One of several states; strengths are the same in all."""
     resultants = dataclasses.replace(every.resultants, values=every.resultants.values[i])
     across = None if every.across is None else every.across[i]
     parts = {name: getattr(every, name)[i] for name in ("sigma_x", "tau", "von_mises")}
@@ -171,7 +152,7 @@ def _one_of(every: Stress, i: int) -> Stress:
 
 
 def _trajectory(asked: Request) -> dict[str, Any]:
-    """What a file would say of a coordinate that is led, driven by the inputs and watched by the outputs there are."""
+    """Settings of a file for a trajectory of a coordinate, with the inputs and outputs of the mechanism."""
     builder, options = asked.builder, asked.options
     name = options["coordinate"] or _one_coordinate(builder)
     node, _, axis = name.rpartition(".")
@@ -181,9 +162,9 @@ def _trajectory(asked: Request) -> dict[str, Any]:
     key = ("node", of, component)
     if not builder.dofs and builder.nodes[of].roles[component - 1].name == "DEPENDENT":
         builder.dof(node, axis)
-    own: Any = builder.nodes[of]
-    start = float(own.start[component - 1])
-    # Files have numbers for names.
+    node_start: Any = builder.nodes[of]
+    start = float(node_start.start[component - 1])
+    # Names of files are numbers.
     at: Any = of
     leg = Leg(at, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)
     settings: dict[str, Any] = {"TRAJX": [leg]}
@@ -195,7 +176,7 @@ def _trajectory(asked: Request) -> dict[str, Any]:
         if signal.quantity in words:
             settings.setdefault(words[signal.quantity], []).append(_channel(i, signal))
     if not builder.signals["input"] and builder.nodes[of].roles[component - 1].name == "DOF":
-        raise ModelError(f"Nothing drives '{clean(name)}' along its trajectory: add an input there, or prescribe it.")
+        raise ModelError(f"Nothing drives '{clean(name)}'. Add an input there, or prescribe it.")
     return settings
 
 
@@ -208,4 +189,4 @@ def _one_coordinate(builder: Builder) -> str:
     if len(builder.dofs) == 1 and builder.dofs[0][0] == "node":
         _, of, component = builder.dofs[0]
         return f"{of.removesuffix('.rotation')}.{'phi' if of.endswith('.rotation') else 'xyz'[component - 1]}"
-    raise ModelError("Say which coordinate is led: choose it above, or name one degree of freedom.")
+    raise ModelError("No coordinate is chosen. Choose one above, or name one degree of freedom.")

@@ -1,4 +1,4 @@
-"""What an analysis of the page is, and what it gets."""
+"""An analysis of the page, and the request that it receives."""
 
 from __future__ import annotations
 
@@ -13,19 +13,12 @@ from ..progress import Stopped
 from .document import Document
 from .targets import Watched
 
-# pyplot keeps figures by number for the whole process: one picture is drawn at a time.
+# pyplot numbers figures of the whole process: draw one picture at a time.
 PICTURES = threading.Lock()
 
 
 class Analysis(NamedTuple):
-    """One analysis.
-
-    Attributes:
-        title: What it is called.
-        doc: What it answers, in a sentence.
-        needs: As :class:`flexmb.answers.mode.Mode` has them.
-        run: Gets what is asked, and answers what is told at its end.
-    """
+    """An analysis: title, answer in a sentence, needs as of :class:`flexmb.answers.mode.Mode`, and what runs it."""
 
     title: str
     doc: str
@@ -35,14 +28,7 @@ class Analysis(NamedTuple):
 
 @dataclasses.dataclass
 class Request:
-    """What an analysis gets.
-
-    Attributes:
-        document: The document.
-        builder: The mechanism.
-        options: Checked, by name: numbers, texts and flags.
-        job: Told how far it is.
-    """
+    """What an analysis receives: document, mechanism, checked options by name, and the job."""
 
     document: Document
     builder: Builder
@@ -55,12 +41,12 @@ class Request:
         return clean(self.document.data["title"]) or "mechanism"
 
     def watch(self, what: str, total: float | None = None) -> Callable[..., None]:
-        """A function to be called with the number of things done, which stops where the job does."""
+        """A function to call with the number of things done; it stops when the job does."""
 
         def report(done: float, *more: Any) -> None:
             if self.job.stopped:
                 raise Stopped
-            of = total if total is not None or not more else more[0]
-            self.job.tell(fraction=min(1.0, done / of) if of else None, text=f"{what}: {done:g}")
+            goal = total if total is not None or not more else more[0]
+            self.job.tell(fraction=min(1.0, done / goal) if goal else None, text=f"{what}: {done:g}")
 
         return report

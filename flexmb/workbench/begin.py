@@ -1,4 +1,4 @@
-"""How a session begins: from a file, a mechanism, or what a killed process has left in its journal."""
+"""The beginning of a session: from a file, a mechanism, or the journal of a killed process."""
 
 from __future__ import annotations
 
@@ -16,11 +16,7 @@ from .undo import History, recover, unreadable
 
 
 class TakenError(OSError):
-    """Another workbench has the file open.
-
-    Attributes:
-        address: Of its page, where it answers.
-    """
+    """Another workbench, at an address, has the file open."""
 
     def __init__(self, path: Path, address: str | None):
         where = f": {address}" if address else ""
@@ -29,12 +25,7 @@ class TakenError(OSError):
 
 
 def session_of_file(path: Path) -> Session:
-    """A session on a file, with the edits that a killed process did not save.
-
-    Raises:
-        OSError: It cannot be read, or another workbench has it (TakenError).
-        ValueError: It holds no mechanism.
-    """
+    """A session on a file, with the edits that a killed process did not save."""
     path = path.expanduser().absolute()
     place = place_of(path)
     if place.is_taken():
@@ -53,7 +44,7 @@ def session_of_file(path: Path) -> Session:
 
 
 def session_of_new(document: Document | None = None, notes: list[str] | None = None) -> Session:
-    """A session on a new mechanism; without a document on the one that a killed process left last, if it left one."""
+    """A session on a document, or else on the new mechanism that a killed process left last."""
     notes = list(notes or ())
     while document is None and (place := left_place()) is not None:
         history, damage = _recovered(place)
@@ -68,7 +59,7 @@ def session_of_new(document: Document | None = None, notes: list[str] | None = N
 
 
 def session_of(model: Any, names: Mapping[str, Any]) -> Session:
-    """A session on whatever :func:`flexmb.edit` takes."""
+    """A session on any argument of :func:`flexmb.edit`."""
     if model is None:
         return session_of_new()
     if isinstance(model, str | os.PathLike):
@@ -82,14 +73,14 @@ def session_of(model: Any, names: Mapping[str, Any]) -> Session:
 
 
 def _recovered(place: Storage) -> tuple[History | None, list[str]]:
-    """What a journal tells, where not all of it was saved, and what is to be said of one that is damaged."""
+    """History of a journal with unsaved edits, and notes about a damaged one."""
     if not place.journal.exists():
         return None, []
     try:
         history = recover(place.journal)
     except EditError:
         kept = place.journal.replace(unreadable(place.journal))
-        return None, [f"The journal of what nobody saved cannot be read. It is kept as '{kept}'."]
+        return None, [f"The journal of unsaved edits cannot be read. It is kept as '{kept}'."]
     damage = [history.damage] if history.damage else []
     if history.is_saved:
         history.close()

@@ -1,4 +1,4 @@
-"""The mechanism for CAD programs: solids as STEP by build123d, lines as DXF by ezdxf; both in millimetres."""
+"""The mechanism for CAD programs in millimetres: solids as STEP by build123d, lines as DXF by ezdxf."""
 
 import importlib
 import io
@@ -17,33 +17,26 @@ from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tub
 from ..errors import ModelError, clean
 from ..math.rotation import initial_frame
 from ..model.model import Model
+from ..numerical_limits import STRAIGHT_LINE
 from ..plot.geometry import PLACES, Line, extent_of, lines, names_of, nodes_of
 from ..plot.sections import across_of, shapes_of
 
-# Both kinds of file count in millimetres.
 MILLIMETRES = 1e3
-# A line that stays this near to the one between its ends, as a share of the mechanism, is straight.
-STRAIGHT = 1e-9
-# Of a bent line every so many places is a section that a smooth surface goes through.
+# A smooth surface passes every so many sections of a bent line.
 STRIDE = 6
-# Diameter of the bar that stands for a rigid element, as a share of the mechanism.
+# Diameter of the bar for a rigid element, as a share of the mechanism.
 BAR = 0.01
 
 
 class Exported(NamedTuple):
-    """Content of a file, and what is to be said about it.
-
-    Attributes:
-        content: Of the file.
-        notes: What is drawn otherwise than it is, or left out, in words.
-    """
+    """Content of a file, and notes on what it lacks or changes."""
 
     content: bytes
     notes: list[str]
 
 
 class _Outline(NamedTuple):
-    """Section of an element at a place: sides along local y and z, or twice the diameter; zero inside: no hole [m]."""
+    """Section at a place: outer and inner sides along local y and z, or diameters; zero inside without a hole [m]."""
 
     outer: tuple[float, float]
     inner: tuple[float, float]
@@ -51,16 +44,7 @@ class _Outline(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """An element with a section: places along it, each with a frame and an outline.
-
-    Attributes:
-        name: Of the element.
-        points: (places, 3) [m].
-        width: Direction of local y, (places, 3) [-].
-        height: Direction of local z, (places, 3) [-].
-        outlines: One a place.
-        smooth: Whether one smooth surface goes through all of them, rather than a flat one from each to the next.
-    """
+    """An element with a section: frames and outlines at places along it, joined by one smooth or by flat surfaces."""
 
     name: str
     points: Float[np.ndarray, "places 3"]
@@ -71,19 +55,7 @@ class _Part(NamedTuple):
 
 
 def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "mechanism") -> Exported:
-    """The mechanism as a STEP file: each element with a section a solid along its centreline, named like it.
-
-    Rigid elements without a section are thin round bars between their nodes; what is neither is left out and told.
-
-    Args:
-        model: Mechanism, with concrete numbers.
-        x: Nodal coordinates of the state that is drawn, (n_x,) [m, rad, -]; the undeformed one unless given.
-        title: Name of the assembly.
-
-    Raises:
-        ImportError: build123d is not installed.
-        ModelError: Nothing of it is a solid.
-    """
+    """The mechanism as a STEP file, at nodal coordinates x: solids of sections, and round bars for rigid elements."""
     cad = _library("build123d", "A STEP file")
     x = np.asarray(model.parameters.reference if x is None else x, float)
     drawn = lines(model, x, straight=True)
@@ -93,34 +65,26 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
     for line in drawn:
         if line.element in known:
             continue
-        if line.kind in ("rigid", "beam", "bar") and _length(line.points) > STRAIGHT * extent:
+        if line.kind in ("rigid", "beam", "bar") and _length(line.points) > STRAIGHT_LINE * extent:
             bars.append(line.element)
             solids += _bars(cad, line, BAR * extent)
         else:
             left.append(line.element)
     if not solids:
-        raise ModelError("There is nothing to write to a STEP file: no element has a section with a shape.")
+        raise ModelError("No element has a section with a shape. A STEP file would be empty.")
     notes = ["Lengths are in millimetres."]
     if bars:
-        notes.append(
-            f"Drawn as round bars of {1e3 * BAR * extent:.3g} mm, since no section says their size: {listed(bars)}."
-        )
+        size = f"{1e3 * BAR * extent:.3g}"
+        notes.append(f"Elements without a section are round bars of {size} mm: {listed(bars)}.")
     if left:
-        notes.append(f"Left out, since they have no shape: {listed(left)}.")
+        notes.append(f"Elements without a shape are left out: {listed(left)}.")
     whole, buffer = cad.Compound(label=clean(title), children=solids), io.BytesIO()
     cad.export_step(whole, buffer)
     return Exported(buffer.getvalue(), notes)
 
 
 def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
-    """The mechanism as a DXF drawing, a layer for each kind of line.
-
-    In the plane outlines of the sections, in space the two edges of each; centrelines, rigid elements, and nodes as
-    points with their names.
-
-    Raises:
-        ImportError: ezdxf is not installed.
-    """
+    """The mechanism as a DXF drawing with layers: outlines in the plane, edges in space, centrelines, and nodes."""
     ezdxf = _library("ezdxf", "A DXF file")
     x = np.asarray(model.parameters.reference if x is None else x, float)
     drawing = ezdxf.new("R2010", setup=True)
@@ -154,7 +118,7 @@ def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
     return Exported(stream.getvalue().encode("utf-8"), ["Lengths are in millimetres."])
 
 
-# Colour by its number in AutoCAD, and kind of line.
+# Colour by its number in AutoCAD, and line type.
 LAYERS = {
     "outlines": (5, "CONTINUOUS"),
     "centrelines": (1, "CENTER"),
@@ -190,14 +154,14 @@ def _in_space(points: np.ndarray) -> np.ndarray:
 
 
 def _few(points: np.ndarray, extent: float) -> np.ndarray:
-    """The ends alone of a line that is straight."""
+    """The ends of a straight line, or all points of another one."""
     s = np.linspace(0, 1, len(points))[:, None]
     off = np.max(np.abs(points - (1 - s) * points[0] - s * points[-1]))
-    return points[[0, -1]] if off <= STRAIGHT * extent else points
+    return points[[0, -1]] if off <= STRAIGHT_LINE * extent else points
 
 
 def _sections(model: Model) -> dict[str, Section]:
-    """The section of every element that has one, by the element's name."""
+    """Section of each element with one, by the element's name."""
     found: dict[str, Section] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         names, section = names_of(model, block), properties.get("section")
@@ -210,7 +174,7 @@ def _sections(model: Model) -> dict[str, Section]:
 
 
 def _outline(section: Section) -> _Outline | None:
-    """Outline of a section, None where it has no shape."""
+    """Outline of a section; None if it has no shape."""
     if isinstance(section, Rigidity):
         return None if section.outline is None else _outline(section.outline)
     if isinstance(section, Rectangle | HollowRectangle):
@@ -226,17 +190,17 @@ def _outline(section: Section) -> _Outline | None:
 
 
 def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
-    """Elements whose sections have a shape, and whose orientation is known."""
+    """Elements with a known orientation whose sections have a shape."""
     sections, extent = _sections(model), _extent(model)
     across = across_of(model, x, drawn, shapes_of(model))
     rest = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
     for line in drawn:
         section = sections.get(line.element)
-        if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT * extent:
+        if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT_LINE * extent:
             continue
         length = _length(rest[line.element].points)
         places = PLACES.tolist() if section.varies else [0.0]
-        known = [own for place in places if (own := _outline(section.at(place, length))) is not None]
+        known = [shape for place in places if (shape := _outline(section.at(place, length))) is not None]
         if len(known) < len(places):
             continue
         outlines = known if section.varies else known * len(PLACES)
@@ -250,15 +214,11 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
             width = _untwisted(tangents)
         else:
             continue
-        few = [0, -1] if len(_few(points, extent)) == 2 and np.ptp(width, axis=0).max() < STRAIGHT else None
-        chosen = range(len(PLACES)) if section.varies else few or range(0, len(PLACES), STRIDE)
-        own = [_Part(line.element, points, width, np.cross(tangents, width), outlines, not section.varies)]
-        yield from (_at(part, list(chosen)) for part in own)
-
-
-def _at(part: _Part, chosen: list[int]) -> _Part:
-    rows = (part.points[chosen], part.width[chosen], part.height[chosen], [part.outlines[i] for i in chosen])
-    return _Part(part.name, *rows, part.smooth and len(chosen) > 2)
+        straight = len(_few(points, extent)) == 2 and np.ptp(width, axis=0).max() < STRAIGHT_LINE
+        ends = [0, -1] if straight else None
+        chosen = list(range(len(PLACES)) if section.varies else ends or range(0, len(PLACES), STRIDE))
+        rows = points[chosen], width[chosen], np.cross(tangents, width)[chosen], [outlines[i] for i in chosen]
+        yield _Part(line.element, *rows, not section.varies and len(chosen) > 2)
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
@@ -266,7 +226,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def _untwisted(tangents: np.ndarray) -> np.ndarray:
-    """Directions across a line that turn with it and not about it, (places, 3)."""
+    """Directions across a line that do not turn about it, (places, 3)."""
     start, end = np.zeros(3), tangents[0]
     y = np.asarray(initial_frame(jnp.asarray(start), jnp.asarray(end), None))[:, 1]
     found = []
@@ -277,7 +237,7 @@ def _untwisted(tangents: np.ndarray) -> np.ndarray:
 
 
 def _solid(cad: Any, part: _Part) -> Any:
-    """The solid between the sections of a part."""
+    """The solid through the sections of a part."""
 
     def lofted(sizes: list[tuple[float, float]]) -> Any:
         wires = []
@@ -298,7 +258,7 @@ def _solid(cad: Any, part: _Part) -> Any:
 
 
 def _bars(cad: Any, line: Line, diameter: float) -> Iterator[Any]:
-    """Round bars along the pieces of a line."""
+    """Round bars along the segments of a line."""
     points = MILLIMETRES * _in_space(_few(line.points, extent_of(line.points)))
     for p, q in itertools.pairwise(points):
         plane = cad.Plane(tuple(p), z_dir=tuple(q - p))

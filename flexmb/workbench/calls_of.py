@@ -1,4 +1,4 @@
-"""The calls of a Builder as things of a document: names, words and numbers in place of values of Python."""
+"""The calls of a Builder as things of a document, with names, words and numbers instead of Python values."""
 
 import dataclasses
 import inspect
@@ -16,21 +16,21 @@ from ..elements.element import Element
 from ..errors import clean
 from .fields import ENDS_IN_WORDS, Call, calls
 
-# Entries of a symmetric matrix as the Builder takes them.
+# Entries of a symmetric matrix in the order of the Builder.
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 class NumberPlace(int):
-    """Stands for a number, whose text is found afterwards: its place among all numbers."""
+    """Index of a number whose text is found later."""
 
 
 class Calls:
     """The calls of one Builder.
 
     Attributes:
-        things: Calls with their arguments; in place of each number its :class:`NumberPlace`.
-        numbers: The numbers, traced where the Builder's are.
-        left_out: What a document cannot hold.
+        things: Calls with their arguments; a :class:`NumberPlace` instead of each number.
+        numbers: Numbers, traced if the Builder is traced.
+        left_out: What a document cannot contain, in words.
     """
 
     def __init__(
@@ -39,27 +39,21 @@ class Calls:
         made: Iterable[MadeCall] | None = None,
         name_of: Callable[[Any], str | None] = lambda record: None,
     ):
-        """Convert calls.
-
-        Args:
-            builder: Builder with the contents that the calls made.
-            made: The calls; all calls of the builder unless given.
-            name_of: ``f(record)``: the name of a section, material or damping that a document has, or None.
-        """
+        """Convert some calls, or all; ``name_of(record)`` is the name of a section or material in the document."""
         self.builder, self._name_of = builder, name_of
         self.things: list[dict[str, Any]] = []
         self.numbers: list[Any] = []
         self.left_out: list[str] = []
         self._records: list[tuple[Any, str]] = []
-        # Values that an element has been given so far, by call, element and set of loads.
+        # Values of an element so far, by call, element and set of loads.
         self._rows: dict[tuple, dict[int, Any]] = {}
         self._elements = {call.function: call for call in calls().values() if call.kind == "element"}
         for call in builder.calls if made is None else made:
-            given = _bound(getattr(builder, call.method), call)
-            (self._element if call.method == "add" else self._method)(call.method, given)
+            bound = inspect.signature(getattr(builder, call.method)).bind(*call.positional, **call.keywords)
+            (self._element if call.method == "add" else self._method)(call.method, dict(bound.arguments))
 
-    def said(self, texts: list[str]) -> list[dict[str, Any]]:
-        """The things with a text in place of each number."""
+    def filled(self, texts: list[str]) -> list[dict[str, Any]]:
+        """The things with a text instead of each number."""
 
         def filled(value: Any) -> Any:
             if isinstance(value, NumberPlace):
@@ -70,7 +64,7 @@ class Calls:
 
         return list(map(filled, self.things))
 
-    def _say(self, call: str, args: dict[str, Any], name: Any = None) -> None:
+    def _add(self, call: str, args: dict[str, Any], name: Any = None) -> None:
         thing: dict[str, Any] = {"call": call, "args": args}
         self.things.append(thing if name is None else {**thing, "name": str(name)})
 
@@ -78,21 +72,19 @@ class Calls:
         self.numbers.append(value)
         return NumberPlace(len(self.numbers) - 1)
 
-    # -- calls ----------------------------------------------------------------------------------------------------
-
     def _method(self, method: str, given: dict[str, Any]) -> None:
         call, name = calls()[method], given.pop("name", None)
         what = f"{method} of '{clean(next((given[key] for key in ('node', 'of', 'element') if key in given), name))}'"
         if given.get("step") is not None:
             step, material, at = (given.pop(key, None) for key in ("step", "material", "at"))
-            found = body_of_step(what, step, material, at, self.builder.dimension or 2)
-            given |= dict(zip(("mass", "center", "inertia"), found, strict=True))
+            body = body_of_step(what, step, material, at, self.builder.dimension or 2)
+            given |= dict(zip(("mass", "center", "inertia"), body, strict=True))
         if method in ("prestress", "strain"):
             given["values"] = self._row(method, given)
-        self._say(method, self._arguments(what, call, given), name)
+        self._add(method, self._arguments(what, call, given), name)
 
     def _row(self, method: str, given: dict[str, Any]) -> list[Any]:
-        """Values of an element from its first deformation on, those of former calls among them."""
+        """Values of an element from its first deformation on, with the values of former calls."""
         element = self.builder.members[str(given["element"])].element
         named = {element.number_of(name) or 0: value for name, value in given.pop("named", {}).items()}
         row = self._rows.setdefault((method, str(given["element"]), bool(given.get("increment"))), {})
@@ -103,19 +95,16 @@ class Calls:
         element, name = element_type(given["element"]), given["name"]
         call = self._elements.get(element.usual)
         if call is None:
-            self.left_out.append(
-                f"element '{clean(name)}': its type '{clean(element.name)}' is a function of your own, which a document"
-                " cannot hold"
-            )
+            self.left_out.append(f"element '{clean(name)}': its type '{clean(element.name)}' is a function of your own")
             return
         member = self.builder.members[name]
         args: dict[str, Any] = {"nodes": shortest(element, [n for n in member.nodes if n != f"{name}.internal"])}
         options = {option: value for option, _, value in element.chosen}
-        own = options | given.get("properties", {}) | {"released": given.get("released")}
-        self._say(call.name, args | self._arguments(f"element '{clean(name)}'", call, own), name)
+        values = options | given.get("properties", {}) | {"released": given.get("released")}
+        self._add(call.name, args | self._arguments(f"element '{clean(name)}'", call, values), name)
 
     def _arguments(self, what: str, call: Call, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Arguments that fields hold; defaults are not said."""
+        """Arguments as contents of fields, without defaults."""
         found: dict[str, Any] = {}
         for name, value in values.items():
             field = call.fields.get(name)
@@ -123,14 +112,12 @@ class Calls:
                 continue
             if field is None:
                 self.left_out.append(f"{what}: {name} = {clean(value)}, for which there is no field")
-            elif (said := self._value(f"{what}: {name}", field, value)) not in (None, ""):
-                found[name] = said
+            elif (content := self._value(f"{what}: {name}", field, value)) not in (None, ""):
+                found[name] = content
         return found
 
-    # -- values ---------------------------------------------------------------------------------------------------
-
     def _value(self, what: str, field: dict[str, Any], value: Any) -> Any:
-        """One argument; None, and told, where no field can hold it."""
+        """Content of a field; None, and reported, if no field can contain the value."""
         kind = field["kind"]
         if kind in ("section", "material", "damping"):
             return self._record(what, kind, value)
@@ -153,14 +140,14 @@ class Calls:
         if field["name"] == "inertia" and _depth(value) == 2:
             value = [value[i][j] for i, j in UPPER]
         if callable(value) or _depth(value) > 1:
-            self.left_out.append(f"{what} = {clean(value)}, which no field can hold")
+            self.left_out.append(f"{what} = {clean(value)}, which no field can contain")
             return None
         if _depth(value):
             return [self._number(value[i]) for i in range(len(value))]
         return [self._number(value)] if kind == "vector" else self._number(value)
 
     def _record(self, what: str, kind: str, value: Any) -> str | None:
-        """Name of a section, material or damping, which is said before if it is not yet."""
+        """Name of a section, material or damping, which becomes a thing first."""
         known = next((name for record, name in self._records if record is value), None) or self._name_of(value)
         if known:
             return known
@@ -168,20 +155,20 @@ class Calls:
         call = constant or calls().get(type(value).__name__)
         if call is None or (call.function is not type(value) and constant is None):
             why = "it varies along the element, by a function" if getattr(value, "varies", False) else "it is your own"
-            self.left_out.append(f"{what}: {type(value).__name__} cannot be held by a document, since {why}")
+            self.left_out.append(f"{what}: a document cannot contain this {type(value).__name__}, since {why}")
             return None
-        own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)} if not constant else {}
-        args = self._arguments(what, call, own)
+        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)} if not constant else {}
+        args = self._arguments(what, call, fields)
         prefix, taken = str(call.entry["name"] or kind), {name for _, name in self._records}
         numbered = (f"{prefix} {number}" for number in range(2, len(taken) + 2))
         name = next(one for one in (prefix, *numbered) if one not in taken)
         self._records.append((value, name))
-        self._say(call.name, args, name)
+        self._add(call.name, args, name)
         return name
 
 
 def shortest(element: Element, nodes: list[str]) -> list[str]:
-    """One name for each end of an element, where the rotations and warpings that it joins follow from it; else all."""
+    """One name for each end of an element if its rotations and warpings follow from it; otherwise all names."""
     kinds = [kind.part for kind in element.nodes.values() if kind.part != "internal"]
     ends: list[tuple[str, set[str]]] = []
     for node, part in zip(nodes, kinds, strict=len(nodes) == len(kinds)):
@@ -189,15 +176,11 @@ def shortest(element: Element, nodes: list[str]) -> list[str]:
         if ends and ends[-1][0] == owner and part not in ends[-1][1]:
             ends[-1][1].add(part)
         elif ends and part not in ends[-1][1]:
-            # The end before would be taken for this part too.
+            # The Builder would take the end before for this part too.
             return nodes
         else:
             ends.append((owner, {part}))
     return [owner for owner, _ in ends]
-
-
-def _bound(method: Any, call: MadeCall) -> dict[str, Any]:
-    return dict(inspect.signature(method).bind(*call.positional, **call.keywords).arguments)
 
 
 def _depth(value: Any) -> int:
@@ -206,14 +189,14 @@ def _depth(value: Any) -> int:
 
 
 def _same(known: Any, value: Any) -> bool:
-    """Whether a material is one of those that the package holds."""
+    """Whether a material is a constant of the package."""
     if known is value or type(known) is not type(value) or not is_concrete(value):
         return known is value
     return all(getattr(known, field.name) == getattr(value, field.name) for field in dataclasses.fields(known))
 
 
 def _default(call: Call, name: str) -> Any:
-    """What a call takes where an argument is not given."""
+    """Default of an argument."""
     if call.kind == "element":
         parameter = call.function.properties.get(name)
         return call.function.options.get(name) if parameter is None else parameter.default

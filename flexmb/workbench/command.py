@@ -1,4 +1,4 @@
-"""What ``flexmb edit`` does: serve one session until the keyboard ends it."""
+"""The command ``flexmb edit``: serve one session until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from .server import Server
     from .session import Session
 
-# What is computed when the program ends is waited for so long [s]; then the process goes without it.
+# Longest time to wait at the end for computations [s]; then the process ends without them.
 PATIENCE = 15.0
 
 
 class _EndedError(Exception):
-    """The keyboard, or who runs this machine, ends the program."""
+    """A signal ends the program."""
 
 
 def serve(
     path: Path | None, port: int, browser: bool, *, tell: Callable[[str], None], refuse: Callable[[str], NoReturn]
 ) -> None:
-    """Serve a file, or a new mechanism, until Ctrl-C or the end of the process is asked for."""
+    """Serve a file, or a new mechanism, until Ctrl-C or another signal ends the process."""
 
     def end(*_: object) -> None:
-        # Once is enough: what ends takes its time.
+        # Further signals are ignored, since the end takes time.
         for one in before:
             signal.signal(one, signal.SIG_IGN)
         raise _EndedError
@@ -45,7 +45,7 @@ def serve(
         if browser and _has_screen():
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         while True:
-            # A longer wait would not let the signal through everywhere.
+            # A longer wait would delay the signal on some systems.
             threading.Event().wait(0.5)
     except _EndedError:
         pass
@@ -57,7 +57,7 @@ def serve(
 
 
 def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> Server:
-    """A server that has its port and its session."""
+    """A server with its port and its session."""
     try:
         import websockets  # noqa: F401
     except ModuleNotFoundError:
@@ -66,16 +66,16 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
 
     enable_x64()
     try:
-        # Structures change all the time: what is compiled is to be there soon, and runs in a millisecond anyway.
+        # Structures change often: short compilation matters more than run time.
         enable_cache(thorough=False)
     except OSError:
-        # Without a writable cache folder the program is slower and otherwise the same.
+        # Without a writable cache folder the program is only slower.
         pass
     session = _session(path, refuse)
     known = session.file.place.known() if session.file.place is not None else {}
     from .server import Server
 
-    # Where the last one was, so that a page which is still open finds this one.
+    # The last port and token, so that an open page finds this server.
     for tried in (port,) if port else (known.get("port", 0), 0):
         try:
             server = Server(session, port=tried, token=known.get("token"))
@@ -83,7 +83,7 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
             if tried and not port:
                 continue
             session.close()
-            refuse(f"flexmb edit: port {tried} is taken: {fault.strerror or fault}; --port 0 takes any that is free.")
+            refuse(f"flexmb edit: port {tried} is taken: {fault.strerror or fault}. --port 0 takes any free port.")
         session.file.answers_at(server.port, server.token)
         return server
     raise AssertionError
@@ -107,7 +107,7 @@ def _session(path: Path | None, refuse: Callable[[str], NoReturn]) -> Session:
 
 
 def _close(server: Server) -> None:
-    """Close, and do not wait for ever for what cannot be interrupted."""
+    """Close, but do not wait for ever: compiling cannot be interrupted."""
 
     def gone() -> None:
         sys.stdout.flush()
@@ -118,12 +118,12 @@ def _close(server: Server) -> None:
     timer.start()
     server.close()
     timer.cancel()
-    # A thread that still compiles would be torn down with the interpreter, which the compiler answers with an abort.
+    # The compiler would abort the process if the interpreter ended a compiling thread.
     if any(thread.name.startswith("flexmb ") for thread in threading.enumerate()):
         gone()
 
 
 def _has_screen() -> bool:
-    """Whether a browser can show itself; without a screen one in the terminal would take the keyboard."""
+    """Whether a browser has a screen; a browser in the terminal would take the keyboard."""
     named = "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ or "BROWSER" in os.environ
     return named or sys.platform in ("win32", "darwin")

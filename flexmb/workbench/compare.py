@@ -1,4 +1,4 @@
-"""Two designs side by side: which names, fields and things differ, and what that does to the answers."""
+"""Two designs side by side: different names, fields and things, and their answers."""
 
 from __future__ import annotations
 
@@ -13,13 +13,7 @@ from .references import call_of
 
 
 class Pinned(NamedTuple):
-    """A design that others are compared with.
-
-    Attributes:
-        document: The design.
-        revision: Its own.
-        answers: That belong to it, by key: label, value, unit and text.
-    """
+    """A design to compare with: document, revision, and answers by key (label, value, unit and text)."""
 
     document: Document
     revision: int
@@ -27,26 +21,25 @@ class Pinned(NamedTuple):
 
 
 def differences(pinned: Pinned, document: Document, answers: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """What differs between a pinned design and the present one.
+    """Differences between a pinned design and the present one.
 
     Returns:
-        "names" and "fields" that differ, each with label, before and now (texts, None where there is none) and
-        percent; "added" and "removed" things; "answers", all of both, each with key, label, unit, before and now
-        (values), texts of them and percent, of those whose size is told.
+        "names" and "fields" that differ, each with label, before and now (texts or None) and percent; "added" and
+        "removed" things; all "answers", each with key, label, unit, before and now (values), their texts and percent.
     """
     old, new = numbers_of(pinned.document), numbers_of(document)
     return {
         "revision": pinned.revision,
         "names": list(_names(pinned.document, document, old, new)),
         "fields": list(_fields(pinned.document, document, old, new)),
-        "added": [_called(thing) for thing in document.things if thing["id"] not in pinned.document.by_id],
-        "removed": [_called(thing) for thing in pinned.document.things if thing["id"] not in document.by_id],
+        "added": [_title(thing) for thing in document.things if thing["id"] not in pinned.document.by_id],
+        "removed": [_title(thing) for thing in pinned.document.things if thing["id"] not in document.by_id],
         "answers": [_answer(key, pinned.answers.get(key), answers.get(key)) for key in {**pinned.answers, **answers}],
     }
 
 
 def percent(before: Any, now: Any) -> float | None:
-    """By how much a number is larger than another, in percent of its size; None where that says nothing."""
+    """Change of a number in percent of its former size; None if that has no meaning."""
     numbers = isinstance(before, int | float) and isinstance(now, int | float)
     if not numbers or not (math.isfinite(before) and math.isfinite(now)) or before == 0:
         return None
@@ -62,16 +55,14 @@ def _names(before: Document, now: Document, old: Mapping, new: Mapping) -> Itera
 
 
 def _fields(before: Document, now: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
-    """Fields of things of both whose texts differ; what differs by the value of a name is told there."""
+    """Fields with different texts, of things in both; a different value of a name counts there."""
     for thing in now.things:
-        other = before.by_id.get(thing["id"])
-        if other is None:
-            continue
-        own, its = dict(_texts(thing)), dict(_texts(other))
-        for path in {**its, **own}:
-            if its.get(path) != own.get(path):
-                label = f"{_called(thing)}: {path.split('/')[0].replace('_', ' ')}"
-                yield _change(f"{thing['id']}/{path}", label, [its.get(path), own.get(path)], old, new)
+        if thing["id"] in before.by_id:
+            texts, former = dict(_texts(thing)), dict(_texts(before.by_id[thing["id"]]))
+            for path in {**former, **texts}:
+                if former.get(path) != texts.get(path):
+                    label = f"{_title(thing)}: {path.split('/')[0].replace('_', ' ')}"
+                    yield _change(f"{thing['id']}/{path}", label, [former.get(path), texts.get(path)], old, new)
 
 
 def _change(address: str, label: str, texts: list[Any], old: Mapping, new: Mapping) -> dict[str, Any]:
@@ -80,7 +71,7 @@ def _change(address: str, label: str, texts: list[Any], old: Mapping, new: Mappi
 
 
 def _texts(thing: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Texts of a thing by their places in it."""
+    """Texts of a thing, with their places in it."""
     if thing.get("name"):
         yield "name", thing["name"]
     waiting = list(reversed(thing["args"].items()))
@@ -89,10 +80,10 @@ def _texts(thing: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         if isinstance(value, str):
             yield path, value
         else:
-            waiting += [(f"{path}/{k}", one) for k, one in reversed(list(enumerate(value)))]
+            waiting += [(f"{path}/{k}", entry) for k, entry in reversed(list(enumerate(value)))]
 
 
-def _called(thing: Mapping[str, Any]) -> str:
+def _title(thing: Mapping[str, Any]) -> str:
     call = call_of(dict(thing))
     return clean(thing.get("name") or (call.entry["title"] if call else thing["call"]))
 

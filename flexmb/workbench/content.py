@@ -1,4 +1,4 @@
-"""What a document of the workbench holds: names of numbers, and calls that build a mechanism, as plain JSON."""
+"""What a document of the workbench contains: names of numbers, and calls that build a mechanism, as plain JSON."""
 
 from __future__ import annotations
 
@@ -11,19 +11,14 @@ from ..arguments import shown
 from .references import Names
 
 FORMAT = "flexmb workbench 1"
-# A document with more things than this is no drawing, and nothing would answer in time.
+# A page cannot draw and compute more things than this in time.
 MOST_THINGS = 20_000
-# A text in a field is no longer than this.
+# Longest text of a field, in characters.
 LONGEST_TEXT = 20_000
 
 
 class EditError(ValueError):
-    """An edit that cannot be done, or a document that is none.
-
-    Attributes:
-        address: Field that is at fault, such as "5/nodes/1" or "names/t/value"; "" where there is none.
-        message: What is wrong with it.
-    """
+    """An edit or a document is wrong at an address, such as "5/nodes/1" or "names/t/value"; "" where there is none."""
 
     def __init__(self, address: str, message: str):
         super().__init__(message)
@@ -31,13 +26,7 @@ class EditError(ValueError):
 
 
 class Report(NamedTuple):
-    """What edits did.
-
-    Attributes:
-        ids: Of the things that were added, in order.
-        also: Ids of the things that went along with what was deleted.
-        label: What the edits are called in lists.
-    """
+    """What edits did: ids of added things, ids of things deleted with others, and the label of the step."""
 
     ids: list[str]
     also: list[str]
@@ -46,26 +35,26 @@ class Report(NamedTuple):
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Document:
-    """A mechanism as it is drawn: names, and things in order, each one call of the Builder.
+    """A mechanism as a list of things, each one call of the Builder, and names of numbers.
 
-    All numbers are texts: a number, a name, or arithmetic of names. An edit gives another document, which shares with
-    this one what has not changed.
+    All numbers are texts: a number, a name, or arithmetic of names. An edit returns another document, which shares all
+    unchanged parts.
 
     Attributes:
-        data: The document as JSON has it; not to be changed. "format", "title", "dimension", "names" (each with
-            "value", and "low" and "high" where it is bounded), "next" (id of the next thing) and "things", each with
-            "id", "call", "args" and, where it bears one, "name".
+        data: The document as JSON, not to be changed: "format", "title", "dimension", "names" (each with "value" and
+            optional "low" and "high"), "next" (id of the next thing) and "things" (each with "id", "call", "args" and
+            an optional "name").
     """
 
     data: dict[str, Any]
 
     @classmethod
     def empty(cls, dimension: int = 2, title: str = "mechanism") -> Document:
-        """A document without things.
+        """Return a document without things.
 
         Args:
             dimension: 2 in the plane, 3 in space.
-            title: What it is called.
+            title: Title of the document.
         """
         return cls.from_data(
             {"format": FORMAT, "title": title, "dimension": dimension, "names": {}, "next": 1, "things": []}
@@ -73,38 +62,39 @@ class Document:
 
     @classmethod
     def from_data(cls, data: Any) -> Document:
-        """A document from what JSON gives; what builds nothing is kept, and told by :func:`.building.build`.
+        """Return the document of JSON data. It keeps things that build nothing; :func:`.building.build` reports them.
 
         Args:
             data: See the attribute.
 
         Raises:
-            EditError: It is no document: another format, or parts that are none.
+            EditError: The format or a part of the document is wrong.
         """
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             form = shown(data.get("format")) if isinstance(data, dict) else "none"
-            raise EditError("", f"This is no document of format '{FORMAT}': its format is {form}.")
+            raise EditError("", f"The document has the format {form}. The workbench reads '{FORMAT}'.")
         if data.get("dimension") not in (2, 3) or isinstance(data["dimension"], bool | float):
-            raise EditError("dimension", f"A document is of dimension 2 or 3, not {shown(data.get('dimension'))}.")
+            raise EditError("dimension", f"The dimension is {shown(data.get('dimension'))}. It must be 2 or 3.")
         names, things = data.get("names", {}), data.get("things", [])
         if not isinstance(names, dict) or not isinstance(things, list) or len(things) > MOST_THINGS:
-            raise EditError("", f"A document has names and at most {MOST_THINGS} things.")
-        whole = {
+            raise EditError("", f"A document must have a dictionary of names and at most {MOST_THINGS} things.")
+        content = {
             "format": FORMAT,
             "title": checked_text("title", data.get("title", "")),
             "dimension": data["dimension"],
-            "names": {name: checked_name(name, own) for name, own in names.items()},
+            "names": {name: checked_name(name, entry) for name, entry in names.items()},
             "next": 1,
             "things": [_checked_thing(k, thing) for k, thing in enumerate(things)],
         }
-        ids = [thing["id"] for thing in whole["things"]]
+        ids = [thing["id"] for thing in content["things"]]
         if len(set(ids)) < len(ids):
-            twice = next(one for one in ids if ids.count(one) > 1)
-            raise EditError(twice, f"Two things have the id {shown(twice)}.")
-        given = data.get("next", 1)
-        least = max((int(one) + 1 for one in ids if one.isascii() and one.isdecimal()), default=1)
-        whole["next"] = max(given, least) if isinstance(given, int) and not isinstance(given, bool) else least
-        return cls(whole)
+            twice = next(id for id in ids if ids.count(id) > 1)
+            raise EditError(twice, f"Two things have the id {shown(twice)}. Each needs its own.")
+        following = data.get("next", 1)
+        least = max((int(id) + 1 for id in ids if id.isascii() and id.isdecimal()), default=1)
+        is_whole = isinstance(following, int) and not isinstance(following, bool)
+        content["next"] = max(following, least) if is_whole else least
+        return cls(content)
 
     @functools.cached_property
     def text(self) -> str:
@@ -118,22 +108,22 @@ class Document:
 
     @property
     def names(self) -> dict[str, dict[str, str]]:
-        """Names of numbers: "value", and "low" and "high" where they are bounded."""
+        """Names of numbers, each with "value" and optional "low" and "high"."""
         return self.data["names"]
 
     @property
     def things(self) -> list[dict[str, Any]]:
-        """The things in order."""
+        """Things in order."""
         return self.data["things"]
 
     @functools.cached_property
     def kept(self) -> dict[str, Any]:
-        """What has been computed of the document, such as its values: not to be computed again."""
+        """Results computed from the document, such as its values."""
         return {}
 
     @functools.cached_property
     def by_id(self) -> dict[str, dict[str, Any]]:
-        """The things by their ids."""
+        """Things by their ids."""
         return {thing["id"]: thing for thing in self.things}
 
     @functools.cached_property
@@ -142,88 +132,67 @@ class Document:
         return Names(self.things)
 
     def thing(self, id: Any) -> dict[str, Any]:
-        """The thing with an id.
+        """Return the thing with an id.
 
         Args:
-            id: Its id, a text.
+            id: Id of the thing, a text.
 
         Raises:
-            EditError: There is none.
+            EditError: No thing has this id.
         """
-        found = self.by_id.get(id) if isinstance(id, str) else None
-        if found is None:
+        if not isinstance(id, str) or id not in self.by_id:
             raise EditError("", f"There is no thing with the id {shown(id)}.")
-        return found
+        return self.by_id[id]
 
     def with_things(self, things: list[dict[str, Any]], **more: Any) -> Document:
-        """The document with other things.
+        """Return the document with other things.
 
         Args:
-            things: In order.
+            things: Things in order.
             more: Other parts of the document, by name.
         """
         return Document({**self.data, **more, "things": things})
 
 
-# -- what a document may hold ----------------------------------------------------------------------------------------
-
-
 def checked_text(address: str, text: Any) -> str:
-    """A text of a field.
-
-    Raises:
-        EditError: It is something else, or too long.
-    """
+    """Return the text of a field."""
     if isinstance(text, bool):
         return "true" if text else "false"
     if isinstance(text, int | float):
         return repr(text)
     if not isinstance(text, str):
-        raise EditError(address, f"A field holds a text, not {shown(text)}.")
+        raise EditError(address, f"{shown(text)} is no text. A field needs a text.")
     if len(text) > LONGEST_TEXT or "\0" in text:
-        raise EditError(address, f"A field holds a text of at most {LONGEST_TEXT} characters.")
+        raise EditError(address, f"The text is too long. A field has at most {LONGEST_TEXT} characters.")
     return text
 
 
 def checked_value(address: str, value: Any, depth: int = 2) -> Any:
-    """What an argument holds: a text, a list of them, or of pairs of them.
-
-    Raises:
-        EditError: It is something else.
-    """
+    """Return the value of an argument: a text, a list of texts, or a list of pairs."""
     if isinstance(value, list | tuple) and depth:
-        return [checked_value(f"{address}/{k}", one, depth - 1) for k, one in enumerate(value)]
+        return [checked_value(f"{address}/{k}", entry, depth - 1) for k, entry in enumerate(value)]
     return checked_text(address, value)
 
 
-def checked_name(name: str, own: Any) -> dict[str, str]:
-    """A name of a number: its value and its bounds.
-
-    Raises:
-        EditError: It is no name that arithmetic can hold, or something else than texts stands there.
-    """
+def checked_name(name: str, entry: Any) -> dict[str, str]:
+    """Return the value and the bounds of a name that arithmetic can contain."""
     address = f"names/{name}"
     if not isinstance(name, str) or not name.isidentifier() or name == "pi" or len(name) > LONGEST_TEXT:
-        raise EditError(
-            address,
-            f"{shown(name)} is no name of a number: it takes letters, digits and _, begins with no digit, and"
-            " is not pi.",
-        )
-    if not isinstance(own, dict) or "value" not in own or set(own) - {"value", "low", "high"}:
-        raise EditError(address, f"Name '{name}' has a value, and may have low and high, not {shown(own)}.")
-    return {key: checked_text(f"{address}/{key}", own[key]) for key in ("value", "low", "high") if key in own}
+        message = f"{shown(name)} is no name of a number. Use letters, digits and _, no digit first, and not pi."
+        raise EditError(address, message)
+    if not isinstance(entry, dict) or "value" not in entry or set(entry) - {"value", "low", "high"}:
+        raise EditError(address, f"Name '{name}' is {shown(entry)}. It needs a value, and may have low and high.")
+    return {key: checked_text(f"{address}/{key}", entry[key]) for key in ("value", "low", "high") if key in entry}
 
 
 def _checked_thing(k: int, thing: Any) -> dict[str, Any]:
     if not isinstance(thing, dict) or not isinstance(thing.get("args", {}), dict):
-        raise EditError("", f"Thing {k + 1} of the document is {shown(thing)}, but it must have a call and arguments.")
-    id = thing.get("id")
+        raise EditError("", f"Thing {k + 1} of the document is {shown(thing)}. It needs a call and arguments.")
+    id, call, name = thing.get("id"), thing.get("call"), thing.get("name")
     if not isinstance(id, str) or not id or "/" in id:
-        raise EditError("", f"Thing {k + 1} of the document needs an id, a text without '/', not {shown(id)}.")
-    if not isinstance(thing.get("call"), str):
-        raise EditError(id, f"Thing {k + 1} of the document calls {shown(thing.get('call'))}.")
+        raise EditError("", f"Thing {k + 1} of the document has the id {shown(id)}. It needs a text without '/'.")
+    if not isinstance(call, str):
+        raise EditError(id, f"Thing {k + 1} of the document calls {shown(call)}. A call is a text.")
     args = {str(key): checked_value(f"{id}/{key}", value) for key, value in thing.get("args", {}).items()}
-    own = {"id": id, "call": thing["call"]}
-    if thing.get("name") not in (None, ""):
-        own["name"] = checked_text(f"{id}/name", thing["name"])
-    return {**own, "args": args}
+    named = {} if name in (None, "") else {"name": checked_text(f"{id}/name", name)}
+    return {"id": id, "call": call, **named, "args": args}

@@ -1,4 +1,4 @@
-"""Edits that make new things of old ones: copy and repeat, join two nodes, split an element."""
+"""Edits that make new things from others: copy and repeat, join two nodes, split an element."""
 
 import re
 from collections.abc import Callable
@@ -8,52 +8,45 @@ from ..arguments import as_whole
 from ..errors import clean
 from .building import build
 from .content import Document, EditError, Report, checked_value
-from .edits import insert
-from .references import Names, call_of, referred, renamed_part, replaced, stage_of, with_references
+from .edits import LETTERS, insert
+from .references import Names, call_of, dependent, referred, renamed_part, replaced, stage_of, with_references
 from .sums import between, plus, times
 
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-# More copies than this at once are no drawing.
+# A drawing needs no more copies at once.
 MOST_COPIES = 1000
 
 
 def copy(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
-    """``{"op": "copy", "ids", "by": [texts], "count"?: 1}``: copies, each moved on by so much.
-
-    Elements and blocks take their nodes along; sections and materials are shared. What acts on the whole mechanism is
-    not copied.
-    """
+    """``{"op": "copy", "ids", "by": [texts], "count"?: 1}``: copies with their nodes, each moved further."""
     by, count = checked_value("", op["by"]), as_whole(op.get("count", 1))
     if not isinstance(by, list) or len(by) != document.dimension:
         raise EditError("", f"Copies are moved by {document.dimension} numbers.")
     if count is None or not 1 <= count <= MOST_COPIES:
-        raise EditError("", f"The number of copies is from 1 to {MOST_COPIES}, not {clean(op.get('count'))}.")
+        raise EditError("", f"The number of copies is {clean(op.get('count'))}. It must be from 1 to {MOST_COPIES}.")
     chosen, ids = selected(document, op["ids"]), []
     for k in range(1, count + 1):
-        own = [times(str(k), one) for one in by]
-        document, new = cloned(document, chosen, lambda thing, own=own: moved(thing, lambda at: _moved_by(at, own)))
+        distance = [times(str(k), text) for text in by]
+
+        def shifted(position: list[str], distance: list[str] = distance) -> list[str]:
+            return [plus(a, b) for a, b in zip(position, distance, strict=False)]
+
+        document, new = cloned(document, chosen, lambda thing, to=shifted: moved(thing, to))
         ids += new
     return document, Report(ids, [], "copy")
 
 
-def _moved_by(position: list[str], by: list[str]) -> list[str]:
-    return [plus(a, b) for a, b in zip(position, by, strict=False)]
-
-
 def moved(thing: dict[str, Any], to: Callable[[list[str]], list[str]]) -> dict[str, Any]:
-    """A thing whose position is another, if it has one: that of a node, or that of a block where it is given."""
+    """A thing with another position, if it is a node, or a block with a place."""
     call = call_of(thing)
-    key = "position" if thing["call"] == "node" else "at" if call is not None and call.kind == "block" else None
-    own = thing["args"].get(key) if key else None
-    if not isinstance(own, list):
-        return thing
-    return {**thing, "args": {**thing["args"], key: to(own)}}
+    key = "position" if thing["call"] == "node" else "at" if call is not None and call.kind == "block" else ""
+    position = thing["args"].get(key)
+    return {**thing, "args": {**thing["args"], key: to(position)}} if isinstance(position, list) else thing
 
 
 def selected(document: Document, ids: Any) -> list[dict[str, Any]]:
-    """Things with these ids, and the nodes that elements and blocks among them join, in the order of the document."""
+    """Things with some ids, with the nodes of elements and blocks among them, in the order of the document."""
     if not isinstance(ids, list | tuple) or not ids:
-        raise EditError("", "Say which things: ids is a list that is not empty.")
+        raise EditError("", "Nothing is selected. Give a list of ids.")
     chosen = {document.thing(id)["id"] for id in ids}
     for id in list(chosen):
         call = call_of(document.by_id[id])
@@ -70,7 +63,7 @@ def selected(document: Document, ids: Any) -> list[dict[str, Any]]:
         if thing["id"] in chosen and call is not None and call.makes not in shared and thing["call"] != "gravity":
             found.append(thing)
     if not found:
-        raise EditError("", "Nothing of this can be copied: sections, materials and gravity are shared.")
+        raise EditError("", "Sections, materials and gravity are shared. Select something else to copy.")
     return found
 
 
@@ -80,40 +73,37 @@ def cloned(
     changed: Callable[[dict[str, Any]], dict[str, Any]],
     shared: dict[str, str] | None = None,
 ) -> tuple[Document, list[str]]:
-    """A document with copies of things at its end, which refer to each other as their originals do."""
+    """A document with copies of things at its end, which refer to each other like their originals."""
     known, shared = document.known, shared or {}
     taken = {space: set(names) for space, names in known.by_space.items()}
     taken["node"] = taken.get("node", set()) | set(known.made)
     pairs: dict[str, list[tuple[str, str]]] = {}
-    for one, other in shared.items():
-        pairs[one] = [(document.by_id[one]["name"], document.by_id[other]["name"])]
+    for original, image in shared.items():
+        pairs[original] = [(document.by_id[original]["name"], document.by_id[image]["name"])]
     for thing in chosen:
         call = call_of(thing)
         if thing["id"] in shared or call is None:
             continue
-        own = pairs.setdefault(thing["id"], [])
+        names = pairs.setdefault(thing["id"], [])
         if call.makes and thing.get("name"):
-            own.append((thing["name"], _next_name(thing["name"], taken.setdefault(call.makes, set()))))
+            names.append((thing["name"], _next_name(thing["name"], taken.setdefault(call.makes, set()))))
         stage = stage_of(thing)
         if stage and known.made.get(stage) == thing["id"] and not known.exactly(("node",), stage):
-            own.append((stage, _next_name(stage, taken["node"])))
+            names.append((stage, _next_name(stage, taken["node"])))
     follows = following(pairs)
-    new, number = [], document.data["next"]
+    new = []
     for thing in chosen:
         if thing["id"] in shared:
             continue
-        made = with_references(changed(thing), known, follows)
-        names = dict(pairs[thing["id"]])
-        own = {"id": str(number), "call": thing["call"]}
-        if thing.get("name"):
-            own["name"] = names.get(thing["name"], thing["name"])
-        new.append({**own, "args": made["args"]})
-        number += 1
+        id = str(document.data["next"] + len(new))
+        named = {"name": dict(pairs[thing["id"]]).get(thing["name"], thing["name"])} if thing.get("name") else {}
+        args = with_references(changed(thing), known, follows)["args"]
+        new.append({"id": id, "call": thing["call"], **named, "args": args})
     return insert(document, new), [thing["id"] for thing in new]
 
 
 def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], str | None]:
-    """How references follow names that change: of each id, what was called so and is called otherwise."""
+    """The function that renames references, from the pairs of old and new names of each id."""
 
     def follows(id: str, name: str) -> str | None:
         for old, new in sorted(pairs.get(id, ()), key=lambda pair: -len(pair[0])):
@@ -125,9 +115,9 @@ def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], s
 
 
 def _next_name(name: str, taken: set[str]) -> str:
-    """A name after another one, which is then taken: the next letter or number that is free."""
-    if name in LETTERS and (free := [one for one in LETTERS if one not in taken]):
-        found = next((one for one in free if one > name), free[0])
+    """The next free letter or number after a name; it is taken from then on."""
+    if name in LETTERS and (free := [letter for letter in LETTERS if letter not in taken]):
+        found = next((letter for letter in free if letter > name), free[0])
     else:
         start, digits = re.fullmatch(r"(.*?)(\d{0,9})", name, re.DOTALL).groups()  # pyright: ignore
         start, number = (start, int(digits)) if digits else (f"{name} ", 1)
@@ -138,10 +128,7 @@ def _next_name(name: str, taken: set[str]) -> str:
 
 
 def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
-    """``{"op": "join", "from": node, "into": node}``: what one node has goes to the other, and the node goes.
-
-    Elements between the two go too, and what refers to these.
-    """
+    """``{"op": "join", "from": node, "into": node}``: one node takes the place of another; elements between them go."""
     known = document.known
     first, into = (_node(document, op[key]) for key in ("from", "into"))
     id = known.thing(("node",), first)
@@ -155,35 +142,31 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         things.append(
             with_references(thing, known, lambda of, name: renamed_part(name, first, into) if of == id else None)
         )
-    also, lost = [], set()
+    lost = set()
     for before, after in zip([t for t in document.things if made_by_block or t["id"] != id], things, strict=True):
         call = call_of(after)
-        ends = [one for key in ("nodes", "base", "stage") for one in _texts_of(after["args"].get(key))]
+        ends = [name for key in ("nodes", "base", "stage") for name in _texts_of(after["args"].get(key))]
         twice = call is not None and call.kind in ("element", "block") and len(set(ends)) < len(ends)
-        if after is not before and (twice or _is_there(after, things)):
+        if after is not before and (twice or _is_repeated(after, things)):
             lost.add(after["id"])
-    names = Names(things)
-    needs = {thing["id"]: set(referred(names, thing).values()) for thing in things}
-    while along := [one for one, of in needs.items() if one not in lost and of & lost]:
-        lost |= set(along)
+    lost.update(dependent(Names(things), things, lost))
     also = [thing["id"] for thing in things if thing["id"] in lost]
     kept = [thing for thing in things if thing["id"] not in lost]
     return document.with_things(kept), Report([], also, f"join {first} into {into}")
 
 
 def _texts_of(value: Any) -> list[str]:
-    return [one for one in (value if isinstance(value, list) else [value]) if one and isinstance(one, str)]
+    return [text for text in (value if isinstance(value, list) else [value]) if text and isinstance(text, str)]
 
 
-def _is_there(thing: dict[str, Any], things: list[dict[str, Any]]) -> bool:
-    """Whether another thing names or holds the same already, which may be done only once."""
-    if thing["call"] not in ("dof", "fix"):
-        return False
-    return any(one is not thing and (one["call"], one["args"]) == (thing["call"], thing["args"]) for one in things)
+def _is_repeated(thing: dict[str, Any], things: list[dict[str, Any]]) -> bool:
+    """Whether another thing makes the same call, which may be made only once."""
+    same = [other for other in things if (other["call"], other["args"]) == (thing["call"], thing["args"])]
+    return thing["call"] in ("dof", "fix") and len(same) > 1
 
 
 def _node(document: Document, given: Any) -> str:
-    """Name of a node that is given by its name or its id."""
+    """Name of a node, from its name or its id."""
     if isinstance(given, str) and document.known.thing(("node",), given):
         return given
     thing = document.by_id.get(given) if isinstance(given, str) else None
@@ -193,33 +176,25 @@ def _node(document: Document, given: Any) -> str:
 
 
 def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
-    """``{"op": "split", "element", "at": "0.5"}``: an element becomes two, with a node between them.
-
-    The first keeps its name. What is said of the deformations of the element has no counterpart, and must go first;
-    its temperature and what it releases hold for both.
-    """
+    """``{"op": "split", "element", "at": "0.5"}``: an element becomes two, with a node between them."""
     thing = _element(document, op["element"])
-    id = thing["id"]
+    id, name = thing["id"], clean(thing["name"])
     place = checked_value("", op.get("at", "0.5"))
     nodes = thing["args"].get("nodes")
     positions = {n: t["args"].get("position") for t in document.things if t["call"] == "node" and (n := t.get("name"))}
     if not isinstance(nodes, list) or len(nodes) != 2 or any(node not in positions for node in nodes):
-        raise EditError(
-            f"{id}/nodes", f"'{clean(thing['name'])}' cannot be split: only between two drawn nodes it can."
-        )
+        raise EditError(f"{id}/nodes", f"'{name}' cannot be split: its ends are not two drawn nodes.")
     if "curvature" in thing["args"]:
-        raise EditError(f"{id}/curvature", f"'{clean(thing['name'])}' is an arc, and cannot be split.")
+        raise EditError(f"{id}/curvature", f"'{name}' cannot be split: it is an arc.")
     record = build(document).records.get(document.known.thing(("section",), thing["args"].get("section", "")) or "")
     if record is not None and record.varies:
-        raise EditError(
-            f"{id}/section", f"The section of '{clean(thing['name'])}' varies along it: it cannot be split."
-        )
-    own = [one for one in document.things if id in referred(document.known, one).values()]
-    for one in own:
-        if one["call"] not in ("temperature", "release"):
-            raise EditError(
-                one["id"], f"'{clean(one['call'])}' is of the whole '{clean(thing['name'])}': delete it first."
-            )
+        raise EditError(f"{id}/section", f"'{name}' cannot be split: its section varies along it.")
+    about = [other for other in document.things if id in referred(document.known, other).values()]
+    for other in about:
+        # Deformations of the whole have no counterpart in the halves.
+        if other["call"] not in ("temperature", "release"):
+            message = f"'{name}' cannot be split: '{clean(other['call'])}' belongs to the whole. Delete it first."
+            raise EditError(other["id"], message)
     number = document.data["next"]
     taken = {space: set(names) for space, names in document.known.by_space.items()}
     middle = _next_name(nodes[0], taken.get("node", set()) | set(document.known.made))
@@ -229,43 +204,34 @@ def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     new = [
         {"id": str(number), "call": "node", "name": middle, "args": {"position": at}},
         {**thing, "args": {**thing["args"], "nodes": [nodes[0], middle]}},
-        {
-            "id": str(number + 1),
-            "call": thing["call"],
-            "name": second,
-            "args": {**thing["args"], "nodes": [middle, nodes[1]]},
-        },
+        {**thing, "id": str(number + 1), "name": second, "args": {**thing["args"], "nodes": [middle, nodes[1]]}},
     ]
     things: list[dict[str, Any]] = []
     ids = [str(number), str(number + 1)]
-    for one in document.things:
-        if one is thing:
+    for other in document.things:
+        if other is thing:
             things += new
-            continue
-        if one not in own:
-            things.append(one)
-            continue
-        first, last = _of_halves(one, place)
-        things += [first, {**last, "id": str(number + len(ids)), "args": {**last["args"], "element": second}}]
-        ids.append(str(number + len(ids)))
+        elif other not in about:
+            things.append(other)
+        else:
+            first, last = _of_halves(other, place)
+            things += [first, {**last, "id": str(number + len(ids)), "args": {**last["args"], "element": second}}]
+            ids.append(str(number + len(ids)))
     return document.with_things(things, next=number + len(ids)), Report(ids, [], f"split {thing['name']}")
 
 
 def _of_halves(thing: dict[str, Any], place: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What is said of an element as it is said of its two parts: a temperature that differs between its ends."""
+    """A thing about an element as two things about its halves, with their parts of a varying temperature."""
     change = thing["args"].get("change")
     if not isinstance(change, list) or len(change) != 2:
         return thing, thing
     middle = between(change[0], change[1], place)
-
-    def with_change(own: list[str]) -> dict[str, Any]:
-        return {**thing, "args": replaced(thing["args"], ["change"], own)}
-
-    return with_change([change[0], middle]), with_change([middle, change[1]])
+    first, last = ([change[0], middle], [middle, change[1]])
+    return tuple({**thing, "args": replaced(thing["args"], ["change"], half)} for half in (first, last))  # pyright: ignore
 
 
 def _element(document: Document, given: Any) -> dict[str, Any]:
-    """An element that is given by its id or its name."""
+    """The element with an id or a name."""
     thing = document.by_id.get(given) if isinstance(given, str) else None
     if thing is None and isinstance(given, str):
         thing = document.by_id.get(document.known.by_space.get("element", {}).get(given, ""))

@@ -1,4 +1,4 @@
-"""Degrees of freedom, over- and under-constraints of a drawing, also of one that is not finished."""
+"""Degrees of freedom, over- and under-constraints of a drawing, also of an unfinished one."""
 
 import dataclasses
 from collections.abc import Iterable
@@ -7,24 +7,17 @@ from typing import Any
 from ..build.builder import Builder
 from ..checks.mobility import Mobility, mobility
 from ..display import counted
-from ..elements.nodes import NodeKind
 from ..errors import MechanismError, ModelError, first_line, heard
 from ..model.model import Model
 from ..model.roles import HELD
 
-# Names listed in a message.
+# Number of names in a message.
 LISTED = 4
 
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """Nodes that elements join to each other.
-
-    Attributes:
-        nodes: Their names, those with a position alone.
-        elements: What joins them; none of a node that stands alone.
-        held: Whether something in it is fixed or prescribed.
-    """
+    """Nodes that elements join: names of nodes with a position, names of elements, and whether anything is held."""
 
     nodes: tuple[str, ...]
     elements: tuple[str, ...]
@@ -33,21 +26,21 @@ class Part:
 
 @dataclasses.dataclass(frozen=True)
 class Count:
-    """What there is to count, and what it means.
+    """Counts of a drawing, and what they mean.
 
     Attributes:
-        status: "ok", "empty", "loose" (something floats), "overconstrained", "underconstrained", "both", "dof" (what is
-            named does not fit) or "failed".
-        message: What is to be known, and what to do.
+        status: "ok", "empty", "loose" (something floats), "overconstrained", "underconstrained", "both", "dof" (named
+            degrees of freedom do not fit) or "failed".
+        message: What to know, and what to do.
         numbers: nx, ne, nxo, neo and ndof = nx - nxo - neo.
-        over: Number of states of self-stress; None where it is not known.
-        under: Number of motions that nothing determines; None where it is not known.
+        over: Number of states of self-stress, or None if unknown.
+        under: Number of undetermined motions, or None if unknown.
         dofs: Names of the degrees of freedom.
-        model: The checked model, or None.
-        drawn: A model to be drawn: the checked one, or one that is not valid; None without elements.
-        mobility: Of a model that is not valid.
-        parts: What hangs together.
-        warnings: What the builder warns of.
+        model: Checked model, or None.
+        drawn: Model for the picture, also if it is not valid; None without elements.
+        mobility: Mobility of a model that is not valid.
+        parts: Connected parts.
+        warnings: Warnings of the Builder.
     """
 
     status: str
@@ -62,8 +55,8 @@ class Count:
     parts: tuple[Part, ...] = ()
     warnings: tuple[str, ...] = ()
 
-    def told(self) -> dict[str, Any]:
-        """As a message to a page; shares are those of the elements in every state of self-stress."""
+    def message_data(self) -> dict[str, Any]:
+        """Contents of a message to pages; shares belong to the elements in each state of self-stress."""
         shares = [] if self.mobility is None else [dict(own) for own in self.mobility.states().shares or ()]
         return {
             **self.numbers,
@@ -78,7 +71,7 @@ class Count:
 
 
 def quick_numbers(builder: Builder) -> dict[str, int]:
-    """The numbers of NDOF = NX - NXO - NEO, from the roles alone: nothing is compiled."""
+    """Numbers of NDOF = NX - NXO - NEO from the roles alone, without compiling."""
     if builder.members:
         try:
             return builder.build(check=False).counts()
@@ -96,13 +89,13 @@ def quick_numbers(builder: Builder) -> dict[str, int]:
 
 
 def count(builder: Builder) -> Count:
-    """Count the degrees of freedom of a drawing, and find what is over- and under-constrained."""
+    """Count the degrees of freedom of a drawing, and find over- and under-constraints."""
     parts = tuple(_parts(builder))
     if not builder.nodes:
         return Count("empty", "Nothing is drawn yet. Add a node.", quick_numbers(builder))
     if not any(not member.hidden for member in builder.members.values()):
         there = counted(sum(len(part.nodes) for part in parts), "node")
-        message = f"{there}, and no element that joins any. Add an element between two nodes."
+        message = f"{there}, and no element between them. Add an element between two nodes."
         return Count("empty", message, quick_numbers(builder), parts=parts)
     with heard() as said:
         try:
@@ -111,12 +104,12 @@ def count(builder: Builder) -> Count:
             return _invalid(builder, fault, parts)
         except ModelError as fault:
             return Count("failed", str(fault), quick_numbers(builder), parts=parts, drawn=_unchecked(builder))
-    numbers, told = model.counts(), _of_loose(parts)
+    numbers, faults = model.counts(), _of_loose(parts)
     named = tuple(model.q_labels)
     exact = f"{counted(len(named), 'degree')} of freedom, and nothing is over-constrained."
     return Count(
-        "loose" if told else "ok",
-        " ".join([*told, "" if told else exact]).strip(),
+        "loose" if faults else "ok",
+        " ".join(faults) or exact,
         numbers,
         over=0,
         under=0,
@@ -129,7 +122,7 @@ def count(builder: Builder) -> Count:
 
 
 def _unchecked(builder: Builder) -> Model | None:
-    """A model to be drawn; None where there is none."""
+    """An unchecked model for the picture; None if there is none."""
     try:
         return builder.build(check=False)
     except ModelError:
@@ -140,55 +133,51 @@ def _invalid(builder: Builder, fault: MechanismError, parts: tuple[Part, ...]) -
     """Count of a mechanism that is over- or under-constrained, or whose degrees of freedom do not fit."""
     model = builder.build(check=False)
     found = mobility(model)
-    told = _of_loose(parts)
+    faults = _of_loose(parts)
     if found.overconstraints:
-        own = list(dict.fromkeys(share.of for i in range(found.overconstraints) for share in found.stresses(i)))
-        told.append(
-            f"Over-constrained: {counted(found.overconstraints, 'state')} of self-stress in {_listed(own)}."
-            f" {_release_of(found)}"
-        )
+        stressed = dict.fromkeys(share.of for i in range(found.overconstraints) for share in found.stresses(i))
+        states = counted(found.overconstraints, "state")
+        faults.append(f"Over-constrained: {states} of self-stress in {_listed(list(stressed))}. {_release_of(found)}")
     if fault.code != "overconstrained" or not found.overconstraints:
-        told.append(first_line(fault))
-    # Where degrees of freedom are to be found, no motion is left undetermined.
+        faults.append(first_line(fault))
+    # Without named degrees of freedom the Builder finds them: no motion is left undetermined.
     under = found.underconstraints if builder.dofs else 0
     over = found.overconstraints
     status = "both" if over and under else "overconstrained" if over else "underconstrained" if under else fault.code
     named = tuple(model.q_labels)
-    return Count(status, " ".join(told), model.counts(), over, under, named, drawn=model, mobility=found, parts=parts)
+    return Count(status, " ".join(faults), model.counts(), over, under, named, drawn=model, mobility=found, parts=parts)
 
 
 def _release_of(found: Mobility) -> str:
-    """Which deformations and supports to release."""
+    """Sentence on deformations and supports to release."""
     releases = [own[0].words for own in found.candidates if own]
     if not releases:
-        return "Only rigid elements take part: replace one by a flexible or a pinned one."
+        return "Only rigid elements take part. Replace one by a flexible or a pinned one."
     left = len(found.release) - len(releases)
     more = f" {counted(left, 'state')} more lie between rigid elements alone." if left else ""
     return f"Release {', and '.join(releases)}.{more}"
 
 
 def _of_loose(parts: Iterable[Part]) -> list[str]:
-    """Sentences about what is joined to nothing, and what floats."""
+    """Sentences about nodes that nothing joins, and about parts that float."""
     parts = list(parts)
     alone = [part.nodes[0] for part in parts if part.nodes and not part.elements]
     floating = [part for part in parts if part.elements and not part.held]
-    told = []
+    found = []
     if alone:
         are, them = ("are", "them") if len(alone) > 1 else ("is", "it")
-        told.append(f"{_listed(alone, 'node')} {are} joined to nothing: join {them} by an element, or delete {them}.")
+        found.append(f"{_listed(alone, 'node')} {are} joined to nothing: join {them} by an element, or delete {them}.")
     if floating and len(floating) == sum(bool(part.elements) for part in parts):
-        told.append("Nothing is fixed: the mechanism floats. Fix a node.")
+        found.append("Nothing is fixed: the mechanism floats. Fix a node.")
     elif floating:
         names = [name for part in floating for name in part.elements]
-        told.append(
-            f"{_listed(names, 'element')} {'float' if len(names) > 1 else 'floats'}: nothing joins"
-            f" {'them' if len(names) > 1 else 'it'} to a support."
-        )
-    return told
+        float_, them = ("float", "them") if len(names) > 1 else ("floats", "it")
+        found.append(f"{_listed(names, 'element')} {float_}: nothing joins {them} to a support.")
+    return found
 
 
 def _listed(names: list[str], what: str = "") -> str:
-    """The first of some names, in words."""
+    """The first names, in words."""
     shown = [f"'{name}'" for name in names[:LISTED]]
     more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
     several = ", ".join(shown) + more if more or len(shown) < 2 else f"{', '.join(shown[:-1])} and {shown[-1]}"
@@ -198,7 +187,7 @@ def _listed(names: list[str], what: str = "") -> str:
 
 
 def _parts(builder: Builder) -> list[Part]:
-    """What elements join, in the order in which nodes were added."""
+    """Connected parts, in the order in which nodes were added."""
     leader = {name: name for name in builder.nodes}
 
     def first(name: str) -> str:
@@ -219,18 +208,13 @@ def _parts(builder: Builder) -> list[Part]:
     for member in builder.members.values():
         for node in member.nodes[1:]:
             join(member.nodes[0], node)
-    groups: dict[str, tuple[list[str], list[str], list[bool]]] = {}
+    nodes, elements, held = ({name: [] for name in map(first, builder.nodes)} for _ in range(3))
     for name, node in builder.nodes.items():
-        own = groups.setdefault(first(name), ([], [], []))
         if node.kind.part == "position":
-            own[0].append(name)
-        own[2].append(_is_held(node.kind, node.roles))
+            nodes[first(name)].append(name)
+        is_place = node.kind.part in ("position", "rotation")
+        held[first(name)].append(is_place and any(role in HELD for role in node.roles))
     for name, member in builder.members.items():
         if not member.hidden and member.nodes:
-            groups[first(member.nodes[0])][1].append(name)
-    return [Part(tuple(nodes), tuple(elements), any(held)) for nodes, elements, held in groups.values()]
-
-
-def _is_held(kind: NodeKind, roles: list[Any]) -> bool:
-    """Whether a position or a rotation is held by something, in part or as a whole."""
-    return kind.part in ("position", "rotation") and any(role in HELD for role in roles)
+            elements[first(member.nodes[0])].append(name)
+    return [Part(tuple(nodes[name]), tuple(elements[name]), any(held[name])) for name in nodes]

@@ -1,4 +1,4 @@
-"""SPACAR input files as documents and back: names stay names, in braces, and their bounds in the study beside."""
+"""SPACAR input files as documents and back, with names in braces, and their bounds in the study beside the file."""
 
 from __future__ import annotations
 
@@ -27,28 +27,23 @@ from .from_builder import document_of
 from .references import call_of, called
 from .study_beside import names_beside, write_beside
 
-# Lines of a file that belong to an analysis and name no node or element, so that they can stay when it is written anew.
+# Keywords of analyses that name no node or element: they stay when a file is saved again.
 KEPT = ("TIMESTEP", "ERROR", "ITERSTEP")
-# What a file has of the material of a leaf spring.
+# Numbers of a leaf spring's material that a file contains.
 PLAIN_MATERIAL = {"E", "G", "rho", "alpha"}
-
-
-# So many faults are told at once.
+# Number of faults reported at once.
 MOST_FAULTS = 30
 
 
 class NoValueError(ValueError):
-    """A file has names in braces, and nothing says what numbers they are.
-
-    Attributes:
-        names: The names.
-    """
+    """Names in the braces of a file have no values."""
 
     def __init__(self, file: str, names: list[str]):
         shown, study = ", ".join(map(clean, names)), clean(Path(file).with_suffix(".toml").name)
+        they = "they are" if names[1:] else "it is"
         super().__init__(
-            f"{file} has {{{shown}}}, but no study beside it says what number {'they are' if names[1:] else 'that is'}:"
-            f" write {study} with the lines model = '{file}', [parameters] and {clean(names[0])} = 1e-3 or the like."
+            f"{file} has {{{shown}}}, but no study beside it says which number {they}. Write {study} with the"
+            f" lines model = '{file}', [parameters] and {clean(names[0])} = 1e-3 or the like."
         )
         self.names = names
 
@@ -56,76 +51,61 @@ class NoValueError(ValueError):
 def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) -> tuple[Document, list[str]]:
     """Open a SPACAR input file.
 
-    What stands in braces becomes names and arithmetic of fields; what the names are, ``numbers`` says, or else the
-    study beside the file, such as ``guide.toml`` beside ``guide.dat``, where bounds stand too. Functions of a study are
-    not called.
-
-    Args:
-        path: Of the file.
-        numbers: Values by name, or (value, lowest, highest).
+    Text in braces becomes names and arithmetic of fields. Their values come from ``numbers`` (a value, or a tuple of
+    value, lowest and highest), or from the study beside the file, such as ``guide.toml`` beside ``guide.dat``. The
+    workbench never calls functions of a study.
 
     Returns:
-        The document, and what there is to know: warnings of the reader, and what a document cannot hold.
-
-    Raises:
-        NoValueError: Names without a value.
-        SpacarError: The file is wrong, or its study.
-        OSError: It cannot be read.
+        The document, and notes: warnings of the reader, and what a document cannot contain.
     """
     path = Path(path)
     text = read_text(path)
     names = list(placeholders(statements(text, {})))
     beside, notes = names_beside(path) if names or not numbers else ({}, [])
-    # In the order in which they were written down.
+    # In the order of the study.
     names = [*(name for name in beside if name in names), *(name for name in names if name not in beside)]
     known: dict[str, Any] = {**beside, **(numbers or {})}
     if missing := [name for name in names if name not in known]:
         raise NoValueError(clean(path.name), missing)
-    own = {name: known[name] for name in names}
-    several = {n: tuple(map(float, v if isinstance(v, tuple | list) else (v,))) for n, v in own.items()}
-    own = {n: v if len(v) == 3 else v[0] for n, v in several.items()}
+    several = {n: v if isinstance(v := known[n], tuple | list) else (v,) for n in names}
+    values = {n: tuple(map(float, v)) if len(v) == 3 else float(v[0]) for n, v in several.items()}
     warnings: list[str] = []
 
     def read(**given: Any) -> SpacarModel:
-        # The reader names what is wrong by the file; text of one line would be taken for a path.
+        # The reader names the file in messages. It would take text of one line for a path.
         found = read_spacar(path, numbers=given)
         if found.text != text:
-            raise SpacarError(f"{clean(path.name)}:1: the file changed while it was read; open it again")
+            raise SpacarError(f"{clean(path.name)}:1: the file changed while it was read. Open it again.")
         warnings[:] = found.warnings
         return found
 
     title = path.stem if path.stem.isprintable() else "mechanism"
-    document, left_out = document_of(read, own, title=title) if names else document_of(read(), title=title)
-    for name in beside:
-        if name not in own:
-            notes.append(f"'{clean(name)}' of the study stands nowhere in {clean(path.name)}")
-    drawn = "drawing keywords are kept"
-    notes += [one for one in warnings if drawn not in one]
+    document, left_out = document_of(read, values, title=title) if names else document_of(read(), title=title)
+    unused = [name for name in beside if name not in values]
+    notes += [f"'{clean(name)}' of the study stands nowhere in {clean(path.name)}" for name in unused]
+    notes += [text for text in warnings if "drawing keywords are kept" not in text]
     return document, [*notes, *left_out]
 
 
-# -- saving ----------------------------------------------------------------------------------------------------------
-
-
 def cannot_hold(document: Document) -> list[str]:
-    """What a SPACAR input file cannot hold of a document: what it refuses, and what it has in another form."""
+    """What a SPACAR input file cannot contain, and what it contains in another form."""
     return [*incomplete(document), *refused(document), *changed(document)]
 
 
 def incomplete(document: Document) -> list[str]:
-    """What is not in the mechanism yet, since something is wrong with it: neither answers nor files know of it."""
-    return [f"{clean(called(document.by_id, one['address']))}: {one['message']}" for one in build(document).problems]
+    """Things with problems, which neither answers nor files contain."""
+    return [f"{clean(called(document.by_id, p['address']))}: {p['message']}" for p in build(document).problems]
 
 
 def refused(document: Document) -> list[str]:
-    """What a SPACAR input file has no words for, so that without it there would be another mechanism."""
+    """What a SPACAR input file cannot express; without it there would be another mechanism."""
     found: list[str] = []
-    # Nodes that were joined before anything was taken away.
+    # Nodes that elements joined before anything was removed.
     joined: set[str] = set()
-    # One thing after the other is taken away, so that all are told at once.
+    # Remove one fault after the other, to report all at once.
     for _ in range(MOST_FAULTS):
         try:
-            joined = joined or _joined(build(document).builder)
+            joined = joined or {n for m in build(document).builder.members.values() if not m.hidden for n in m.nodes}
             lines_of(_without_strength(build(document).builder), {})
         except ModelError as fault:
             if found and not build(document).builder.members:
@@ -141,12 +121,8 @@ def refused(document: Document) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _joined(builder: Builder) -> set[str]:
-    return {node for member in builder.members.values() if not member.hidden for node in member.nodes}
-
-
 def _without_strength(builder: Builder) -> Builder:
-    """A builder whose sections state no strength: the format has no word for it, and no motion depends on it."""
+    """A builder without strengths of sections: the format has none, and no motion depends on them."""
     twin, known = builder.copy(), {}
     for member in twin.members.values():
         section: Any = member.properties.get("section")
@@ -159,9 +135,10 @@ def _without_strength(builder: Builder) -> Builder:
 
 
 def _culprit(document: Document, message: str) -> str | None:
-    """Id of the thing that a message is about: what it names, what is on a node that it names, or its first word."""
+    """Id of the thing that a message is about: by a name in it, by a load on that node, or by its first word."""
     for name in re.findall(r"'([^']+)'", message):
-        on_it = [thing["id"] for thing in document.things if _is_on(thing, name)]
+        loads = [t for t in document.things if t["call"] in ("body", "force", "moment", "mass")]
+        on_it = [thing["id"] for thing in loads if thing["args"].get("node") == name]
         known = [document.known.thing((space,), name) for space in ("element", "input", "output")]
         if found := next((id for id in [*known, *on_it, document.known.thing(("node",), name)] if id), None):
             return found
@@ -169,18 +146,12 @@ def _culprit(document: Document, message: str) -> str | None:
     return about[-1] if about else None
 
 
-def _is_on(thing: dict[str, Any], node: str) -> bool:
-    """Whether a thing is a body or a load on a node."""
-    return thing["call"] in ("body", "force", "moment", "mass") and thing["args"].get("node") == node
-
-
 def changed(document: Document) -> list[str]:
-    """What a SPACAR input file has in another form: opened again, it builds the same and looks otherwise."""
+    """What a SPACAR input file contains in another form, which builds the same."""
     found, free = [], set(free_names(document))
     if derived := [name for name in document.names if name not in free]:
-        found.append(
-            f"names that follow from others, {', '.join(derived)}: their arithmetic stands where they are used"
-        )
+        names = ", ".join(derived)
+        found.append(f"names that follow from others, {names}: their arithmetic stands where they are used")
     if shapes := _named(document, "section", _is_other_section):
         found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION")
     if materials := _named(document, "material", lambda thing, _: not set(thing["args"]) <= PLAIN_MATERIAL):
@@ -202,31 +173,24 @@ def _named(document: Document, kind: str, counts: Callable[[dict[str, Any], Docu
 
 
 def _is_other_section(section: dict[str, Any], document: Document) -> bool:
-    """Whether a section is neither rigidities nor the rectangle of leaf springs alone."""
+    """Whether a section is neither a Rigidity nor only a rectangle of leaf springs."""
     if section["call"] == "Rigidity":
         return False
     leaf = ("planar.leaf_spring", "spatial.leaf_spring")
-    users = [
-        thing
-        for thing in document.things
-        if section.get("name") in (thing["args"].get(k) for k in ("section", "outline"))
-    ]
+    name = section.get("name")
+    users = [t for t in document.things if name in (t["args"].get(key) for key in ("section", "outline"))]
     return any(thing["call"] not in (*leaf, "Rigidity") for thing in users) or not users
 
 
 def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
-    """Save a document as a SPACAR input file, names in braces, and their values and bounds as the study beside it.
+    """Save a SPACAR input file with names in braces, and their values and bounds as the study beside it.
 
-    Of a file that is there already, lines of an analysis such as TIMESTEP stay, and of a study all but [parameters].
-
-    Raises:
-        ModelError: What the format has no words for; all of it, in one message.
-        OSError: The folder is missing or not writable.
+    Lines of an analysis such as TIMESTEP stay in an existing file; an existing study keeps all but [parameters].
     """
     path = Path(path)
     if problems := refused(document):
-        told = "; ".join(problems)
-        raise ModelError(f"A SPACAR input file cannot hold this: {told}. Save Python or the document itself instead.")
+        faults = "; ".join(problems)
+        raise ModelError(f"A SPACAR input file cannot contain this: {faults}. Save Python or the document instead.")
     settings, notes = _kept(path)
     lines, _ = _texts(document, settings)
     study = write_beside(document, path)
@@ -237,7 +201,7 @@ def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
 
 
 def _kept(path: Path) -> tuple[dict[str, Any], list[str]]:
-    """Lines of an analysis in a file that is there already, and which of them do not stay."""
+    """Lines of an analysis in an existing file that stay, and a note about the others."""
     try:
         text = read_text(path)
         names = placeholders(statements(text, {}))
@@ -247,12 +211,12 @@ def _kept(path: Path) -> tuple[dict[str, Any], list[str]]:
     settings = {name: value for name, value in found.items() if name in KEPT}
     whole = {k: Setting(v.line, v) if isinstance(v, Setting) else v for k, v in settings.items()}
     gone = [name for name in found if name not in KEPT and not name.startswith(("STARTD", "INPUT"))]
-    notes = [f"{clean(path.name)} had {', '.join(gone)}, which a document does not hold and which it has no longer"]
+    notes = [f"{clean(path.name)} had {', '.join(gone)}. A document cannot contain this. It is lost."]
     return whole, notes * bool(gone)
 
 
 def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[list[str], list[str]]:
-    """Lines of the file, and where a number is not arithmetic of the names that it follows from."""
+    """Lines of the file, and numbers that do not follow from names by arithmetic."""
     built = build(document)
     known: Any = numbers_of(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
@@ -295,7 +259,7 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
 
 
 def _apart(builder: Builder) -> Builder:
-    """A builder in which the rotation of node 1 is node 2 again where no other is, as files number them."""
+    """A builder in which the rotation of node 1 is node 2 if no other node is, as in files."""
     new: dict[str, str] = {}
     for name in builder.nodes:
         owner, _, part = name.rpartition(".")
@@ -326,7 +290,7 @@ def _apart(builder: Builder) -> Builder:
 
 
 def _signals(builder: Description) -> list[str]:
-    """Comments that say what inputs and outputs are called."""
+    """Comments with the names of inputs and outputs."""
     return [
         f"% {side} {i}: {' '.join(signal.name.split())}"
         for side in ("input", "output")

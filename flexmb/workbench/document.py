@@ -1,4 +1,4 @@
-"""The document of a workbench, and its edits: each gives another document, which shares what has not changed."""
+"""The document of a workbench and its edits. Each edit returns a new document, which shares all unchanged parts."""
 
 from __future__ import annotations
 
@@ -15,22 +15,11 @@ from .mirror import OPERATIONS as MIRROR
 
 
 def apply(document: Document, ops: Any) -> tuple[Document, Report]:
-    """Edit a document: all of the operations, or none.
-
-    Args:
-        document: Not changed.
-        ops: Operations, one after the other, each a dictionary with "op" and what that takes, see :mod:`.edits`,
-            :mod:`.copies`, :mod:`.mirror` and :mod:`.explode`.
-
-    Raises:
-        EditError: An operation that there is not, or that cannot be done.
-    """
+    """Apply operations, each as of :mod:`.edits`, :mod:`.copies`, :mod:`.mirror` or :mod:`.explode`: all or none."""
     known = EDITS | COPIES | MIRROR | EXPLODE
     if not isinstance(ops, list | tuple):
-        raise EditError("", f"Edits are a list of operations, not {shown(ops)}.")
-    ids: list[str] = []
-    also: list[str] = []
-    labels: list[str] = []
+        raise EditError("", f"Edits are {shown(ops)}. They must be a list of operations.")
+    ids, also, labels = [], [], []
     for op in ops:
         kind = op.get("op") if isinstance(op, dict) else None
         if not isinstance(kind, str) or kind not in known:
@@ -38,7 +27,7 @@ def apply(document: Document, ops: Any) -> tuple[Document, Report]:
         try:
             document, report = known[kind](document, op)
         except KeyError as fault:
-            raise EditError("", f"The operation '{kind}' needs {fault}.") from None
+            raise EditError("", f"The operation '{kind}' lacks {fault}.") from None
         ids += report.ids
         also += report.also
         labels.append(report.label)

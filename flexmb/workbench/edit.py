@@ -20,45 +20,48 @@ if TYPE_CHECKING:
 
 # Height of the frame [px].
 FRAME_HEIGHT = 760
-# Environment variables by which a kernel tells that it runs on another machine than the browser.
+# Environment variables of kernels on another machine than the browser.
 REMOTE = {
     "JUPYTERHUB_USER": "JupyterHub",
     "BINDER_SERVICE_HOST": "Binder",
     "COLAB_RELEASE_TAG": "Colab",
     "KAGGLE_KERNEL_RUN_TYPE": "Kaggle",
     "CODESPACES": "Codespaces",
-    "SSH_CONNECTION": "a machine that is reached by SSH",
+    "SSH_CONNECTION": "a machine behind SSH",
 }
 
 
 def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **names: Any) -> Workbench:
-    """Open the workbench: a page on which a mechanism is drawn and changed, with its answers beside it.
+    """Open the workbench, a page on which you draw and change a mechanism with its answers beside it.
 
-    In a notebook the page stands in the cell; in a script it opens in the browser, and ``.wait()`` keeps the script
-    there until the keyboard ends it. The mechanism that was given stays as it is: take what was made from the result.
+    A notebook shows the page in the cell; a script opens it in the browser, and ``.wait()`` waits for Ctrl-C. ``edit``
+    does not change its argument: read the mechanism from the result.
 
     Args:
-        model: A :class:`flexmb.Builder`, a Model, what :func:`flexmb.read_spacar` returns, the path of a file (.dat, or
-            .json as the workbench saves it), or a function that builds a mechanism of ``names``; None for a new one.
-        port: Where to listen on this machine; 0 for any port that is free.
-        browser: Whether to open the browser; by default outside of notebooks alone.
-        names: Arguments of the function: numbers, or (value, lowest, highest), which get a slider each.
+        model: A :class:`flexmb.Builder`, a Model, a result of :func:`flexmb.read_spacar`, the path of a file (.dat, or
+            a .json of the workbench), or a function that builds a mechanism of ``names``; None for a new mechanism.
+        port: Port on this machine; 0 for any free port.
+        browser: Whether to open the browser; by default only outside of notebooks.
+        names: Arguments of the function: numbers, or (value, lowest, highest) for a slider.
 
     Returns:
-        The open workbench; ``.document``, ``.builder()``, ``.model()`` and ``.python()`` give what is in it.
+        The open workbench, with ``.document``, ``.builder()``, ``.model()`` and ``.python()``.
 
     Raises:
         ModuleNotFoundError: websockets is not installed.
         OSError: The file cannot be read, or the port is taken.
-        TypeError: The mechanism is none of these.
-        ValueError: A file holds what cannot be opened.
+        TypeError: The model is none of these.
+        ValueError: The contents of the file are wrong.
+
+    Warns:
+        FlexmbWarning: The document cannot contain a part of the mechanism.
     """
     from ..setup import enable_x64
 
     enable_x64()
     session = session_of(model, names)
     if session.notes:
-        warn(f"The workbench does not hold all of it: {'; '.join(session.notes)}.")
+        warn(f"The workbench cannot contain all of the mechanism: {'; '.join(session.notes)}.")
     notebook = in_notebook()
     try:
         server = Server(session, port=port, framed=True)
@@ -73,10 +76,10 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
 
 
 class Workbench:
-    """A workbench that is open.
+    """An open workbench.
 
     Attributes:
-        address: Of its page, which holds the token: who has it can change the mechanism.
+        address: Address of its page. It contains the token: anyone with the address can change the mechanism.
     """
 
     def __init__(self, server: Server):
@@ -85,19 +88,19 @@ class Workbench:
 
     @property
     def document(self) -> Any:
-        """What has been drawn, as it is now: names, and the calls that build the mechanism."""
+        """Present document: names, and the calls that build the mechanism."""
         return self._server.session.history.document
 
     def builder(self) -> Builder:
-        """A builder with the mechanism as it is now.
+        """Return a builder with the present mechanism.
 
         Raises:
-            ModelError: Something in it cannot be built; the message lists it.
+            ModelError: Something cannot be built; the message lists all problems.
         """
         return self._server.session.builder()
 
     def model(self) -> Model:
-        """The mechanism as it is now.
+        """Return the present mechanism.
 
         Raises:
             ModelError: As of :meth:`builder`, or the mechanism is not valid.
@@ -105,31 +108,31 @@ class Workbench:
         return self.builder().build()
 
     def python(self) -> str:
-        """A script that builds the mechanism as it is now."""
+        """Return a script that builds the present mechanism."""
         from .python_file import python_of
 
         return python_of(self.document)
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write the mechanism to a file: .dat, .py, or .json, which keeps everything.
+        """Write the mechanism to a file.
 
         Args:
-            path: Where.
+            path: Path that ends in .dat, .py, or .json, which contains the whole document.
         """
         self._server.session.save(Path(path))
 
     def wait(self) -> None:
-        """Stay until the keyboard interrupts, and close: for scripts."""
+        """Wait for Ctrl-C, and close."""
         ended = threading.Event()
         try:
-            # A plain wait would not let the interrupt through everywhere.
+            # A plain wait would not pass the interrupt on some systems.
             while not ended.wait(0.5):
                 pass
         except KeyboardInterrupt:
             self.close()
 
     def close(self) -> None:
-        """End the page; what was made can still be taken."""
+        """Close the page; the results stay."""
         self._server.close()
 
     def __enter__(self) -> Workbench:
@@ -152,23 +155,23 @@ def in_notebook() -> bool:
 
 
 def remote() -> str | None:
-    """Where the kernel runs, where the browser is likely on another machine; otherwise None."""
+    """The machine of the kernel if the browser likely runs on another one; otherwise None."""
     return next((name for variable, name in REMOTE.items() if os.environ.get(variable)), None)
 
 
 def frame(address: str, port: int) -> str:
-    """The page in a frame, with what to do where the browser does not reach it."""
+    """The page in a frame, with advice for a browser that cannot reach it."""
     where = remote()
     beyond = (
-        f"This kernel runs on {where}, and the page answers to its own machine alone: with"
+        f"This kernel runs on {where}, and only that machine can open the page. Forward the port to yours:"
         if where
-        else "An empty frame? The page answers to the machine of the kernel alone; where that is not this one, with"
+        else "Is the frame empty? Only the machine of the kernel can open the page. Forward the port to yours:"
     )
     tunnel = f"ssh -L {port}:127.0.0.1:{port} MACHINE"
     link = html.escape(address, quote=True)
     note = (
         f'<p style="margin: 4px 0"><a href="{link}" target="_blank" rel="noreferrer">Open in a tab of its own</a>.'
-        f" {html.escape(beyond)} <code>{tunnel}</code> it is reached from here.</p>"
+        f" {html.escape(beyond)} <code>{tunnel}</code></p>"
     )
     page = (
         f'<iframe src="{link}" title="flexmb workbench" referrerpolicy="no-referrer"'

@@ -1,4 +1,4 @@
-"""The calls that a document is made of and the fields of each, found from signatures, annotations and docstrings."""
+"""The calls of a document and the fields of each call, from signatures, annotations and docstrings."""
 
 import collections.abc
 import dataclasses
@@ -17,7 +17,7 @@ from ..elements.section import Damping, Material, Section
 from ..model.model import MOTIONS
 
 EMPTY = inspect.Parameter.empty
-# What the methods of a Builder are about, and before which default name stands a number; the others are loads.
+# Groups of the methods of a Builder; all others are loads.
 METHODS = {
     **dict.fromkeys(("node", "rotation", "warping"), "node"),
     **dict.fromkeys(("fix", "prescribe"), "support"),
@@ -25,9 +25,9 @@ METHODS = {
     **dict.fromkeys(("input", "output", "sensor", "actuator"), "signal"),
     **dict.fromkeys(("release", "dof", "start"), "freedom"),
 }
-# Methods that are no call of a document: it says elements by their type, and is built and copied as a whole.
+# Methods that no thing calls: things name elements by their types, and a document is built and copied as a whole.
 OTHERS = ("add", "build", "copy", "with_dofs")
-# What the parameters of methods and building blocks mean; annotations and docstrings say the rest.
+# Kinds of the parameters of methods and building blocks that follow from no annotation.
 KINDS = {
     "node": "node",
     "base": "node",
@@ -47,7 +47,7 @@ CHOICES = {
     ("input", "quantity"): (*FORCES, *MOTIONS),
     ("output", "quantity"): (*MEASURED, *STRAINED),
 }
-# How many numbers a vector has in the plane and in space: None for any number, 0 where there is none.
+# Number of entries of a vector in the plane and in space: None for any number, 0 if there is no such vector.
 COUNTS = {
     "moment": (1, 3),
     "inertia": (1, 6),
@@ -61,12 +61,10 @@ COUNTS = {
     "axis": (0, 3),
     "y": (0, 3),
 }
-# Fields that mean something in space alone.
+# Fields for mechanisms in space.
 SPATIAL = ("y", "axis", "tilt", "apart", "local")
-# Whether warping is restrained at the ends of a beam, in words.
+# Words for restrained warping at the ends of a beam.
 ENDS_IN_WORDS = {"neither": (False, False), "first": (True, False), "last": (False, True), "both": (True, True)}
-# What things of a group are called by, and what other things refer to them as.
-REFERENCES = ("node", "element", "section", "material", "damping")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,13 +72,13 @@ class Call:
     """One call that a document may make.
 
     Attributes:
-        name: As documents spell it, such as "planar.beam".
+        name: Name in documents, such as "planar.beam".
         kind: "method" of the Builder, "element" type, "record" (section, material, damping), "constant" material, or
             "block".
-        function: What is called, or the constant.
-        makes: Namespace of the name that a thing of this call bears: "node", "element", "section", "material",
-            "damping", "block", "input" or "output"; None where it bears none.
-        entry: What the catalogue says of it.
+        function: Function that is called, or the constant.
+        makes: Namespace of the thing's name: "node", "element", "section", "material", "damping", "block", "input" or
+            "output"; None if it has no name.
+        entry: Entry of the catalogue.
     """
 
     name: str
@@ -96,16 +94,15 @@ class Call:
 
 
 def catalogue() -> dict[str, dict[str, Any]]:
-    """What a document may call, by name, ready for JSON.
+    """Entries of all calls by name, ready for JSON.
 
-    Each entry has "group" (node, element, section, material, support, load, mass, signal, freedom or block), "title",
-    "doc", "dimension" (2, 3 or None for both), "name" (what default names begin with, None where it takes no name),
-    "makes" (what other things may refer to it as) and "fields". A field has "name", "kind", "unit", "default",
-    "optional", "choices", "doc", "dimension", "count" (of a vector {"2": .., "3": ..}, where None is any number; of
-    nodes and components that of them), "whole" (a number without a decimal point, that chooses code) and "new" (a node
-    that is made where it is not there). Kinds are number, vector, node, nodes, element, of (node or element), section,
-    sections (several), material, damping, components, deformations, weights (pairs of a part and its factor), choice,
-    flag ("true" or "false") and text.
+    An entry has "group" (node, element, section, material, support, load, mass, signal, freedom or block), "title",
+    "doc", "dimension" (2, 3 or None for both), "name" (start of default names, or None), "makes" (what other things may
+    refer to it as) and "fields". A field has "name", "kind", "unit", "default", "optional", "choices", "doc",
+    "dimension", "count" (number of entries {"2": .., "3": ..}, None for any number), "whole" (a whole number, which
+    chooses code) and "new" (a node that the call makes if it does not exist). Kinds are number, vector, node, nodes,
+    element, of (node or element), section, sections, material, damping, components, deformations, weights (pairs of a
+    part and its factor), choice, flag ("true" or "false") and text.
     """
     return {name: call.entry for name, call in calls().items()}
 
@@ -127,7 +124,7 @@ def _call(
     entry = {
         "group": group,
         "title": call.rpartition(".")[2].replace("_", " "),
-        "doc": _summary(function),
+        "doc": " ".join((inspect.getdoc(function) or "").split("\n\n")[0].split()),
         "dimension": None,
         "name": None,
         "makes": makes,
@@ -138,7 +135,7 @@ def _call(
 
 def _field(name: str, kind: str, default: Any = EMPTY, doc: str = "", /, **more: Any) -> dict[str, Any]:
     unit = re.search(r"(?<!flexmb)\[([^\]]+)\]", doc)
-    own = {
+    field = {
         "name": name,
         "kind": kind,
         "unit": unit.group(1) if unit else "",
@@ -151,11 +148,11 @@ def _field(name: str, kind: str, default: Any = EMPTY, doc: str = "", /, **more:
         "new": False,
         "doc": doc,
     }
-    return own | more
+    return field | more
 
 
 def _written(default: Any) -> str | None:
-    """A default value as a field would show it."""
+    """A default value as the text of a field."""
     if default is EMPTY or default is None or isinstance(default, tuple):
         return None
     if isinstance(default, bool):
@@ -163,13 +160,10 @@ def _written(default: Any) -> str | None:
     return default if isinstance(default, str) else f"{default:.15g}"
 
 
-# -- methods of the Builder and building blocks ----------------------------------------------------------------------
-
-
 def _methods() -> list[str]:
-    # Those of the description, which it inherits, stand behind its own.
-    own = [name for kind in Builder.__mro__[:-1] for name in vars(kind) if inspect.isfunction(getattr(Builder, name))]
-    return [name for name in dict.fromkeys(own) if not name.startswith("_") and name not in OTHERS]
+    # Methods of the base class follow.
+    found = [name for kind in Builder.__mro__[:-1] for name in vars(kind) if inspect.isfunction(getattr(Builder, name))]
+    return [name for name in dict.fromkeys(found) if not name.startswith("_") and name not in OTHERS]
 
 
 def _of_method(name: str) -> Call:
@@ -191,10 +185,10 @@ def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[di
     hints, docs = typing.get_type_hints(function), _arguments(function)
     found = []
     for name, parameter in inspect.signature(function).parameters.items():
-        # Numbers by name are fields of what they belong to.
+        # Numbers by name belong to another field.
         if name in (*without, "name") or parameter.kind is parameter.VAR_KEYWORD:
             continue
-        # Several components may be none, but of what must be named; the Builder says where.
+        # Components may be left out; the Builder raises where it needs some.
         several = parameter.kind is parameter.VAR_POSITIONAL
         default = None if several and name == "components" else parameter.default
         found.append(_of_parameter(call, name, hints.get(name), default, docs.get(name, "")))
@@ -211,14 +205,14 @@ def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> di
     if name in KINDS:
         more |= {"count": 1} if name == "component" else {}
         return _field(name, KINDS[name], default, doc, new=name == "stage", **more)
-    own = _of_hint(name, hint, default, doc)
-    if name in COUNTS or own["kind"] == "vector":
-        own |= {"kind": "vector", "count": _count(COUNTS.get(name, (2, 3)))}
-    return own | more
+    field = _of_hint(name, hint, default, doc)
+    if name in COUNTS or field["kind"] == "vector":
+        field |= {"kind": "vector", "count": _count(COUNTS.get(name, (2, 3)))}
+    return field | more
 
 
 def _flexible() -> list[str]:
-    """Element types that a building block may be made of: flexible ones between two ends that ask for a section."""
+    """Element types for building blocks: flexible, between two ends, and with a section as their only property."""
     found = []
     for room in (planar, spatial):
         for name in room.__all__:
@@ -230,11 +224,8 @@ def _flexible() -> list[str]:
     return found
 
 
-# -- elements, sections and materials ----------------------------------------------------------------------------
-
-
 def _offered(room: Any, name: str) -> bool:
-    """Whether a document can say an element type: not one that asks for a function, nor a second name of another."""
+    """Whether a document can contain an element type: it has no function as a property, and is no second name."""
     element, place = getattr(room, name), room.__name__.rpartition(".")[2]
     return repr(element).startswith(f"<{place}.{name}:") and not any(
         typing.get_origin(kind) is collections.abc.Callable for kind, _ in _options(element).values()
@@ -245,40 +236,39 @@ def _of_element(room: Any, name: str) -> Call:
     element: Element = getattr(room, name)
     place = room.__name__.rpartition(".")[2]
     dimension = 2 if room is planar else 3
-    said, ends = str(element.__doc__), _ends(element)
+    text, ends = str(element.__doc__), _ends(element)
     nodes = _field("nodes", "nodes", EMPTY, f"Nodes: {', '.join(ends)}.", count=len(ends))
     needed = {n for f in (element.deformation, element.law) if f is not None for n in element.wanted(f)}
     fields = []
     for key, parameter in element.properties.items():
         default = None if parameter.default is EMPTY and key not in needed else parameter.default
-        fields.append(_of_hint(key, element.hint(key), default, _mentioned(said, key)))
+        fields.append(_of_hint(key, element.hint(key), default, _mentioned(text, key)))
     for key, (kind, default) in _options(element).items():
-        fields.append(_of_hint(key, kind, default, _mentioned(said, key)))
-    # What most are after comes first: the section, then what must be given.
+        fields.append(_of_hint(key, kind, default, _mentioned(text, key)))
+    # The section first, then what must be given.
     fields.sort(key=lambda field: (field["name"] != "section", field["optional"]))
     hint = typing.get_type_hints(element.deformation).get("return")
     has_deformations = getattr(hint, "dim_str", "n") != "0"
-    released = _field(
-        "released", "deformations", None, "Names or numbers (from 1) of the deformations that may change, or all."
-    )
+    doc = "Names or numbers (from 1) of the deformations that may change, or all."
+    released = [_field("released", "deformations", None, doc)] if has_deformations else []
     group = "element" if has_deformations else "mass" if element.inertia is not None else "load"
-    # Where the Builder has a method for it, that is what one draws.
+    # Elements without deformations are hidden: the Builder has methods for them.
     return _call(
         f"{place}.{name}",
         "element",
         element,
         group,
         "element",
-        [nodes, *fields, *([released] if has_deformations else [])],
+        [nodes, *fields, *released],
         dimension=dimension,
         name=name.replace("_", " "),
-        doc=said,
+        doc=text,
         hidden=not has_deformations,
     )
 
 
 def _ends(element: Element) -> list[str]:
-    """Parameters that need a node of their own: a node stands for its rotation and its warping too."""
+    """Parameters that need a node of their own; a node stands for its rotation and its warping too."""
     seen: set[str] = set()
     ends = []
     for name, kind in element.nodes.items():
@@ -291,11 +281,15 @@ def _ends(element: Element) -> list[str]:
     return ends
 
 
+def _fields_of(record: Any) -> tuple[dataclasses.Field, ...]:
+    return dataclasses.fields(record)
+
+
 def _kind_of_record(found: Any) -> str | None:
-    """What a class of records, or a function that gives one, makes; None where a document cannot say it."""
+    """What a class of records, or a function that returns a record, makes; None if a document cannot contain it."""
     if inspect.isclass(found):
         usual = [(kind, base) for kind, base in _MADE if issubclass(found, base)]
-        given = {f.name: f.type for f in _entries(found)} if usual and found is not Section else {}
+        given = {f.name: f.type for f in _fields_of(found)} if usual and found is not Section else {}
         return usual[0][0] if given and "function" not in given else None
     made = typing.get_type_hints(found).get("return")
     return next((kind for kind, base in _MADE if inspect.isclass(made) and issubclass(made, base)), None)
@@ -309,8 +303,8 @@ def _of_record(name: str) -> Call:
     makes = _kind_of_record(function)
     hints, docs = typing.get_type_hints(function), _arguments(function)
     if inspect.isclass(function):
-        # The fields of a record, whose first are those of its constructor.
-        given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _entries(function)}
+        # The first fields of a record are the arguments of its constructor.
+        given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _fields_of(function)}
     else:
         given = {key: p.default for key, p in inspect.signature(function).parameters.items()}
     fields = [_of_hint(key, hints.get(key), default, docs.get(key, "")) for key, default in given.items()]
@@ -318,18 +312,14 @@ def _of_record(name: str) -> Call:
     return _call(name, "record", function, str(group), makes, fields, name=str(makes))
 
 
-def _entries(record: Any) -> tuple[dataclasses.Field, ...]:
-    return dataclasses.fields(record)
-
-
 def _of_constant(name: str) -> Call:
     made: Any = getattr(materials, name)
-    told = ", ".join(f"{f.name} {getattr(made, f.name):g}" for f in dataclasses.fields(made) if getattr(made, f.name))
-    return _call(f"materials.{name}", "constant", made, "material", "material", [], name=name, doc=told)
+    doc = ", ".join(f"{f.name} {getattr(made, f.name):g}" for f in dataclasses.fields(made) if getattr(made, f.name))
+    return _call(f"materials.{name}", "constant", made, "material", "material", [], name=name, doc=doc)
 
 
 def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
-    """A field by the annotation of a property, an option or an entry of a record."""
+    """A field from the annotation of a property, an option or an entry of a record."""
     alternatives = alternatives_of(hint)
     if made := _record_in(alternatives):
         return _field(name, made, default, doc)
@@ -351,25 +341,18 @@ def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
 
 
 def _record_in(alternatives: tuple[Any, ...]) -> str | None:
-    """Kind of record that an annotation asks for."""
+    """Kind of record in an annotation."""
     classes = [one for one in alternatives if inspect.isclass(one)]
     return next((kind for kind, base in _MADE if any(issubclass(one, base) for one in classes)), None)
-
-
-# -- annotations and docstrings ----------------------------------------------------------------------------------
 
 
 def _count(counts: tuple[int | None, int | None]) -> dict[str, int | None]:
     return {"2": counts[0], "3": counts[1]}
 
 
-def _summary(function: Any) -> str:
-    return " ".join((inspect.getdoc(function) or "").split("\n\n")[0].split())
-
-
 @functools.cache
 def _arguments(function: Any) -> dict[str, str]:
-    """What a docstring says of each argument or attribute; where it points to another function, what that says."""
+    """Text of a docstring about each argument or attribute, also if it points to another function."""
     lines = (inspect.getdoc(function) or "").splitlines()
     heads = [i for i, line in enumerate(lines) if line in ("Args:", "Attributes:")]
     found: dict[str, str] = {}
@@ -390,7 +373,7 @@ def _arguments(function: Any) -> dict[str, str]:
 
 
 def _mentioned(text: str, name: str) -> str:
-    """What stands in parentheses or after a comma behind a property in the text of an element type."""
+    """Text in parentheses or after a comma behind a property in the text of an element type."""
     text = text[max(text.find("Properties:"), 0) :]
     found = re.search(rf"\b{name}(?: \(((?:[^()]|\([^()]*\))*)\)|, (whether [^.;]*))", text)
     return " ".join((found.group(1) or found.group(2)).split()) if found else ""

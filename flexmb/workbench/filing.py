@@ -1,4 +1,4 @@
-"""Documents from files and to files; what a format cannot hold is told before it is left out."""
+"""Documents from files and to files, and what a format cannot contain."""
 
 from __future__ import annotations
 
@@ -22,31 +22,21 @@ OPENED, SAVED = (".dat", ".json"), (".dat", ".py", ".json")
 
 
 class Opened(NamedTuple):
-    """A document that was read.
-
-    Attributes:
-        document: The document.
-        notes: What is to be said about it.
-    """
+    """A document from a file, and notes about it."""
 
     document: Document
     notes: list[str]
 
 
 def files_of(path: Path | None) -> list[Path]:
-    """Files that a document was read from: beside an input file stands the study with its names and their bounds."""
+    """Files of a document: the study with names and bounds belongs to an input file."""
     if path is None:
         return []
     return [path, path.with_suffix(".toml")] if path.suffix == ".dat" else [path]
 
 
 def opened(path: Path) -> Opened:
-    """The document of a file; nothing that stands in it is run.
-
-    Raises:
-        OSError: It cannot be read.
-        ValueError: It holds no such thing, or ends otherwise.
-    """
+    """The document of a file; nothing in it is run."""
     if path.suffix == ".json":
         return Opened(_of_json(read_whole(path), path.name), [])
     if path.suffix == ".dat":
@@ -54,15 +44,11 @@ def opened(path: Path) -> Opened:
 
         document, notes = open_dat(path)
         return Opened(document, list(notes))
-    raise ValueError(f"The workbench opens {' and '.join(OPENED)}, not '{clean(path.name)}'.")
+    raise ValueError(f"'{clean(path.name)}' cannot be opened. The workbench opens {' and '.join(OPENED)}.")
 
 
 def received(name: str, text: str) -> Opened:
-    """The document of a text that a page sent.
-
-    Raises:
-        ValueError: As of :func:`opened`.
-    """
+    """The document of a text from a page."""
     with tempfile.TemporaryDirectory() as folder:
         plain = re.sub(r"[^\w.-]", "_", Path(name).name)[-80:] or "mechanism"
         path = Path(folder) / plain
@@ -71,22 +57,16 @@ def received(name: str, text: str) -> Opened:
 
 
 def lost_in(document: Document, path: Path) -> list[str]:
-    """What a file of this ending cannot hold, in words."""
+    """What a file of this format cannot contain, in words."""
     if path.suffix != ".dat":
         return []
     from .dat_file import cannot_hold
 
-    return list(cannot_hold(document))
+    return cannot_hold(document)
 
 
 def write(document: Document, path: Path) -> list[str]:
-    """Write a document; what is to be said about it.
-
-    Raises:
-        ModelError: An input file has no words for it.
-        OSError: It cannot be written.
-        ValueError: It ends otherwise.
-    """
+    """Write a document; notes about it."""
     for file in files_of(path):
         if file.exists() and not file.is_file():
             raise OSError(errno.EINVAL, "it is no regular file", str(file))
@@ -99,38 +79,31 @@ def write(document: Document, path: Path) -> list[str]:
     elif path.suffix == ".dat":
         from .dat_file import save_dat
 
-        return list(save_dat(document, path))
+        return save_dat(document, path)
     else:
-        raise ValueError(f"The workbench saves {', '.join(SAVED)}, not '{clean(path.name)}'.")
+        raise ValueError(f"'{clean(path.name)}' cannot be saved. The workbench saves {', '.join(SAVED)}.")
     return []
 
 
 def exported(document: Document, kind: str, name: str, deformed: bool = False) -> dict[str, Any]:
-    """Content of a file for a page to hand to its user.
-
-    Returns:
-        "name", with "text" or "base64", "notes", and under "left_out" what the format cannot hold.
-
-    Raises:
-        ValueError: Another kind, or something cannot be built or computed.
-    """
+    """Content of a file: "name", "text" or "base64", "notes", and "left_out" (what the format cannot contain)."""
     if kind in ("py", "dat", "json"):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.{kind}"
             lost = lost_in(document, path)
             notes = write(document, path)
-            files = [own for own in files_of(path) if own.exists()]
+            files = [file for file in files_of(path) if file.exists()]
             if len(files) == 1:
                 return {"name": path.name, "text": path.read_text(encoding="utf-8"), "left_out": lost, "notes": notes}
             buffer = io.BytesIO()
             with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-                for own in files:
-                    archive.write(own, own.name)
+                for file in files:
+                    archive.write(file, file.name)
         return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost, "notes": notes}
     from .building import build
 
     if kind not in ("html", "step", "dxf"):
-        raise ValueError(f"There is no export '{clean(kind)}'; there are py, dat, json, html, step and dxf.")
+        raise ValueError(f"There is no export '{clean(kind)}'. There are py, dat, json, html, step and dxf.")
     built = build(document)
     notes = [problem["message"] for problem in built.problems]
     model = built.builder.build(check=False)
@@ -145,7 +118,7 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
 
 
 def _page(built: Any) -> str:
-    """One page of the modes; of the mechanism alone where it has none."""
+    """One page of the modes, or of the mechanism if it has no modes."""
     from ..errors import AnalysisError, ModelError
     from ..linear.modes import modes
     from ..viewer.view import view
@@ -168,15 +141,14 @@ def _of_json(content: bytes, name: str) -> Document:
     return Document.from_data(data)
 
 
-def difference(own: Document, other: Document) -> str:
-    """In what a document differs from another, in a few words; "" where it builds the same."""
-    names = [name for name in {**own.names, **other.names} if own.names.get(name) != other.names.get(name)]
-
-    def plain(document: Document) -> list[str]:
-        return sorted(repr((one["call"], one.get("name"), sorted(one["args"].items()))) for one in document.things)
-
-    here, there = plain(own), plain(other)
-    apart = max(len([one for one in here if one not in there]), len([one for one in there if one not in here]))
+def difference(here: Document, there: Document) -> str:
+    """Difference of a document from another, in a few words; "" if both build the same."""
+    names = [name for name in {**here.names, **there.names} if here.names.get(name) != there.names.get(name)]
+    plain_here, plain_there = (
+        [repr((thing["call"], thing.get("name"), sorted(thing["args"].items()))) for thing in document.things]
+        for document in (here, there)
+    )
+    apart = max(sum(t not in plain_there for t in plain_here), sum(t not in plain_here for t in plain_there))
     parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
     if names:
         shown = ", ".join(map(clean, names[:5]))

@@ -1,4 +1,4 @@
-"""The formulas by which numbers were computed from names, read off a trace of the function that computes them."""
+"""Formulas of numbers from names, read from a trace of the function that computes them."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,10 +11,10 @@ from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
 from ..arguments import noting
 
-# How strongly operations bind: what is below its operand's stands in parentheses.
+# Binding strength of operations. An operand that binds less stands in parentheses.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = 1, 2, 3, 4, 5
 _SIGNS = {"add": ("+", _SUM), "sub": ("-", _SUM), "mul": ("*", _PRODUCT), "div": ("/", _PRODUCT)}
-# Operations that only move numbers about: done on the places of formulas in a table, instead of on numbers.
+# Operations that move numbers without changing them. They run on indices of formulas in a table.
 _MOVES = (
     "broadcast_in_dim stack concatenate reshape squeeze slice dynamic_slice gather transpose rev expand_dims pad"
     " select_n copy copy_p convert_element_type stop_gradient scatter dynamic_update_slice device_put split"
@@ -23,12 +23,7 @@ _CALLS = ("jaxpr", "call_jaxpr", "fun_jaxpr")
 
 
 class Formula(NamedTuple):
-    """Text of a number.
-
-    Attributes:
-        text: Arithmetic of numbers and names; None where it follows from names in another way.
-        rank: How strongly its last operation binds.
-    """
+    """Arithmetic of numbers and names, None if there is none, and the binding strength of its last operation."""
 
     text: str | None
     rank: int = _ATOM
@@ -38,7 +33,7 @@ LOST = Formula(None)
 
 
 def text_of(value: float) -> str:
-    """A short text that reads back to the same number, with an exponent of thousands where that is shorter."""
+    """A short text that reads back to the same number; powers of a thousand if that is shorter."""
     value = float(value)
     if value == math.pi:
         return "pi"
@@ -59,20 +54,20 @@ def text_of(value: float) -> str:
 def formulas(
     function: Callable[[dict[str, Any]], list[Any]], names: Mapping[str, float]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """How what a function returns follows from its arguments: arithmetic that repeats it, operation by operation.
+    """Arithmetic that repeats a function operation by operation.
 
     Returns:
-        For each number or array an array of the same shape of :class:`Formula`, as objects; and the values.
+        For each returned number or array an object array of :class:`Formula` in its shape; and the values.
     """
 
     def noted(numbers: dict[str, Any]) -> list[Any]:
-        # Checks of numbers that are no part of their formulas.
+        # Checks of numbers are no part of their formulas.
         with noting():
             return function(numbers)
 
     program = jax.make_jaxpr(noted)({name: float(value) for name, value in names.items()})
     reader = _FormulaReader()
-    # A dictionary is flattened in the order of its keys.
+    # JAX flattens a dictionary in the order of its keys.
     ordered = sorted(names)
     given = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
     texts = [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, given)]
@@ -81,13 +76,13 @@ def formulas(
 
 
 class _Known(NamedTuple):
-    """Numbers that follow from no name."""
+    """Numbers that depend on no name."""
 
     value: Any
 
 
 class _FormulaReader:
-    """One reading: a table of formulas, and arrays of places in it in place of numbers."""
+    """One reading: a table of formulas, and arrays of indices into it instead of numbers."""
 
     def __init__(self):
         self.table: list[Formula] = [LOST]
@@ -100,11 +95,11 @@ class _FormulaReader:
         return self.places[formula]
 
     def placed(self, value: Any) -> np.ndarray:
-        """Places of the formulas of an array, also of one that is known."""
+        """Indices of the formulas of an array, also of a known one."""
         if not isinstance(value, _Known):
             return value
         array = np.asarray(value.value, float)
-        flat = [self.place(_constant(one)) for one in array.ravel().tolist()]
+        flat = [self.place(_constant(number)) for number in array.ravel().tolist()]
         return np.array(flat, float).reshape(array.shape)
 
     def texts(self, value: Any) -> np.ndarray:
@@ -118,36 +113,31 @@ class _FormulaReader:
         values: dict[Any, Any] = dict(zip(jaxpr.constvars, map(_Known, constants), strict=True))
         values |= zip(jaxpr.invars, given, strict=True)
 
-        def of(atom: Any):
-            return _Known(atom.val) if isinstance(atom, Literal) else values[atom]
-
         for equation in jaxpr.eqns:
-            results = self.results(equation, [of(atom) for atom in equation.invars])
+            results = self.results(equation, [_value_of(atom, values) for atom in equation.invars])
             values |= zip(equation.outvars, results, strict=True)
-        return [of(atom) for atom in jaxpr.outvars]
+        return [_value_of(atom, values) for atom in jaxpr.outvars]
 
     def results(self, equation: Any, given: list[Any]) -> list[Any]:
-        """What one operation gives."""
+        """Results of one operation."""
         kind = equation.primitive.name
         inner = next((equation.params[name] for name in _CALLS if name in equation.params), None)
         if isinstance(inner, ClosedJaxpr):
             return self.run(inner.jaxpr, inner.consts, given)
         if all(isinstance(value, _Known) for value in given):
             found = equation.primitive.bind(*(value.value for value in given), **equation.params)
-            return [_Known(one) for one in (found if equation.primitive.multiple_results else [found])]
+            return [_Known(result) for result in (found if equation.primitive.multiple_results else [found])]
         if kind in _MOVES:
             return self.moved(equation, given)
         if (how := _arithmetic(kind, equation.params)) is not None:
             places = np.broadcast_arrays(*(self.placed(value) for value in given))
-            flat = [
-                self.place(how(*(self.table[int(p)] for p in own)))
-                for own in zip(*(p.ravel() for p in places), strict=True)
-            ]
+            rows = zip(*(p.ravel() for p in places), strict=True)
+            flat = [self.place(how(*(self.table[int(p)] for p in row))) for row in rows]
             return [np.array(flat, float).reshape(places[0].shape)]
         return [np.zeros(out.aval.shape) for out in equation.outvars]
 
     def moved(self, equation: Any, given: list[Any]) -> list[Any]:
-        """Numbers moved about: their places are. Whole numbers and flags say where to."""
+        """Results of an operation that moves numbers. Integers and flags are its instructions."""
         if any(out.aval.dtype.kind != "f" for out in equation.outvars):
             return [np.zeros(out.aval.shape) for out in equation.outvars]
         moved = []
@@ -157,7 +147,11 @@ class _FormulaReader:
                 return [np.zeros(out.aval.shape) for out in equation.outvars]
             moved.append(value.value if where else self.placed(value))
         found = equation.primitive.bind(*moved, **equation.params)
-        return [np.asarray(one) for one in (found if equation.primitive.multiple_results else [found])]
+        return [np.asarray(result) for result in (found if equation.primitive.multiple_results else [found])]
+
+
+def _value_of(atom: Any, values: dict[Any, Any]) -> Any:
+    return _Known(atom.val) if isinstance(atom, Literal) else values[atom]
 
 
 def _constant(value: float) -> Formula:
@@ -168,7 +162,7 @@ def _constant(value: float) -> Formula:
 
 
 def _arithmetic(kind: str, parameters: dict[str, Any]) -> Callable[..., Formula] | None:
-    """The operation on formulas that repeats one on numbers, if arithmetic has it."""
+    """The operation on formulas for an operation on numbers; None if arithmetic has no such operation."""
     if kind in _SIGNS:
         sign, rank = _SIGNS[kind]
         return lambda a, b: _joined(a, sign, b, rank)
@@ -185,14 +179,14 @@ def _arithmetic(kind: str, parameters: dict[str, Any]) -> Callable[..., Formula]
 def _joined(a: Formula, sign: str, b: Formula, rank: int) -> Formula:
     if a.text is None or b.text is None:
         return LOST
-    # What changes no bit of a finite number.
+    # Simplifications that change no bit of a finite number.
     if sign == "*" and "0" in (a.text, b.text):
         return Formula("0")
     if (sign == "+" and a.text == "0") or (sign == "*" and a.text == "1"):
         return b
     if (sign in "+-" and b.text == "0") or (sign in ("*", "/", "**") and b.text == "1"):
         return a
-    # What is done first, at the same rank, stands to the left.
+    # Operations of the same rank run from the left.
     left = _inside(a, rank + 1 if sign == "**" else rank)
     return Formula(f"{left}{sign}{_inside(b, rank + 1)}", rank)
 

@@ -1,4 +1,4 @@
-"""A Builder, a file that was read, or a function that builds as a document of the workbench."""
+"""Builders, files, Models and functions that build, as documents of the workbench."""
 
 from __future__ import annotations
 
@@ -24,62 +24,54 @@ from .formulas import formulas, text_of
 from .from_model import builder_of
 from .merged import merged
 
-# What a function raises that needs to know the numbers which it is given.
+# Raised by a function that needs the values of its arguments.
 NOT_FOLLOWED = (jax.errors.JAXTypeError, jax.errors.JAXIndexError, TypeError, ValueError, ModelError)
 
 
 def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: str = "") -> tuple[Document, list[str]]:
-    """A mechanism as a document that builds the same.
+    """A document that builds the same mechanism, and in words what it does not contain.
 
     Args:
-        source: A Builder, what ``read_spacar`` returned, a Model, or a function that returns one of these. Of a
-            function, its arguments become names, and every number that it makes of them by arithmetic becomes that
-            arithmetic; what it makes of them otherwise is taken as it is, and told.
-        names: Of a function its arguments by name: numbers, or (value, lowest, highest). What is no float, such as how
-            many there are of something, is handed over as it is and is no name.
-        title: Of the document.
-
-    Raises:
-        TypeError: It is none of these.
-        ModelError: The Builder is empty.
+        source: A Builder, a result of ``read_spacar``, a Model, or a function that returns one of these. The arguments
+            of a function become names. Numbers that it computes from them by + - * / ** become arithmetic.
+        names: Arguments of the function: numbers, or (value, lowest, highest). Only floats become names.
+        title: Title of the document.
     """
     if not callable(source) or isinstance(source, Builder):
         if names:
-            raise TypeError("Names belong to a function that builds a mechanism of them, as edit(function, t=1e-3).")
+            raise TypeError("Names need a function that builds a mechanism of them, as in edit(function, t=1e-3).")
         known = Calls(_builder_in(source))
         left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(source) + _names_of(source)
         return _document(source, known, list(map(text_of, known.numbers)), {}, title), left_out
-    own = {name: _named(name, value) for name, value in (names or {}).items()}
-    floats = {name: float(value[0]) for name, value in own.items() if value is not None}
-    rest = {name: value for name, value in (names or {}).items() if own[name] is None}
+    entries = {name: _named(name, value) for name, value in (names or {}).items()}
+    floats = {name: float(value[0]) for name, value in entries.items() if value is not None}
+    rest = {name: value for name, value in (names or {}).items() if entries[name] is None}
     with recorded() as models, built() as builders:
         returned = source(**floats, **rest)
+    # Only the builder of a model knows what was named and what was found.
     # A model is no more than its numbers: the builder that it came from knows what was named and what was found.
     at = next((i for i, model in enumerate(models) if model is returned and len(builders) == len(models)), None)
     known = Calls(_builder_in(returned) if at is None else builders[at])
     left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(returned)
-    for name, value in rest.items():
-        left_out.append(
-            f"argument {name} = {clean(shown(value))} stays as it is: names are numbers with a decimal point"
-        )
-    texts, told = _texts(known, *_traced(source, floats, rest, models, at), ", ".join(floats))
-    return _document(returned, known, texts, own, title or _title(source)), left_out + told
+    fixed = "stays as it is: names are numbers with a decimal point"
+    left_out += [f"argument {name} = {clean(shown(value))} {fixed}" for name, value in rest.items()]
+    texts, lost = _texts(known, *_traced(source, floats, rest, models, at), ", ".join(floats))
+    return _document(returned, known, texts, entries, title or _title(source)), left_out + lost
 
 
 def _texts(known: Calls, traced: list[str | None] | None, why: str, names: str) -> tuple[list[str], list[str]]:
     """Texts of all numbers, and what does not follow from names by arithmetic."""
     texts = list(map(text_of, known.numbers))
     if traced is None or len(traced) != len(texts):
-        return texts, [f"how numbers follow from {names}: {why or 'what is built depends on their values'}"] * bool(
-            names
-        )
+        why = why or "what is built depends on their values"
+        return texts, [f"how numbers follow from {names}: {why}"] if names else []
     lost = [i for i, text in enumerate(traced) if text is None]
-    told = [f"how {what} follows from {names}: it is more than + - * / **" for what in _places(known, lost)]
-    return [own if text is None else text for own, text in zip(texts, traced, strict=True)], told
+    words = [f"how {what} follows from {names}: it is more than + - * / **" for what in _places(known, lost)]
+    return [number if text is None else text for number, text in zip(texts, traced, strict=True)], words
 
 
 def _named(name: str, value: Any) -> tuple[Any, ...] | None:
-    """Value and bounds of a name; None of what is no number that could be another."""
+    """Value and bounds of a name; None if the value is no float."""
     if isinstance(value, float):
         return (value,)
     if isinstance(value, tuple | list) and len(value) == 3 and all(isinstance(one, int | float) for one in value):
@@ -90,7 +82,7 @@ def _named(name: str, value: Any) -> tuple[Any, ...] | None:
 def _traced(
     function: Callable[..., Any], floats: dict[str, float], rest: dict[str, Any], models: list[Model], which: int | None
 ) -> tuple[list[str | None] | None, str]:
-    """Texts of the numbers that a function makes of names; None, and why, where it cannot be followed."""
+    """Texts of the numbers that a function computes from names; None, and the reason, if it cannot be traced."""
     if not floats:
         return None, ""
 
@@ -114,26 +106,22 @@ def _builder_in(source: Any) -> Description:
         return source
     if isinstance(source, Model):
         return builder_of(source)
-    raise TypeError(
-        f"A Builder is wanted, what read_spacar returns, a Model, or a function that returns one, not {shown(source)}."
-    )
+    kinds = "a Builder, a result of read_spacar, a Model, or a function that returns one of these"
+    raise TypeError(f"{shown(source)} is no mechanism. Give {kinds}.")
 
 
 def _made_otherwise(builder: Description) -> list[str]:
-    """What a Builder holds and no call of it has made."""
+    """Contents of a Builder that no call of it has made."""
     twin = Builder()
     twin.dimension = builder.dimension
     replay(builder.calls, twin)
-    told = []
+    found, replayed = [], _contents(twin)
     for part, contents in _contents(builder).items():
-        same, other = _contents(twin)[part], f"{part} that no call of the Builder has made"
-        told += [other] if contents.keys() != same.keys() else []
-        told += [
-            f"what was changed of {part.removesuffix('s')} '{clean(key)}' beside the calls of the Builder"
-            for key in contents
-            if key in same and not _equal(contents[key], same[key])
-        ]
-    return told
+        same, word = replayed[part], part.removesuffix("s")
+        found += [f"{part} that no call of the Builder has made"] if contents.keys() != same.keys() else []
+        changed = [key for key in contents if key in same and not _equal(contents[key], same[key])]
+        found += [f"what was changed of {word} '{clean(key)}' beside the calls of the Builder" for key in changed]
+    return found
 
 
 def _contents(builder: Description) -> dict[str, dict[Any, Any]]:
@@ -148,7 +136,7 @@ def _contents(builder: Description) -> dict[str, dict[Any, Any]]:
 
 
 def _equal(one: Any, other: Any) -> bool:
-    """Whether two trees have equal entries; numbers that are traced count as equal."""
+    """Whether two trees have equal entries; traced numbers count as equal."""
     leaves, structure = jax.tree.flatten(one)
     others, other_structure = jax.tree.flatten(other)
     return structure == other_structure and all(
@@ -157,19 +145,19 @@ def _equal(one: Any, other: Any) -> bool:
 
 
 def _settings_of(source: Any) -> list[str]:
-    """What a file says beside the mechanism."""
+    """Lines of a file beside the mechanism."""
     if not isinstance(source, SpacarModel):
         return []
-    own = [name for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
-    return [f"{clean(name)} of {clean(source.name)}: it belongs to an analysis or a drawing" for name in own]
+    keywords = [name for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
+    return [f"{clean(name)} of {clean(source.name)}: it belongs to an analysis or a drawing" for name in keywords]
 
 
 def _names_of(source: Any) -> list[str]:
-    """Names in the braces of a file, which was read with numbers in their place."""
+    """Names in the braces of a file that was read with numbers instead."""
     if not isinstance(source, SpacarModel) or not source.parameters:
         return []
     names = clean(", ".join(source.parameters))
-    return [f"names {names} of {clean(source.name)}, in whose place are numbers: open the file itself to keep them"]
+    return [f"names {names} of {clean(source.name)}, which became numbers: open the file itself to keep them"]
 
 
 def _title(source: Any) -> str:
@@ -181,12 +169,9 @@ def _document(
     source: Any, calls: Calls, texts: list[str], names: Mapping[str, tuple[Any, ...] | None], title: str
 ) -> Document:
     """The document of calls whose numbers have texts."""
-    things = _once(calls.said(texts))
-    bounds = {
-        name: dict(zip(("value", "low", "high"), map(text_of, own), strict=False))
-        for name, own in names.items()
-        if own is not None
-    }
+    keys = ("value", "low", "high")
+    bounds = {name: dict(zip(keys, map(text_of, own), strict=False)) for name, own in names.items() if own is not None}
+    things = _once(calls.filled(texts))
     document = Document.from_data(
         {
             "format": FORMAT,
@@ -200,26 +185,26 @@ def _document(
 
 
 def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Things in which each section, material and damping is said once, and numbered if there are several."""
+    """Things with each section, material and damping once, and numbered if there are several."""
     kept: list[dict[str, Any]] = []
     seen: dict[str, str] = {}
     called: dict[tuple[str, str], str] = {}
     count: dict[str, int] = {}
     known = fields.calls()
     for thing in things:
-        own = known[thing["call"]]
+        call = known[thing["call"]]
         args = {
-            key: called.get((str(own.fields[key]["kind"]), value), value) if isinstance(value, str) else value
+            key: called.get((str(call.fields[key]["kind"]), value), value) if isinstance(value, str) else value
             for key, value in thing["args"].items()
         }
-        if own.kind in ("record", "constant"):
+        if call.kind in ("record", "constant"):
             content = repr((thing["call"], args))
             again = content in seen
             if not again:
-                prefix = str(own.entry["name"])
+                prefix = str(call.entry["name"])
                 count[prefix] = count.get(prefix, 0) + 1
                 seen[content] = prefix if count[prefix] == 1 else f"{prefix} {count[prefix]}"
-            called[str(own.makes), thing["name"]] = seen[content]
+            called[str(call.makes), thing["name"]] = seen[content]
             if again:
                 continue
             thing = {**thing, "name": seen[content]}
@@ -228,7 +213,7 @@ def _once(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _places(calls: Calls, lost: list[int]) -> list[str]:
-    """Where numbers stand, in words, each once."""
+    """Places of numbers in words, each once."""
     wanted = set(lost)
 
     def has(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""A model taken apart into calls of a Builder, with the degrees of freedom and releases that were found."""
+"""A model as calls of a Builder, with the degrees of freedom and releases that the Builder had found."""
 
 from __future__ import annotations
 
@@ -24,30 +24,26 @@ from ..model.by_name import TURN_OF, TURNS, frame_of, turned_by
 from ..model.model import Model, Signal
 from ..model.roles import HELD, Role
 
-# The call that puts an element without a name on a node, by its type.
+# Methods that put an element without a name on a node, by its type.
 HIDDEN = {"mass": "mass", "inertia": "inertia", "body": "body"}
 HIDDEN |= {"follower_force": "force", "moment": "moment", "follower_moment": "moment"}
 TYPES = {getattr(room, name): name for room in (planar, spatial) for name in HIDDEN if hasattr(room, name)}
-# What a signal measures or does unless said otherwise.
+# Default quantities of signals.
 USUAL = {"input": ("force", "moment", "stress"), "output": ("position", "deformation")}
 
 
 def builder_of(model: Model) -> Builder:
-    """A Builder whose calls build a model, with its numbers as they are.
-
-    Raises:
-        ModelError: It is traced, or batched.
-    """
+    """A Builder whose calls build a model with concrete numbers."""
     if not is_concrete(model) or np.ndim(model.parameters.reference) != 1:
-        raise ModelError("One model with numbers of its own is wanted, not one that is traced or many at once.")
+        raise ModelError("The model is traced, or several models at once. Give one model with concrete numbers.")
     stated: set[str] = set()
-    while more := (taken := _Taken(model, stated)).clamped_otherwise() - stated:
+    while more := (conversion := _Conversion(model, stated)).clamped_otherwise() - stated:
         stated |= more
-    return taken.builder
+    return conversion.builder
 
 
-class _Taken:
-    """One model on its way into calls, which state the clamps of some leaf springs; others find them."""
+class _Conversion:
+    """The conversion of one model to calls, which state clamps of leaf springs where build() would find others."""
 
     def __init__(self, model: Model, stated: Container[str]):
         self.stated = stated
@@ -77,12 +73,12 @@ class _Taken:
         dofs: list[Key] = [self._key("node", i) for i in np.asarray(self.topology.x.dof).tolist()]
         dofs += [self._key("element", i) for i in np.asarray(self.topology.e.dof).tolist()]
         for (of, kind), run in itertools.groupby(
-            map(self._said, dofs), key=lambda said: (said[0], said[2].get("kind"))
+            map(self._component, dofs), key=lambda part: (part[0], part[2].get("kind"))
         ):
             self.builder.dof(of, *(component for _, component, _ in run), **({"kind": kind} if kind else {}))
         if self.parameters.start is not None:
             for key, *pair in zip(dofs, *(np.asarray(part).tolist() for part in self.parameters.start), strict=True):
-                of, component, kind = self._said(key)
+                of, component, kind = self._component(key)
                 if any(pair):
                     self.builder.start(of, component, *pair, **kind)
         for k, (side, signals) in enumerate((("input", self.labels.inputs), ("output", self.labels.outputs))):
@@ -92,14 +88,12 @@ class _Taken:
             for signal in signals:
                 self._name_signal(side, signal, [next(weights) for _ in signal.terms])
 
-    # -- what there is ----------------------------------------------------------------------------------------------
-
     def _found_nodes(self, roles: list[Role]) -> Iterator[tuple[str, Node]]:
         reference, powers, first = np.asarray(self.parameters.reference), np.asarray(self.topology.powers), 0
         for name, entries in itertools.groupby(self.labels.x, key=lambda entry: entry.of):
-            own = list(entries)
-            last = first + len(own)
-            kind = self._kind(own[0].kind, tuple(powers[first:last].tolist()))
+            entries = list(entries)
+            last = first + len(entries)
+            kind = self._kind(entries[0].kind, tuple(powers[first:last].tolist()))
             yield name, Node(kind, reference[first:last].tolist(), roles[first:last])
             first = last
 
@@ -111,7 +105,7 @@ class _Taken:
         return kinds[part][not plane]
 
     def _found_members(self) -> dict[str, Member]:
-        # Elements without deformations have no labels there; two on one node are told apart by their order.
+        # Elements without deformations have no such labels. Two on one node differ by their order.
         shown: dict[tuple, list[str]] = {}
         for name, kind, nodes in self.labels.elements:
             shown.setdefault((kind, nodes), []).append(name)
@@ -136,7 +130,7 @@ class _Taken:
         return dict(sorted(found.items(), key=lambda pair: order.index(pair[0]) if pair[0] in order else len(order)))
 
     def _is_turn(self, name: str, member: Member) -> bool:
-        """Whether an element is the hinge by which a rotation in space is turned or held."""
+        """Whether an element is the hinge that turns or holds a rotation in space."""
         node, axis = turned_by(name)
         of_frame = member.element.name == "hinge" and member.nodes[0] == frame_of(node)
         return name.startswith(TURN_OF) and of_frame and (axis != "" or member.roles[0] is Role.PRESCRIBED)
@@ -159,19 +153,17 @@ class _Taken:
             )
         }
 
-    # -- how it is said ---------------------------------------------------------------------------------------------
-
     def _key(self, kind: str, index: int) -> Key:
         entry = (self.labels.x if kind == "node" else self.labels.e)[index]
         return kind, entry.of, entry.component
 
     def _owner(self, node: str) -> str:
-        """The node whose rotation this is, or the rotation itself where it has none."""
+        """The node of a rotation, or the rotation itself if it has none."""
         owner = node.removesuffix(".rotation")
         return owner if owner in self.nodes else node
 
-    def _said(self, key: Key) -> tuple[str, str, dict[str, str]]:
-        """Whose coordinate or deformation it is, which, and the kind of the owner where a node is called so too."""
+    def _component(self, key: Key) -> tuple[str, str, dict[str, str]]:
+        """Node or element of a coordinate or deformation, its component, and ``kind`` if the name is ambiguous."""
         kind, of, number = key
         if kind == "element" and of in self.turns:
             of, axis = turned_by(of)
@@ -180,13 +172,11 @@ class _Taken:
             element = self.members[of].element
             component = element.deformation_names.get(number, "") if number in element.closure else ""
         else:
-            own = self.nodes[of].kind
-            component = "" if own.part == "internal" else own.components[number - 1]
+            kind_of = self.nodes[of].kind
+            component = "" if kind_of.part == "internal" else kind_of.components[number - 1]
             of = self._owner(of)
         both = of in self.nodes and of in self.members
         return of, component or str(number), {"kind": kind} if both else {}
-
-    # -- nodes and elements -----------------------------------------------------------------------------------------
 
     def _add_nodes(self) -> None:
         for name, node in self.nodes.items():
@@ -204,7 +194,7 @@ class _Taken:
         properties = {key: value for key, value in member.properties.items() if value is not None}
         section, damping = properties.get("section"), properties.get("damping")
         if isinstance(damping, MaterialDamping) and isinstance(section, Section) and section.states("damping"):
-            # Of the material of the section.
+            # The section's material has this damping.
             del properties["damping"]
         if "clamped" in properties and name in self.stated:
             properties["clamped"] = tuple(bool(flag == 1) for flag in properties["clamped"])
@@ -220,20 +210,17 @@ class _Taken:
         self.builder.add(element, *nodes, name=name, **properties)
 
     def _fix(self) -> None:
-        """Nodes as a whole with their rotations, then what is left of nodes and rotations."""
+        """Fix nodes as a whole with their rotations, then single components."""
         held = {name: [i for i, r in enumerate(n.roles, 1) if r is Role.FIXED] for name, n in self.nodes.items()}
         whole = {name for name, numbers in held.items() if len(numbers) == len(self.nodes[name].roles)}
         for name, node in self.nodes.items():
             part, rotation = node.kind.part, f"{name}.rotation"
-            if (
-                not held[name]
-                or name in self.frames
-                or (self._owner(name) != name and {name, self._owner(name)} <= whole)
-            ):
+            fixed_with_owner = self._owner(name) != name and {name, self._owner(name)} <= whole
+            if not held[name] or name in self.frames or fixed_with_owner:
                 continue
             if name not in whole or part == "warping":
-                said = [self._said(("node", name, i)) for i in held[name]]
-                self.builder.fix(said[0][0], *(component for _, component, _ in said))
+                entries = [self._component(("node", name, i)) for i in held[name]]
+                self.builder.fix(entries[0][0], *(component for _, component, _ in entries))
             elif part == "position" and rotation in self.nodes and rotation not in whole:
                 self.builder.fix(name, "position")
             else:
@@ -242,15 +229,11 @@ class _Taken:
             if self.members[name].roles[0] is Role.FIXED:
                 self.builder.fix(*turned_by(name))
 
-    # -- loads ------------------------------------------------------------------------------------------------------
-
     def _put(self, member: Member) -> None:
-        """Masses, inertias, bodies and loads that elements without a name stand for."""
+        """Put a mass, an inertia, a body or a load on its node."""
         kind = TYPES.get(member.element, "")
         if not kind:
-            raise ModelError(
-                f"What acts on node '{member.nodes[0]}' as '{member.element.name}' is no call of a Builder."
-            )
+            raise ModelError(f"A Builder has no call for '{member.element.name}' on node '{member.nodes[0]}'.")
         own = {key: value for key, value in member.properties.items() if value is not None}
         flags = {"increment": True} if own.pop("incremental", False) else {}
         flags |= {"follower": True} if kind.startswith("follower") else {}
@@ -263,7 +246,7 @@ class _Taken:
         for kind, roles, field in (("node", self.topology.x, "x"), ("element", self.topology.e, "e")):
             for k, index in enumerate(np.asarray(roles.prescribed).tolist()):
                 key = self._key(kind, index)
-                of, component, kind_of = self._said(key)
+                of, component, kind_of = self._component(key)
                 more: dict[str, Any] = dict(kind_of)
                 if component == "rotation":
                     hinge = self.members[key[1]]
@@ -275,7 +258,7 @@ class _Taken:
                     self.builder.prescribe(of, component, value, increment=increment, **more)
 
     def _rows(self, values: Any, labels: Any) -> Iterator[tuple[str, list[float]]]:
-        """Values of each node or element that are not zero, up to the last of them."""
+        """Nonzero values of each node or element, up to the last one."""
         array = np.asarray(values).tolist()
         for name, entries in itertools.groupby(range(len(array)), key=lambda i: labels[i].of):
             row = [array[i] for i in entries]
@@ -304,8 +287,6 @@ class _Taken:
         if loads.gravity is not None:
             self.builder.gravity(np.asarray(loads.gravity).tolist(), **more)
 
-    # -- signals ----------------------------------------------------------------------------------------------------
-
     def _name_signal(self, side: str, signal: Signal, weights: list[float]) -> None:
         if signal.parts:
             parts = [
@@ -316,33 +297,29 @@ class _Taken:
             return
         of, component, kind = self._of(signal)
         quantity = "" if signal.quantity in USUAL[side] else signal.quantity
-        if (
-            not signal.of_element
-            and signal.axis is None
-            and self.nodes[self.labels.x[signal.index].of].kind is ROTATION3
-        ):
-            # A Builder takes no signal of an Euler parameter.
-            self.builder.signals[side].append(
-                NamedSignal(signal.name, signal.quantity, self._key("node", signal.index))
-            )
+        entry = None if signal.of_element or signal.axis is not None else self.labels.x[signal.index]
+        if entry is not None and self.nodes[entry.of].kind is ROTATION3:
+            # The methods of a Builder accept no signal of an Euler parameter.
+            key = self._key("node", signal.index)
+            self.builder.signals[side].append(NamedSignal(signal.name, signal.quantity, key))
             return
         getattr(self.builder, side)(of, component, quantity, name=signal.name, local=signal.local, **kind)
 
     def _of(self, signal: Signal) -> tuple[str, str, dict[str, str]]:
-        """What a signal is about, as :meth:`_said`, or about which axis."""
-        of, component, kind = self._said(self._key("element" if signal.of_element else "node", signal.index))
+        """Like :meth:`_component` for a signal, which may be about an axis."""
+        of, component, kind = self._component(self._key("element" if signal.of_element else "node", signal.index))
         return of, component if signal.axis is None else TURNS[signal.axis], kind
 
 
 def _of_one(stacked: dict[str, Any], i: int) -> dict[str, Any]:
-    """Properties of one element of a block."""
+    """Properties of element i of a block."""
     found = {}
     for name, value in stacked.items():
         if name == "section" and isinstance(value, tuple):
             sizes = [len(jax.tree.leaves(stack)[0]) for stack in value]
-            k, own = next((k, i - sum(sizes[:k])) for k in range(len(sizes)) if i < sum(sizes[: k + 1]))
-            found[name] = jax.tree.map(lambda leaf, own=own: _plain(leaf[own]), value[k])
-            # An element without section, beside others that have one.
+            k, row = next((k, i - sum(sizes[:k])) for k in range(len(sizes)) if i < sum(sizes[: k + 1]))
+            found[name] = jax.tree.map(lambda leaf, row=row: _plain(leaf[row]), value[k])
+            # Stands for an element without section beside others with one.
             if isinstance(found[name], Rigidity) and not any(jax.tree.leaves(found[name])):
                 found[name] = None
         else:

@@ -1,4 +1,4 @@
-"""The mirror image of one element: which of its numbers and of its deformations have the other sign."""
+"""The mirror image of one element: signs of its numbers and of its deformations."""
 
 import itertools
 from collections.abc import Callable
@@ -9,15 +9,16 @@ import numpy as np
 from ..build.description import Member
 from ..compilation.by_meaning import jit
 from ..elements.element import Element
+from ..numerical_limits import SAME_DEFORMATION
 
-# Of the strain fields of a beam in series: elongation, and in space twist, bending about y and z, shear along y and z.
+# Signs of the strain fields of a beam in series: elongation; in space also twist, bending about y and z, shear.
 FIELDS = {2: (1, -1), 3: (1, -1, -1, 1, 1, -1)}
-# Initial curvature of a beam in series: twist, about y, about z.
+# Signs of its initial curvature: twist, about y, about z.
 CURVATURE = {2: (-1,), 3: (-1, -1, 1)}
 
 
 def scalars_of(member: Member) -> dict[str, np.ndarray]:
-    """Numbers of an element's geometry that may change their sign: those of its deformation but for directions."""
+    """Numbers of an element's geometry that may change sign: arguments of its deformation without directions."""
     own = member.element.of_deformation(member.properties)
     return {
         key: np.asarray(value, float)
@@ -29,17 +30,17 @@ def scalars_of(member: Member) -> dict[str, np.ndarray]:
 def image_of(
     member: Member, references: list[np.ndarray], kinds: list[Any], axis: int, y_turns: bool
 ) -> tuple[dict[str, Any], np.ndarray] | None:
-    """Signs of an element's numbers and of its deformations in its mirror image; None where it has none.
+    """Signs of an element's numbers and of its deformations in its mirror image; None if it has none.
 
-    Those of beams in series are known. Of the others the deformation function is asked, at a few states and at their
-    images: what agrees but for signs is the image.
+    The signs of beams in series are known. For other elements the deformation function is evaluated at random states
+    and at the images of these states. Signs for which both agree make the image.
     """
     element, d = member.element, kinds[0].dimension
     if element.fields:
         signs = np.ones(len(member.roles))
         flips = np.array(FIELDS[d])
         if d == 3:
-            # Of the closure, displacements and tilts; of warping the twist rates.
+            # Displacements and tilts of the closure; of warping the twist rates.
             closure = np.array([1, 1, -1, -1, -1, 1])
             if y_turns:
                 flips, closure = np.array([1, -1, 1, -1, -1, 1]), np.array([1, -1, 1, -1, 1, -1])
@@ -111,9 +112,8 @@ def _deformation(element: Element) -> Callable[..., np.ndarray]:
 
 
 def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
-    """By which sign deformations at states differ from those at their images; None where that is not all."""
+    """Signs by which deformations at states and at their images differ; None if they differ otherwise."""
     if ours.shape[1] == 0:
         return np.ones(0)
-    size = np.max(np.abs(ours))
     signs = np.where(np.sum(ours * theirs, axis=0) < 0, -1.0, 1.0)
-    return signs if np.max(np.abs(theirs - signs * ours)) <= 1e-9 * size else None
+    return signs if np.max(np.abs(theirs - signs * ours)) <= SAME_DEFORMATION * np.max(np.abs(ours)) else None

@@ -1,4 +1,4 @@
-"""Long work beside the session: started, told about as it goes on, and stopped."""
+"""Long work beside the session: started, observed and stopped."""
 
 import itertools
 import threading
@@ -6,24 +6,16 @@ from collections.abc import Callable
 from typing import Any
 
 from ..errors import AnalysisError, ModelError
+from ..progress import Stopped
 
-# At once [-]; a machine has few cores, and what is seen live needs one.
+# Jobs at once. A machine has few cores, and the live answers need one.
 MOST_JOBS = 4
-# How long the end of the program waits for a job [s]; what is being compiled cannot be interrupted.
+# Longest time to wait for a job at the end of the program [s]: compiling cannot be interrupted.
 PATIENCE = 10.0
 
 
-class JobStopped(Exception):
-    """Raised in a job by :meth:`Job.check` after it was stopped."""
-
-
 class Job:
-    """A job, as the work in it sees it.
-
-    Attributes:
-        name: By which pages know it.
-        kind: What it does, such as "target" or "path".
-    """
+    """A job, with its name on the pages and its kind, such as "target" or "path"."""
 
     def __init__(self, name: str, kind: str, tell: Callable[[dict[str, Any]], None]):
         self.name = name
@@ -35,27 +27,18 @@ class Job:
 
     @property
     def stopped(self) -> bool:
-        """Whether it is to end."""
+        """Whether to end."""
         return self._stopped.is_set()
 
-    def check(self) -> None:
-        """Raise JobStopped where it is to end; call it as often as the work allows."""
-        if self.stopped:
-            raise JobStopped
-
     def tell(self, **changes: Any) -> None:
-        """Tell pages how far it is; what was told before stays.
-
-        Args:
-            changes: Of ``fraction`` (0 to 1), ``text``, ``design``, ``picture``, ``view``, ``rows``; plain values.
-        """
+        """Send the progress to pages: ``fraction`` (0 to 1), ``text``, ``design``, ``picture``, ``view``, ``rows``."""
         with self._lock:
-            # Who stopped it has been told so, and what comes later would look as if it went on.
+            # A stopped job would look as if it went on.
             if self._state["status"] == "running":
                 self._say(changes)
 
     def end(self, **changes: Any) -> None:
-        """Tell pages how it ended, and of a job that was stopped what it had found by then."""
+        """Send the end to pages; a stopped job sends what it has found so far."""
         with self._lock:
             self._say({**changes, "status": "stopped"} if self.stopped else changes)
 
@@ -64,17 +47,13 @@ class Job:
         self._tell({"tell": "job", "job": self.name, "kind": self.kind, **self._state})
 
     def stop(self) -> None:
-        """Ask it to end; pages see it as stopped from here on."""
+        """Ask it to end; from then on pages see it as stopped."""
         self._stopped.set()
         self.tell(status="stopped")
 
 
 class Jobs:
-    """The jobs of a session.
-
-    Args:
-        tell: Pushes a message to all pages, from any thread.
-    """
+    """The jobs of a session; ``tell`` sends a message to all pages, from any thread."""
 
     def __init__(self, tell: Callable[[dict[str, Any]], None]):
         self._tell = tell
@@ -83,18 +62,10 @@ class Jobs:
         self._lock = threading.Lock()
 
     def start(self, kind: str, work: Callable[[Job], dict[str, Any] | None]) -> str:
-        """Begin a job in a thread of its own.
-
-        Args:
-            kind: What it does.
-            work: Gets the job; returns what is told at its end, as :meth:`Job.tell` takes it, or raises.
-
-        Raises:
-            ValueError: So many run already.
-        """
+        """Begin a job in a thread of its own; ``work(job)`` returns its last message."""
         with self._lock:
             if len(self._running) >= MOST_JOBS:
-                raise ValueError(f"{MOST_JOBS} computations run at once at most: stop one, or wait for it.")
+                raise ValueError(f"{MOST_JOBS} computations are running. Stop one, or wait for it.")
             name = str(next(self._numbers))
             job = Job(name, kind, self._tell)
             thread = threading.Thread(target=self._run, args=(job, work), name=f"flexmb {kind}", daemon=True)
@@ -104,14 +75,14 @@ class Jobs:
         return name
 
     def stop(self, name: str) -> None:
-        """Stop a job; one that has ended already stays as it is."""
+        """Stop a job that is still running."""
         with self._lock:
             found = self._running.get(name)
         if found is not None:
             found[0].stop()
 
     def close(self) -> None:
-        """Stop all, and wait for their threads for a while."""
+        """Stop all jobs, and wait a while for their threads."""
         with self._lock:
             running = list(self._running.values())
         for job, _ in running:
@@ -122,7 +93,7 @@ class Jobs:
     def _run(self, job: Job, work: Callable[[Job], dict[str, Any] | None]) -> None:
         try:
             job.end(**{"fraction": 1.0, "status": "done", **(work(job) or {})})
-        except JobStopped:
+        except Stopped:
             job.end(status="stopped")
         except (AnalysisError, ModelError, ImportError, ValueError) as fault:
             job.end(status="failed", text=str(fault))

@@ -1,4 +1,4 @@
-"""Counts, answers and the scene of the newest document, computed beside what serves the pages."""
+"""Counts, answers and the scene of the newest document, computed in a thread beside the server."""
 
 import logging
 import threading
@@ -19,27 +19,22 @@ from .ways import Ways
 
 Tell = Callable[[dict[str, Any]], None]
 
-# Structures whose analyses are known to be compiled.
+# Number of structures known to be compiled.
 MOST = 200
 
 
 class Live:
-    """A thread that computes what is shown of the newest document: one evaluation at a time, the newest wins.
+    """A thread that computes what is shown of the newest document.
 
-    It tells the counts first, then the answers, then the scene of the chosen mode, each with the revision that it
-    belongs to. Answers to a new structure are told one after the other as they are compiled.
+    It sends the counts first, then the answers, then the scene, each with its revision. For a new structure it sends
+    each answer as soon as it is compiled.
 
     Attributes:
-        counted: The newest count with its advice, as it was told.
+        counted: Newest count with its advice.
     """
 
     def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
-        """Start the thread.
-
-        Args:
-            tell: Called from the thread with every message.
-            build: Makes ``builder`` and ``problems`` of a document with ``things``; that of documents unless given.
-        """
+        """Start the thread, which calls ``tell`` with every message; ``build`` makes builder and problems."""
         self._tell, self._build = tell, build
         self._changed = threading.Condition()
         self._next: tuple[int, Any, Wants] | None = None
@@ -53,17 +48,13 @@ class Live:
         self._thread.start()
 
     def show(self, revision: int, document: Any, wants: Wants | None = None) -> None:
-        """Compute this next, in place of what waits."""
+        """Compute this next, instead of what waits."""
         with self._changed:
             self._next = revision, document, wants or Wants()
             self._changed.notify_all()
 
     def wait(self, timeout: float) -> bool:
-        """Wait until nothing is left to compute.
-
-        Args:
-            timeout: How long at most [s].
-        """
+        """Wait until nothing is left to compute, for a time [s] at most; whether that is so."""
         end = time.monotonic() + timeout
         with self._changed:
             while self._busy or self._next is not None:
@@ -73,7 +64,7 @@ class Live:
             return True
 
     def stop(self) -> None:
-        """End the thread once it has finished what it computes; nothing more is told."""
+        """End the thread after the present computation; it sends nothing more."""
         with self._changed:
             self._stopped, self._next = True, None
             self._changed.notify_all()
@@ -93,12 +84,12 @@ class Live:
                 revision, document, wants = self._shown
             try:
                 self._evaluate(revision, document, wants)
-            except Exception as fault:  # Whatever it is, the pages are to know and the next edit is to be answered.
+            except Exception as fault:  # The pages show any fault, and the next edit follows.
                 logging.getLogger("flexmb").exception("revision %s", revision)
                 self._failed(revision, f"{type(fault).__name__}: {fault}")
 
     def _again(self) -> None:
-        """Compute the same once more, since something has been compiled that was asked for."""
+        """Compute the same once more, since something wanted has been compiled."""
         with self._changed:
             self._next = self._next or self._shown
             self._changed.notify_all()
@@ -110,7 +101,7 @@ class Live:
     def _evaluate(self, revision: int, document: Any, wants: Wants) -> None:
         built = self._build(document)
         if not built.builder.nodes and not built.problems:
-            # Of an empty drawing no answer stays: the next mechanism is another one.
+            # The next mechanism on an empty drawing is another one: no answer stays.
             self._good = _nothing()
         found = self._count(revision, built, document.things)
         if built.problems:
@@ -123,22 +114,19 @@ class Live:
         else:
             self._answer(revision, found, document, wants)
 
-    # Counts.
-
     def _count(self, revision: int, built: Any, things: list[dict[str, Any]]) -> Count:
-        """Count, tell it with its advice; of a new structure the numbers first, which take no compiling."""
+        """Count, and send it with advice; for a new structure send first the numbers that need no compiling."""
         builder = built.builder
         key = "count", tuple((m.element, len(m.roles)) for m in builder.members.values())
         if key not in self._compiled:
-            told = Count("counting", "", quick_numbers(builder)).told()
-            self._say("count", revision, **told, advice=[])
+            self._say("count", revision, **Count("counting", "", quick_numbers(builder)).message_data(), advice=[])
         found = count(builder)
         self._remember(key)
         self._tell_count(revision, found, advice(found, things))
         return found
 
     def _tell_count(self, revision: int, found: Count, given: list[dict[str, Any]]) -> None:
-        self.counted = {"revision": revision, **found.told(), "advice": given}
+        self.counted = {"revision": revision, **found.message_data(), "advice": given}
         self._say("count", **self.counted)
 
     def _remember(self, key: Any) -> None:
@@ -146,23 +134,21 @@ class Live:
         while len(self._compiled) > MOST:
             del self._compiled[next(iter(self._compiled))]
 
-    # Answers.
-
     def _failed(self, revision: int, message: str) -> None:
-        """The last good answers stay, and are old."""
+        """Send the last good answers, which are old."""
         self._say("answers", revision, status="failed", message=message, stale=True, **self._good)
 
     def _answer(self, revision: int, found: Count, document: Any, wants: Wants) -> None:
         assert found.model is not None
-        answers, told = Answers(found.model, wants), False
+        answers, announced = Answers(found.model, wants), False
         kind = _structure(found.model)
         with heard() as said:
             said.extend(found.warnings)
             for name, analyse in answers.analyses():
                 key = name, kind
                 is_new = key not in self._compiled
-                if is_new and not told:
-                    told = True
+                if is_new and not announced:
+                    announced = True
                     self._computing(revision, **(_so_far(revision, answers, said) if answers.values else {}))
                 try:
                     analyse()
@@ -186,9 +172,9 @@ class Live:
             self._tell_count(revision, found, [*given, *self.counted["advice"]])
         slopes, label = None, ""
         if wants.sensitivity_of is not None:
-            told = self._ways.of(document, answers)
-            self._say("ways", revision, **told)
-            slopes, label = told["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
+            ways = self._ways.of(document, answers)
+            self._say("ways", revision, **ways)
+            slopes, label = ways["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
         self._show(revision, lambda: self._scenes.of_answers(answers, slopes, label))
 
     def _computing(self, revision: int, **partial: Any) -> None:
@@ -197,15 +183,15 @@ class Live:
         self._say("answers", revision, status="computing", message="", stale=stale, **content)
 
     def _is_old(self) -> bool:
-        """Whether something newer waits."""
+        """Whether a newer document waits."""
         with self._changed:
             return self._next is not None
 
     def _show(self, revision: int, make: Callable[[], dict[str, Any] | None]) -> None:
-        """Tell a scene; one that cannot be drawn takes no answer with it."""
+        """Send a scene; a scene that cannot be drawn takes no answer with it."""
         try:
             scene = make()
-        except Exception:  # The answers stand, and the page keeps the picture that it has, as an older one.
+        except Exception:  # The answers stay, and the page keeps its old picture.
             logging.getLogger("flexmb").exception("scene of revision %s", revision)
             return
         if scene is not None:
@@ -213,17 +199,17 @@ class Live:
 
 
 def _so_far(revision: int, answers: Answers, said: list[str]) -> dict[str, Any]:
-    """Answers of a revision as they are told; copies, since they are written elsewhere while more come."""
+    """Answers of a revision so far, as copies: the caller sends them while more are computed."""
     warnings = list(dict.fromkeys(said))
     return {"of_revision": revision, "values": dict(answers.values), "words": [*answers.words], "warnings": warnings}
 
 
 def _structure(model: Model) -> Any:
-    """What an analysis is compiled for: structure, and the shapes of all arrays."""
+    """What an analysis is compiled for: structure, and shapes of all arrays."""
     leaves, structure = jax.tree.flatten((model.topology, model.parameters))
     return structure, tuple(leaf.shape for leaf in leaves)
 
 
 def _nothing() -> dict[str, Any]:
-    """Answers where there are none."""
+    """Answers before there are any."""
     return {"of_revision": None, "values": {}, "words": [], "warnings": []}

@@ -1,4 +1,4 @@
-"""The mechanism of a SPACAR file as one thinks of it: names for numbers, and rotations that belong to positions."""
+"""The mechanism of a SPACAR file in the user's terms: names for numbers, and rotations as parts of positions."""
 
 import re
 from typing import Any
@@ -7,20 +7,20 @@ from .calls_of import shortest
 from .content import Document
 from .references import Names, call_of, renamed_part, with_references
 
-# Comments by which the writer of files says what a number was called.
+# Comments with names in files of the writer.
 LEGEND = re.compile(r"%\s(node|element|input|output) (\d{1,9}): (\S.*)", re.ASCII)
 SIGNALS = {"input": ("input", "actuator"), "output": ("output", "sensor")}
-# Coordinates of positions, and of rotations in the plane, by their numbers.
+# Components of positions, and of rotations in the plane, by their numbers.
 LETTERS = {"position": {"1": "x", "2": "y", "3": "z"}, "rotation": {"1": "phi"}}
 
 Things = list[dict[str, Any]]
 
 
 def merged(document: Document, text: str) -> Document:
-    """A document whose rotations are those of the positions that they stand beside in all their elements.
+    """A document whose rotations and warpings are parts of positions.
 
-    A file numbers positions and rotations by themselves. A rotation beside one position alone becomes that of the
-    position, as "1.rotation", and so does a warping. A second rotation at a position, as behind a hinge, stays.
+    In a file positions and rotations have numbers of their own. A rotation that stands beside one position in all its
+    elements becomes its part, such as "1.rotation", and so does a warping. A second rotation at a position stays.
     """
     things = _called(document.things, text)
     new = _parts_of_positions(things)
@@ -33,42 +33,42 @@ def merged(document: Document, text: str) -> Document:
     kept = [with_references(thing, names, follows) for thing in things if thing["id"] not in gone]
     rotations = {name.removesuffix(".rotation") for name in new.values() if name.endswith(".rotation")}
     held = {thing["args"]["node"] for thing in kept if thing["call"] == "fix" and "components" not in thing["args"]}
-    found = [_said(thing, rotations, held, document.dimension) for thing in kept]
-    return document.with_things([thing for thing in found if thing is not None])
+    parts = [_of_parts(thing, rotations, held, document.dimension) for thing in kept]
+    return document.with_things([thing for thing in parts if thing is not None])
 
 
 def _called(things: Things, text: str) -> Things:
-    """Things with the names that the comments of a file tell."""
-    told: dict[str, dict[str, str]] = {}
+    """Things with the names in the comments of a file."""
+    comments: dict[str, dict[str, str]] = {}
     for line in text.splitlines():
         if match := LEGEND.fullmatch(line.strip()):
             kind, number, name = match.groups()
-            told.setdefault(kind, {})[number] = name.strip()
+            comments.setdefault(kind, {})[number] = name.strip()
     makers = [(thing, call_of(thing)) for thing in things]
     new: dict[str, str] = {}
     for kind in ("node", "element"):
         there = {thing["name"]: thing["id"] for thing, call in makers if call is not None and call.makes == kind}
-        own = {old: name for old, name in told.get(kind, {}).items() if old in there and name.isprintable()}
-        if len({own.get(old, old) for old in there}) == len(there):
-            new |= {there[old]: name for old, name in own.items()}
+        names = {old: name for old, name in comments.get(kind, {}).items() if old in there and name.isprintable()}
+        if len({names.get(old, old) for old in there}) == len(there):
+            new |= {there[old]: name for old, name in names.items()}
     for side, calls in SIGNALS.items():
-        several = [thing for thing in things if thing["call"] in calls]
-        own = [told.get(side, {}).get(str(number), thing["name"]) for number, thing in enumerate(several, 1)]
-        if len(set(own)) == len(own):
-            new |= {thing["id"]: name for thing, name in zip(several, own, strict=True)}
+        signals = [thing for thing in things if thing["call"] in calls]
+        names = [comments.get(side, {}).get(str(number), thing["name"]) for number, thing in enumerate(signals, 1)]
+        if len(set(names)) == len(names):
+            new |= {thing["id"]: name for thing, name in zip(signals, names, strict=True)}
     if not new:
         return things
-    names, old = Names(things), {thing["id"]: thing.get("name") for thing in things}
+    known, old = Names(things), {thing["id"]: thing.get("name") for thing in things}
 
     def follows(id: str, name: str) -> str | None:
         return renamed_part(name, str(old[id]), new[id]) if id in new else None
 
-    followed = [with_references(thing, names, follows) for thing in things]
+    followed = [with_references(thing, known, follows) for thing in things]
     return [{**thing, "name": new[thing["id"]]} if thing["id"] in new else thing for thing in followed]
 
 
 def _parts_of_positions(things: Things) -> dict[str, str]:
-    """What rotations and warpings are called that belong to one position, by the names that they have."""
+    """New names of rotations and warpings that belong to one position, by their old names."""
     beside: dict[str, set[str]] = {}
     parts: dict[str, str] = {}
     for thing in things:
@@ -82,7 +82,7 @@ def _parts_of_positions(things: Things) -> dict[str, str]:
             elif position is not None:
                 parts[node] = part
                 beside.setdefault(node, set()).add(position)
-    # A rotation with a start of its own stays; the warping of a rotation follows it without a name.
+    # A rotation with its own start stays. The warping of a rotation follows it without a name.
     named = {thing["name"] for thing in things if thing["call"] in ("node", "rotation", "warping")}
     turned = {thing["name"] for thing in things if thing["call"] == "rotation" and thing["args"]}
     found: dict[str, str] = {}
@@ -93,8 +93,8 @@ def _parts_of_positions(things: Things) -> dict[str, str]:
     return found
 
 
-def _said(thing: dict[str, Any], rotations: set[str], held: set[str], dimension: int) -> dict[str, Any] | None:
-    """A thing as one says it of nodes whose rotations belong to them; None of a rotation fixed with its node."""
+def _of_parts(thing: dict[str, Any], rotations: set[str], held: set[str], dimension: int) -> dict[str, Any] | None:
+    """A thing in terms of nodes with rotations; None for the support of a rotation that is fixed with its node."""
     args, call = dict(thing["args"]), call_of(thing)
     key = next((key for key in ("node", "of") if key in args and args.get("kind") != "element"), "")
     owner = args.get(key, "").removesuffix(".rotation")

@@ -1,4 +1,4 @@
-"""Messages between the pages and the server: JSON, checked, and what waits to be sent to a page."""
+"""Messages between the pages and the server: checked JSON, and the queue of a page."""
 
 import asyncio
 import json
@@ -10,15 +10,12 @@ from typing import Any
 from ..errors import AnalysisError, clean
 from .session import Refused
 
-# Letters of one message from a page [-]: a longer one is refused by name, one beyond the second ends the connection.
+# Longest message from a page in characters; a longer one is refused, and one beyond the second ends the connection.
 LONGEST_MESSAGE, LONGEST_FRAME = 4_000_000, 16_000_000
 
 
 class Page:
-    """One page that is connected, and what waits to be sent to it.
-
-    A page that is slow gets of every kind of push the newest only, and holds up no other.
-    """
+    """One connected page and its queue. A slow page receives only the newest message of each kind."""
 
     def __init__(self, own: Any):
         self.socket = own
@@ -27,17 +24,17 @@ class Page:
         self.replies = 0
 
     def push(self, key: Hashable, text: str) -> None:
-        """Send a text, in place of an older one of the same kind that still waits."""
+        """Send a text instead of an older waiting one of the same kind."""
         self.waiting[key] = text
         self.filled.set()
 
     def reply(self, text: str) -> None:
-        """Send a reply, after what waits already."""
+        """Send a reply after everything that waits."""
         self.replies += 1
         self.push(("reply", self.replies), text)
 
     async def send(self) -> None:
-        """Send what waits, as long as the page is there."""
+        """Send what waits, as long as the page exists."""
         while True:
             await self.filled.wait()
             while self.waiting:
@@ -46,7 +43,7 @@ class Page:
 
 
 def guarded(work: Callable[..., Any], *arguments: Any) -> Any:
-    """Do something; whatever goes wrong becomes a refusal, so that no message ends the session."""
+    """Do something, and turn every fault into a refusal: no message ends the session."""
     try:
         return work(*arguments)
     except Refused:
@@ -63,27 +60,27 @@ def guarded(work: Callable[..., Any], *arguments: Any) -> Any:
 def parsed(text: str | bytes) -> tuple[int, str, dict[str, Any]]:
     """Number, verb and arguments of a message."""
     if not isinstance(text, str):
-        raise Refused("A message is a text of JSON, and this one is binary.")
+        raise Refused("The message is binary. It must be a text of JSON.")
     if len(text) > LONGEST_MESSAGE:
-        raise Refused(f"A message has {LONGEST_MESSAGE} letters at most, and this one {len(text)}.")
+        raise Refused(f"The message has {len(text)} letters. It may have {LONGEST_MESSAGE} at most.")
     try:
         found = json.loads(text, parse_constant=_no_constant)
         if "\\ud" in text.lower():
             json.dumps(found, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as fault:
-        raise Refused(f"This message is no JSON: {type(fault).__name__}: {fault}") from None
+        raise Refused(f"The message is no JSON: {type(fault).__name__}: {fault}") from None
     if not isinstance(found, dict):
-        raise Refused("A message is an object with 'id' and 'do'.")
+        raise Refused("The message is no object. It needs 'id' and 'do'.")
     number, verb = found.pop("id", None), found.pop("do", None)
     if type(number) is not int or not 0 <= number < 2**53:
-        raise Refused("A message has a whole number 'id'.")
+        raise Refused("The message has no 'id'. It needs a whole number.")
     if not isinstance(verb, str):
-        raise Refused("A message says under 'do' what is wanted.")
+        raise Refused("The message has no 'do'. It needs a verb.")
     return number, verb, found
 
 
 def number_of(text: Any) -> int | None:
-    """Number of a message that is refused, where it begins with one."""
+    """Number of a refused message, if it begins with one."""
     found = re.match(r'\s*\{\s*"id"\s*:\s*(\d{1,15})\s*[,}]', text[:100]) if isinstance(text, str) else None
     return int(found[1]) if found else None
 
@@ -93,12 +90,12 @@ def _no_constant(word: str) -> Any:
 
 
 def refused(number: int | None, fault: Refused) -> str:
-    """Reply that says what is wrong."""
+    """Reply with what is wrong."""
     return written({"re": number, "ok": False, "problem": fault.problem})
 
 
 def written(message: dict[str, Any]) -> str:
-    """A message as JSON; what is not finite is null, whoever forgot to say so."""
+    """A message as JSON, with null for numbers that are not finite."""
     try:
         return json.dumps(message, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError):

@@ -1,8 +1,7 @@
-"""Mirrored copies of things: positions, directions, what turns, inertia, and the signs of deformations.
+"""Mirror images of things: positions, directions, rotations, inertia, and signs of deformations.
 
-An element's mirror image has its x axis and its vector y mirrored, so that its local z, which completes right-handed
-axes, is opposite to the image of z. A building block's y is mirrored and turned round, so that its motion, along times
-y, is the image of the motion.
+The x axis and the vector y of an element are mirrored. Its local z completes right-handed axes, and is therefore
+opposite to the image of z. The y of a building block is mirrored and reversed: its motion is the image of the motion.
 """
 
 import itertools
@@ -13,7 +12,9 @@ import numpy as np
 from ..build.description import AXES
 from ..errors import clean
 from ..model.by_name import TURNS
+from ..numerical_limits import SAME_PLACE
 from .building import Built, build
+from .calls_of import UPPER
 from .content import Document, EditError, Report, checked_text
 from .copies import cloned, moved, selected
 from .fields import Call
@@ -22,21 +23,18 @@ from .references import call_of, references, referred
 from .sums import negated, reflected
 from .values import value_in
 
-# Vectors that say how something turns: their image has the other sign.
+# Vectors about which something turns: their images have the other sign.
 AXIAL = ("moment",)
-# Two values agree to this, of the largest of them.
-ALIKE = 1e-9
 
 
 def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
-    """``{"op": "mirror", "ids", "axis": "x", "at": "0", "keep"?: true}``: the image of things in the plane x = at.
+    """``{"op": "mirror", "ids", "axis": "x", "at": "0", "keep"?: true}``: the images of things in the plane x = at.
 
-    Nodes on the plane are their own images. Without "keep" the things themselves become their image, gravity among
-    them.
+    Nodes on the plane are their own images. Without "keep" the things are replaced by their images.
     """
     axis, at = op["axis"], checked_text("", op.get("at", "0"))
     if axis not in AXES[: document.dimension]:
-        raise EditError("", f"The axis is one of {', '.join(AXES[: document.dimension])}, not '{clean(axis)}'.")
+        raise EditError("", f"The axis is '{clean(axis)}'. It must be {' or '.join(AXES[: document.dimension])}.")
     image = _Image(document, AXES.index(axis), at)
     if not op.get("keep", True):
         ids = {document.thing(id)["id"] for id in op["ids"]}
@@ -70,51 +68,50 @@ class _Image:
             return False
         numbers = self.built.numbers
         here = numbers.get(f"{thing['id']}/position/{self.axis}")
-        own = thing["args"].get("position")
-        if here is None or not isinstance(own, list) or len(own) != self.d:
+        position = thing["args"].get("position")
+        if here is None or not isinstance(position, list) or len(position) != self.d:
             return False
-        there = self._value(reflected(own[self.axis], self.at))
+        there = self._value(reflected(position[self.axis], self.at))
         size = max([abs(v) for k, v in numbers.items() if "/position/" in k], default=0.0)
-        return abs(there - here) <= ALIKE * size
+        return abs(there - here) <= SAME_PLACE * size
 
     def _value(self, text: str) -> float:
         try:
             return float(value_in(self.document, text))
         except ValueError as fault:
-            raise EditError("", f"The plane of a mirror: {fault}") from None
+            raise EditError("", f"The plane of the mirror is wrong: {fault}") from None
 
     def of(self, thing: dict[str, Any]) -> dict[str, Any]:
-        """The image of a thing; references stay."""
+        """The image of a thing, with the same references."""
         call = call_of(thing)
         if call is None:
             return thing
         if "step" in thing["args"]:
-            raise EditError(f"{thing['id']}/step", "A body of a STEP file has no mirror image: give its numbers.")
+            raise EditError(f"{thing['id']}/step", "A body of a STEP file cannot be mirrored. Give its numbers.")
         thing = moved(thing, self._position)
         args = {key: self._argument(call, thing, key, value) for key, value in thing["args"].items()}
         if call.kind == "element":
-            args |= self._orientation(call, thing)
-            args |= self._signs(thing)
+            args |= self._orientation(call, thing) | self._signs(thing)
         elif call.kind == "block":
             args |= self._block(thing)
         return {**thing, "args": args}
 
-    def _position(self, own: list[str]) -> list[str]:
-        return [reflected(text, self.at) if k == self.axis else text for k, text in enumerate(own)]
+    def _position(self, position: list[str]) -> list[str]:
+        return [reflected(text, self.at) if k == self.axis else text for k, text in enumerate(position)]
 
-    def _vector(self, own: list[str], sign: int = 1) -> list[str]:
-        """Image of a direction, with ``sign`` -1 that of what turns about it."""
-        return [negated(text) if (k == self.axis) is (sign == 1) else text for k, text in enumerate(own)]
+    def _vector(self, vector: list[str], sign: int = 1) -> list[str]:
+        """Image of a direction, or with sign -1 of an axis of rotation."""
+        return [negated(text) if (k == self.axis) is (sign == 1) else text for k, text in enumerate(vector)]
 
     def _argument(self, call: Call, thing: dict[str, Any], key: str, value: Any) -> Any:
-        """Image of one argument; those of elements and blocks that are no vectors stand in methods of their own."""
+        """Image of an argument; elements and blocks have more methods for arguments that are no vectors."""
         name = call.name.rpartition(".")[2]
         if key in ("value", "velocity") and name in ("prescribe", "start"):
             return negated(value) if self._sign_of_entry(thing) < 0 else value
         if key == "values" and name in ("prestress", "strain"):
-            own = [value] if isinstance(value, str) else value
+            values = [value] if isinstance(value, str) else value
             signs = self._parity(thing, "element")
-            return [negated(text) if sign < 0 else text for text, sign in zip(own, signs, strict=False)]
+            return [negated(text) if sign < 0 else text for text, sign in zip(values, signs, strict=False)]
         if key == "gradient":
             return self._gradient(thing, value)
         kind = call.fields[key]["kind"] if key in call.fields else None
@@ -127,32 +124,26 @@ class _Image:
         if name == "rotation":
             return self._rotation(value)
         if isinstance(value, str) or len(value) == 1:
-            # What turns in the plane.
-            one = value if isinstance(value, str) else value[0]
-            return negated(one) if isinstance(value, str) else [negated(one)]
+            # A rotation in the plane.
+            return negated(value) if isinstance(value, str) else [negated(value[0])]
         axial = key in AXIAL or (name == "prescribe" and key == "axis")
         return self._vector(value, -1 if axial else 1)
 
     def _tensor(self, value: Any) -> Any:
-        """Of (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) those of two different axes, one of which is across the plane."""
+        """Image of (Ixx, Ixy, Ixz, Iyy, Iyz, Izz): products of inertia with the axis across the plane change sign."""
         if not isinstance(value, list) or len(value) != 6:
             return value
-        pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-        return [
-            negated(text) if (i == self.axis) is not (j == self.axis) else text
-            for text, (i, j) in zip(value, pairs, strict=True)
-        ]
+        pairs = zip(value, UPPER, strict=True)
+        return [negated(text) if (i == self.axis) is not (j == self.axis) else text for text, (i, j) in pairs]
 
     def _rotation(self, value: Any) -> Any:
-        """An angle, or Euler parameters, whose last three lie along the axis of the rotation."""
+        """Image of an angle or of Euler parameters, whose last three lie along the axis of rotation."""
         if isinstance(value, str):
             return negated(value)
         return [negated(value[0])] if len(value) == 1 else [value[0], *self._vector(value[1:], -1)]
 
-    # -- elements ---------------------------------------------------------------------------------------------------
-
     def _orientation(self, call: Call, thing: dict[str, Any]) -> dict[str, Any]:
-        """The vector y of a spatial element whose own is the default, where the default of its image is another."""
+        """The vector y of a spatial element with the default y, if its image has another default."""
         if "y" not in call.fields or thing["args"].get("y"):
             return {}
         member = self.built.builder.members.get(thing.get("name", ""))
@@ -165,45 +156,43 @@ class _Image:
         return {"y": ["-1" if k == self.axis else "0" for k in range(3)]}
 
     def _signs(self, thing: dict[str, Any]) -> dict[str, Any]:
-        """Numbers of an element that change their sign: a pitch, an initial curvature."""
-        own = {key: value for key, value in thing["args"].items() if self._may_change(thing, key)}
-        if not own:
+        """Numbers of an element that change sign, such as a pitch or an initial curvature."""
+        member = self.built.builder.members.get(thing.get("name", ""))
+        known = scalars_of(member) if member is not None else {}
+        args = {key: value for key, value in thing["args"].items() if key in known}
+        if not args:
             return {}
         flips, _ = self._image_of(thing["name"], thing["id"])
         return {
             key: negated(value)
             if isinstance(value, str)
             else [negated(v) if s < 0 else v for v, s in zip(value, flips[key], strict=False)]
-            for key, value in own.items()
+            for key, value in args.items()
             if np.any(np.asarray(flips.get(key, 1)) < 0)
         }
 
-    def _may_change(self, thing: dict[str, Any], key: str) -> bool:
-        member = self.built.builder.members.get(thing.get("name", ""))
-        return member is not None and key in scalars_of(member)
-
     def _parity(self, thing: dict[str, Any], key: str) -> np.ndarray:
-        """Sign of each deformation of the element that a thing is about, in its image."""
+        """Sign of each deformation in the image of the element that a thing refers to."""
         return self._image_of(thing["args"][key], f"{thing['id']}/{key}")[1]
 
     def _image_of(self, name: str, address: str) -> tuple[dict[str, Any], np.ndarray]:
         member = self.built.builder.members.get(name)
         if member is None:
-            raise EditError(address, f"'{clean(name)}' cannot be mirrored before its problems are solved.")
+            raise EditError(address, f"'{clean(name)}' has problems. Solve them before you mirror it.")
         nodes = [self.built.builder.nodes[node] for node in member.nodes]
         references = [np.asarray(node.start, float) for node in nodes]
         found = image_of(member, references, [node.kind for node in nodes], self.axis, self._y_turns(name))
         if found is None:
-            raise EditError(address, f"'{clean(name)}' ({member.element.name}) has no mirror image of its kind.")
+            raise EditError(address, f"'{clean(name)}' ({member.element.name}) has no mirror image of its type.")
         return found
 
     def _y_turns(self, name: str) -> bool:
-        """Whether the image of an element has its y turned round: those of blocks."""
+        """Whether the image of an element has a reversed y: elements of blocks."""
         id = self.document.known.thing(("element",), name)
         return id is not None and call_of(self.document.by_id[id]).kind == "block"  # pyright: ignore
 
     def _sign_of_entry(self, thing: dict[str, Any]) -> int:
-        """Sign of the coordinate or deformation that a thing is about, in the image."""
+        """Sign of the image of the coordinate or deformation that a thing refers to."""
         of, component = thing["args"].get("of", ""), str(thing["args"].get("component", ""))
         known, kind = self.document.known, thing["args"].get("kind")
         is_node = kind == "node" or (kind != "element" and of in self.built.builder.nodes)
@@ -228,14 +217,14 @@ class _Image:
         return -1 if component in (AXES[self.axis], str(self.axis + 1)) else 1
 
     def _gradient(self, thing: dict[str, Any], value: Any) -> Any:
-        """Across the element: along local z in the plane; along local y and z in space."""
-        if self.d == 2:
-            return negated(value) if isinstance(value, str) else [negated(one) for one in value]
-        turned = 0 if self._y_turns(thing["args"].get("element", "")) else 1
-        return [negated(one) if k == turned else one for k, one in enumerate(value)]
+        """Image of a gradient along local z in the plane, along local y and z in space."""
+        if isinstance(value, str):
+            return negated(value)
+        turned = 0 if self.d == 2 or self._y_turns(thing["args"].get("element", "")) else 1
+        return [negated(text) if k == turned else text for k, text in enumerate(value)]
 
     def with_sections(self, things: list[dict[str, Any]], ids: set[str], number: int) -> list[dict[str, Any]]:
-        """Things, of which some have the sections of images: others where there is a product of inertia."""
+        """Things, with other sections for images if a section has a product of inertia."""
         known, made = self.document.known, {}
         if self.d == 2:
             return things
@@ -248,58 +237,52 @@ class _Image:
                 found.append(thing)
                 continue
             if id not in made:
-                name = f"{section['name']} mirrored"
-                while name in known.by_space["section"]:
-                    name += "'"
+                name = known.unused("section", f"{section['name']} mirrored")
                 args = {**section["args"], "Jyz": negated(product)}
                 made[id] = {"id": str(number + len(made)), "call": "Rigidity", "name": name, "args": args}
             found.append({**thing, "args": {**thing["args"], "section": made[id]["name"]}})
         return [*made.values(), *found]
 
-    # -- building blocks --------------------------------------------------------------------------------------------
-
     def _block(self, thing: dict[str, Any]) -> dict[str, Any]:
-        """Arguments of the image of a block, tried: its points must be the images of the points of the block."""
-        own = thing["args"]
+        """Arguments of the image of a block; its points must be the images of the points of the block."""
+        args = thing["args"]
         default = ["0", "1", "0"][: self.d]
         found: dict[str, Any] = {}
-        along = self._vector(own.get("along") or default)
-        if own.get("along") or along != default:
+        along = self._vector(args.get("along") or default)
+        if args.get("along") or along != default:
             found["along"] = along
         if self.d == 3:
-            y = [negated(one) for one in self._vector(own.get("y") or ["0", "0", "1"])]
-            if own.get("y") or y != ["0", "0", "1"]:
+            y = [negated(text) for text in self._vector(args.get("y") or ["0", "0", "1"])]
+            if args.get("y") or y != ["0", "0", "1"]:
                 found["y"] = y
-        scalars = [key for key, value in own.items() if key in ("apart", "fold") and isinstance(value, str)]
-        if self.d == 2 and thing["call"] == "blocks.folded_leaf_spring" and "fold" not in own:
+        scalars = [key for key, value in args.items() if key in ("apart", "fold") and isinstance(value, str)]
+        if self.d == 2 and thing["call"] == "blocks.folded_leaf_spring" and "fold" not in args:
             scalars.append("fold")
         if thing["id"] not in self.built.made:
-            raise EditError(thing["id"], "A block cannot be mirrored before its problems are solved.")
+            raise EditError(thing["id"], "The block has problems. Solve them before you mirror it.")
         wanted = {name: self._reflected(place) for name, place in self._points(self.built, thing).items()}
         inner = self._inner(thing)
         for flips in sorted(itertools.product((False, True), repeat=len(scalars)), key=sum):
-            signs = {
-                key: negated(own.get(key, repr(np.pi / 2))) for key, flip in zip(scalars, flips, strict=True) if flip
-            }
-            trial = {**thing, "args": {**own, **found, **signs}}
+            flipped = [key for key, flip in zip(scalars, flips, strict=True) if flip]
+            signs = {key: negated(args.get(key, repr(np.pi / 2))) for key in flipped}
+            trial = {**thing, "args": {**args, **found, **signs}}
             if self._agrees(self._points_alone(trial), wanted, inner):
                 return {**found, **signs}
-        raise EditError(
-            thing["id"], f"Block '{clean(thing['name'])}' has no mirror image as a block: explode it first."
-        )
+        name = clean(thing["name"])
+        raise EditError(thing["id"], f"Block '{name}' has no mirror image as a block. Explode it first.")
 
     def _inner(self, thing: dict[str, Any]) -> set[str]:
         """Names of the block's own nodes that other things refer to."""
-        found = set()
+        found, start = set(), f"{thing['name']} "
         for other in self.document.things:
             known = referred(self.document.known, other)
             for address, _, name in references(other):
-                if known.get(address) == thing["id"] and other is not thing:
-                    found.add(name.removeprefix(f"{thing['name']} ") if name.startswith(f"{thing['name']} ") else "")
-        return {name for name in found if name}
+                if known.get(address) == thing["id"] and other is not thing and name.startswith(start):
+                    found.add(name.removeprefix(start))
+        return found - {""}
 
     def _points(self, built: Built, block: dict[str, Any]) -> dict[str, np.ndarray]:
-        """Places of the nodes that a block makes and that bear its name."""
+        """Places of the nodes that a block makes and that begin with its name."""
         made = [call.positional for call in built.made.get(block["id"], []) if call.method == "node"]
         return {name: np.asarray(place, float) for name, place in made if name.startswith(f"{block['name']} ")}
 
@@ -307,27 +290,28 @@ class _Image:
         return self.turned * point + np.where(np.arange(self.d) == self.axis, 2 * self._value(self.at), 0.0)
 
     def _points_alone(self, thing: dict[str, Any]) -> dict[str, np.ndarray]:
-        """Points of a block that stands on the image of its base."""
+        """Points of a block on the image of its base."""
         known = self.document.known
         records = [t for t in self.document.things if (c := call_of(t)) and c.makes in ("section", "material")]
         base = thing["args"].get("base", "")
         start = self.built.builder.nodes.get(base)
         if start is None or known.thing(("node",), base) is None:
-            raise EditError(f"{thing['id']}/base", "A block cannot be mirrored before its problems are solved.")
+            raise EditError(f"{thing['id']}/base", "The block has problems. Solve them before you mirror it.")
         place = self._reflected(np.asarray(start.start, float))
         node = {"id": "0", "call": "node", "name": base, "args": {"position": [repr(float(v)) for v in place]}}
         return self._points(build(self.document.with_things([*records, node, thing])), thing)
 
     def _agrees(self, found: dict[str, np.ndarray], wanted: dict[str, np.ndarray], inner: set[str]) -> bool:
-        """Whether points are the same, those that others refer to by their names."""
+        """Whether points are the same; by name if other things refer to the inner points."""
         if set(found) != set(wanted) or not wanted:
             return False
         size = max(float(np.max(np.abs(p))) for p in wanted.values()) or 1.0
-        by_name = [np.max(np.abs(found[n] - wanted[n])) <= ALIKE * size for n in wanted]
-        if inner:
-            return all(by_name)
-        rows = [sorted(np.round(p / (10 * ALIKE * size)).tolist() for p in own.values()) for own in (found, wanted)]
-        return all(by_name) or bool(np.allclose(rows[0], rows[1], rtol=0, atol=2))
+        by_name = all(np.max(np.abs(found[n] - wanted[n])) <= SAME_PLACE * size for n in wanted)
+        if inner or by_name:
+            return by_name
+        grid = 10 * SAME_PLACE * size
+        rows = [sorted(np.round(p / grid).tolist() for p in points.values()) for points in (found, wanted)]
+        return bool(np.allclose(rows[0], rows[1], rtol=0, atol=2))
 
 
 OPERATIONS = {"mirror": mirror}

@@ -1,4 +1,4 @@
-"""The file that a session works on: opened, saved, changed by another program, found again with its journal."""
+"""The file of a session: opened, saved, changed by another program, and found again with its journal."""
 
 from __future__ import annotations
 
@@ -16,109 +16,94 @@ from .filing import Opened, difference, files_of, opened, received, write
 from .places import Storage, place_of
 from .undo import History
 
-# Between two looks [s].
+# Time between two looks at the file [s].
 PERIOD = 0.5
 
 Tell = Callable[[dict[str, Any]], None]
 
 
 class ChangedError(ValueError):
-    """Another program has changed the file that is to be written."""
+    """Another program has changed the file."""
 
 
 class OpenFile:
     """The file of a history, and the place of its journal.
 
     Attributes:
-        history: The document, whose ``file`` it is.
-        place: Where the journal stands, and how it is found; None without a journal.
-        recovered: Whether what is here came back from a journal, and nobody has said yet that it shall stay.
+        recovered: Whether the document came from a journal, and nobody has kept or saved it yet.
+        settled: Called when the document equals its file again without an edit.
     """
 
     def __init__(self, history: History, place: Storage | None, tell: Tell, lock: threading.RLock):
-        """Watch nothing yet: see :meth:`know`."""
+        """Watch nothing yet; :meth:`know` begins."""
         self.history = history
         self.place = place
         self.recovered = False
         self._tell, self._lock = tell, lock
         self._answers_at: tuple[int, str] | None = None
         self._watch = Watch(self._changed_on_disk)
-        # What is told where the document is as its file again, without an edit.
         self.settled: Callable[[], None] = lambda: None
 
     @property
     def path(self) -> Path | None:
-        """The file; None where there is none yet."""
+        """Path of the file, or None."""
         return None if self.history.file is None else Path(self.history.file)
 
     def know(self) -> None:
-        """Take what the file holds now as what was read."""
+        """Take the present content of the file as known."""
         self._watch.know(*files_of(self.path))
 
     def follow(self) -> None:
-        """Look at the file of now, which an undone step may have changed."""
+        """Watch the present file, which an undone step may have changed."""
         self._watch.look(*files_of(self.path))
 
     def begin(self) -> None:
-        """Say what came back from a journal."""
+        """Report edits that came from a journal."""
         if self.recovered:
             count = len(self.history.undo_labels)
-            summary = f"{count} {'step' if count == 1 else 'steps'} that nobody saved came back."
+            summary = f"{count} unsaved {'step' if count == 1 else 'steps'} came back."
             name = "the new mechanism" if self.path is None else self.path.name
             self._tell({"tell": "file", "changed": False, "recovered": True, "name": name, "summary": summary})
 
     def answers_at(self, port: int, token: str) -> None:
-        """Say where pages find this session, now and after it was started again."""
+        """Write where pages find this session, now and after a restart."""
         self._answers_at = port, token
         if self.place is not None:
             self.place.take(port, token)
 
     def open(self, path: Path, key: str | None) -> list[str]:
-        """Put the document of a file in the place of this one, as a step; what is to be said about it."""
+        """Replace the document by a file, as one step; notes about it."""
         found = opened(path)
         self._take(found, path, f"Open {clean(path.name)}", key)
         return found.notes
 
     def receive(self, name: str, text: str, key: str | None) -> list[str]:
-        """Put the document of a text in the place of this one, as a step; what is to be said about it."""
+        """Replace the document by a text, as one step; notes about it."""
         found = received(name, text)
         self._take(found, None, f"Open {clean(name)}", key)
         return found.notes
 
     def take(self, key: str | None) -> list[str]:
-        """Put what the file holds now in the place of this document, or nothing where there is no file, as a step."""
+        """Replace the document by the file, or by an empty one without a file, as one step; notes about it."""
         path = self.path
-        if path is None:
-            empty = Document.empty(self.history.document.dimension)
-            self._take(Opened(empty, []), None, "Begin anew", key)
-            notes = []
-        else:
-            found = opened(path)
-            self._take(found, path, f"Take {clean(path.name)} from the disk", key)
-            notes = found.notes
+        found = opened(path) if path else Opened(Document.empty(self.history.document.dimension), [])
+        self._take(found, path, f"Take {clean(path.name)} from the disk" if path else "Begin anew", key)
         self._settle()
-        return notes
+        return found.notes
 
     def keep(self) -> None:
-        """Keep what is here: the next save writes over what another program has written."""
+        """Keep the document; the next save overwrites the change of another program."""
         if not self.recovered:
             self.history.saved = None
         self.know()
         self._settle()
 
     def save(self, path: Path) -> list[str]:
-        """Write the document; the file is its own from then on, unless that cannot be opened again.
-
-        Raises:
-            ChangedError: Another program has changed it since it was read.
-            OSError: It cannot be written.
-            ValueError: It ends otherwise, or cannot hold the document.
-        """
+        """Write the document; a file that can be opened again becomes the file of the document."""
         if path == self.path and (changed := self._watch.differs()):
             self._changed_on_disk(changed[0])
-            raise ChangedError(
-                f"'{clean(path.name)}' was changed by another program: say which is to stay, and save again."
-            )
+            name = clean(path.name)
+            raise ChangedError(f"Another program has changed '{name}'. Choose which content stays, and save again.")
         notes = write(self.history.document, path)
         if path.suffix != ".py":
             self.history.mark_saved(str(path))
@@ -128,7 +113,7 @@ class OpenFile:
         return notes
 
     def close(self, keep: bool | None) -> None:
-        """End watching and journal."""
+        """End the watch and the journal."""
         self._watch.close()
         with self._lock:
             keep = not self.history.is_saved if keep is None else keep
@@ -143,7 +128,7 @@ class OpenFile:
             self._move_to(path)
 
     def _move_to(self, path: Path) -> None:
-        """Take the journal to the place of another file, so that it is found with that."""
+        """Move the journal to the place of another file."""
         place = place_of(path)
         if self.place is None or place == self.place or place.is_taken():
             return
@@ -154,20 +139,20 @@ class OpenFile:
             place.take(*self._answers_at)
 
     def _changed_on_disk(self, path: Path) -> None:
-        """Offer what another program has written, where it builds something else."""
+        """Offer the change of another program if it builds another mechanism."""
         with self._lock:
-            own = self.path
-            if own is None or path not in files_of(own):
+            path_here = self.path
+            if path_here is None or path not in files_of(path_here):
                 return
             try:
-                summary = difference(self.history.document, opened(own).document)
+                summary = difference(self.history.document, opened(path_here).document)
             except (OSError, ValueError) as fault:
-                summary = f"It cannot be opened as it is now: {fault}"
+                summary = f"The file cannot be opened now: {fault}"
             if summary:
                 self._tell({"tell": "file", "changed": True, "name": path.name, "summary": summary})
                 return
             self.know()
-            self.history.mark_saved(str(own))
+            self.history.mark_saved(str(path_here))
             self.settled()
 
     def _settle(self) -> None:
@@ -176,12 +161,9 @@ class OpenFile:
 
 
 class Watch:
-    """Looks at files, and says when one holds something else than what was last read or written here.
+    """Watches files, and calls ``changed(file)`` in a thread once for each new content.
 
-    A file is looked at until it has stayed the same from one look to the next: an editor may be writing it.
-
-    Args:
-        changed: Called with the file, in a thread; once for every new content.
+    A file counts once it has stayed the same from one look to the next: an editor may be writing it.
     """
 
     def __init__(self, changed: Callable[[Path], None]):
@@ -196,14 +178,14 @@ class Watch:
         self._thread = threading.Thread(target=self._run, name="flexmb watch", daemon=True)
 
     def know(self, *paths: Path) -> None:
-        """Watch these files and no others, and take what they hold now as known."""
+        """Watch only these files, with their present contents as known."""
         with self._lock:
             for path in paths:
                 self._known.pop(path, None)
         self.look(*paths)
 
     def look(self, *paths: Path) -> None:
-        """Watch these files and no others; those that were known once as they were then."""
+        """Watch only these files; contents that were known stay known."""
         with self._lock:
             for path in paths:
                 if path not in self._known:
@@ -214,13 +196,13 @@ class Watch:
             self._thread.start()
 
     def differs(self) -> list[Path]:
-        """Files that hold something else than what is known."""
+        """Files whose contents are not known."""
         with self._lock:
             known = {path: self._known[path] for path in self._watched}
         return [path for path, content in known.items() if content_of(path) != content]
 
     def close(self) -> None:
-        """Look no longer; a second call does nothing."""
+        """End the watch; a second call does nothing."""
         self._ended.set()
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join()
@@ -234,7 +216,7 @@ class Watch:
                     self._changed(path)
 
     def _is_new(self, path: Path) -> bool:
-        """Whether a file has come to rest with a content that is neither known nor told about."""
+        """Whether a file is at rest with a content that is neither known nor reported."""
         look = _look(path)
         with self._lock:
             at_rest = look == self._seen.get(path, "not looked at yet") and look != self._read.get(path, "not read yet")
@@ -251,7 +233,7 @@ class Watch:
 
 
 def content_of(path: Path) -> str | None:
-    """What a file holds, as a short text; None where there is none."""
+    """Digest of a file's content, or None."""
     with contextlib.suppress(OSError):
         return hashlib.sha256(read_whole(path)).hexdigest()
     return None

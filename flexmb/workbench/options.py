@@ -1,4 +1,4 @@
-"""What an analysis is told beside the document: fields of the page, what is missing, and the numbers in them."""
+"""Options of analyses: fields of the page, what a document lacks, and the checked numbers and words."""
 
 from __future__ import annotations
 
@@ -13,105 +13,96 @@ from .building import free_names, numbers_of, positions
 from .document import Document
 from .references import call_of
 
-# Nodes whose coordinates are offered in a list.
+# Number of nodes whose coordinates a list offers.
 MOST_NODES = 100
 
 Field = dict[str, Any]
 
 
 def _number(name: str, unit: str, default: str, doc: str, **more: Any) -> Field:
-    """A field for a number; one that is not optional is seen at once, and has its default where nothing is written."""
+    """A field for a number, hidden at first and empty for its default unless another is given."""
     return {"name": name, "kind": "number", "unit": unit, "default": default, "doc": doc, "optional": True} | more
 
 
-def _choice(name: str, choices: list[str], doc: str, default: str = "", optional: bool = True) -> Field:
-    return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": optional}
-
-
-def _nodes(document: Document) -> list[str]:
-    """Nodes with a position, those that building blocks make after those that are drawn."""
-    return list(positions(document))
+def _choice(name: str, choices: list[str], doc: str, default: str = "", *, must: bool = False) -> Field:
+    return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": not must}
 
 
 def _coordinates(document: Document) -> list[str]:
-    """Coordinates of nodes that are not fixed altogether."""
+    """Coordinates of nodes that are not fixed as a whole."""
     fixed = {
         thing["args"].get("node")
         for thing in document.things
         if thing["call"] == "fix" and not str(thing["args"].get("components", "")).strip()
     }
-    names = [name for name in _nodes(document) if name not in fixed]
+    names = [name for name in positions(document) if name not in fixed]
     axes = ("x", "y", "phi") if document.dimension == 2 else ("x", "y", "z")
     return [f"{name}.{axis}" for name in names[:MOST_NODES] for axis in axes]
 
 
 FIELDS: dict[str, Callable[[Document], list[Field]]] = {
     "times": lambda _: [
-        _number("end", "s", "1", "How long.", optional=False),
+        _number("end", "s", "1", "Duration.", optional=False),
         _number("steps", "", "200", "Output times.", whole=True),
         _number("rtol", "-", "1e-5", "Relative tolerance of the integration."),
     ],
-    "steps": lambda _: [_number("max_steps", "", "200", "Steps at most.", whole=True)],
+    "steps": lambda _: [_number("max_steps", "", "200", "Largest number of steps.", whole=True)],
     "frequencies": lambda _: [
-        _number("low", "Hz", "", "Lowest frequency; by the poles unless given."),
-        _number("high", "Hz", "", "Highest frequency; by the poles unless given."),
+        _number("low", "Hz", "", "Lowest frequency; follows from the poles by default."),
+        _number("high", "Hz", "", "Highest frequency; follows from the poles by default."),
     ],
     "trajectory": lambda document: [
-        _choice(
-            "coordinate", _coordinates(document), "What is led; the one degree of freedom unless given.", optional=False
-        ),
-        _number("by", "m, rad", "0.001", "How far it goes from where it is.", optional=False),
-        _number("duration", "s", "0.5", "In what time.", optional=False),
-        _choice("law", ["quintic", "septic", "scurve"], "How it speeds up and slows down.", "quintic"),
+        _choice("coordinate", _coordinates(document), "Prescribed; default the one degree of freedom.", must=True),
+        _number("by", "m, rad", "0.001", "Displacement from the present position.", optional=False),
+        _number("duration", "s", "0.5", "Duration of the displacement.", optional=False),
+        _choice("law", ["quintic", "septic", "scurve"], "Motion law.", "quintic"),
     ],
     "stroke": lambda document: [
         _choice(
             "coordinate",
             _coordinates(document),
-            "What is driven; an input or the one degree of freedom unless given.",
-            optional=False,
+            "Driven; default the one input or degree of freedom.",
+            must=True,
         ),
-        _number("to", "m, rad", "0.001", "How far, to both sides.", optional=False),
-        _number("steps", "", "4", "Strokes to each side.", whole=True),
-        _choice("node", _nodes(document), "Whose stiffness is told."),
+        _number("to", "m, rad", "0.001", "Stroke to each side.", optional=False),
+        _number("steps", "", "4", "Number of strokes to each side.", whole=True),
+        _choice("node", list(positions(document)), "Node for the support stiffness."),
     ],
     "names": lambda document: [
-        _choice("name", free_names(document), "Which dimension varies.", optional=False),
-        _number("low", "", "", "From; its lower bound, or a half of it, unless given."),
-        _number("high", "", "", "To; its upper bound, or twice it, unless given."),
-        _number("points", "", "41", "How many values.", whole=True),
+        _choice("name", free_names(document), "Dimension that varies.", must=True),
+        _number("low", "", "", "First value; default its lower bound, or half of it."),
+        _number("high", "", "", "Last value; default its upper bound, or twice it."),
+        _number("points", "", "41", "Number of values.", whole=True),
     ],
 }
 
 
 def missing(need: str, document: Document) -> str | None:
-    """What a document has too little of, and what to add."""
+    """What a document lacks for an analysis, and what to add; None if nothing."""
     calls = [call_of(thing) for thing in document.things]
     groups = {call.entry["group"] for call in calls if call}
     names = {call.name for call in calls if call}
     if need == "loads" and "load" not in groups and "prescribe" not in names:
         return "There is no load: add a force, a moment or gravity."
     if need == "cause" and "load" not in groups and not names & {"prescribe", "start"}:
-        return "Nothing sets it in motion: add a force, gravity or a start value, or prescribe a coordinate."
+        return "Nothing moves it: add a force, gravity or a start value, or prescribe a coordinate."
     if need == "signals":
-        for words, what in (
-            (("input", "actuator"), "no input: add one at what drives it"),
-            (("output", "sensor"), "no output: add one at what is measured"),
-        ):
-            if not names & set(words):
-                return f"There is {what}."
+        if not names & {"input", "actuator"}:
+            return "There is no input: add one where it is driven."
+        if not names & {"output", "sensor"}:
+            return "There is no output: add one where it is measured."
     if need == "names" and not free_names(document):
-        return "There is no name to vary: write a name, such as t, where a number stands."
+        return "There is no name to vary: write a name, such as t, instead of a number."
     return None
 
 
-def checked(own: Mapping[str, Any], options: Mapping[str, Any], document: Document) -> dict[str, Any]:
+def checked(analysis: Mapping[str, Any], options: Mapping[str, Any], document: Document) -> dict[str, Any]:
     """Options as numbers and words, with their defaults."""
-    fields = {field["name"]: field for field in own["fields"]}
+    fields = {field["name"]: field for field in analysis["fields"]}
     for name in options:
         if name not in fields:
             listed = ", ".join(fields) or "none"
-            raise ValueError(f"There is no option '{clean(name)}' of '{own['title']}'. There are: {listed}.")
+            raise ValueError(f"'{analysis['title']}' has no option '{clean(name)}'. There are: {listed}.")
     numbers, found = numbers_of(document), {}
     names = {n: numbers[f"names/{n}/value"] for n in document.names if f"names/{n}/value" in numbers}
     for name, field in fields.items():

@@ -1,4 +1,4 @@
-"""Where a workbench keeps its journal, and how another one finds it: files that no other user can read."""
+"""The place of a workbench's journal, and how another process finds it; no other user can read these files."""
 
 from __future__ import annotations
 
@@ -15,16 +15,12 @@ from .undo import is_locked, journal_folder, journals, new_journal
 
 
 class Storage(NamedTuple):
-    """Where one workbench keeps what it must not lose.
-
-    Attributes:
-        journal: File of its edits.
-    """
+    """The journal of one workbench."""
 
     journal: Path
 
     def known(self) -> dict[str, Any]:
-        """What the workbench that was last here has told: "port" and "token"; empty where none was."""
+        """Data of the last workbench here: "port" and "token"; empty if there was none."""
         with contextlib.suppress(OSError, ValueError):
             found = json.loads(self._about.read_text(encoding="utf-8"))
             if isinstance(found, dict) and isinstance(found.get("port"), int) and isinstance(found.get("token"), str):
@@ -32,12 +28,12 @@ class Storage(NamedTuple):
         return {}
 
     def take(self, port: int, token: str) -> None:
-        """Say where this process answers. A later one goes on with port and token, so that open pages find it again."""
+        """Write the address of this process. A later one takes over port and token, and open pages find it."""
         write_whole(self._about, json.dumps({"port": port, "token": token}).encode())
         self._about.chmod(0o600)
 
     def leave(self) -> None:
-        """Nobody works here any more, and there is nothing to go on with."""
+        """Remove the address: there is nothing to continue with."""
         self._about.unlink(missing_ok=True)
 
     def is_taken(self) -> bool:
@@ -45,7 +41,7 @@ class Storage(NamedTuple):
         return self.journal.exists() and is_locked(self.journal)
 
     def address(self) -> str | None:
-        """Address of the workbench that answers here now; None where none does."""
+        """Address of the workbench that answers here, or None."""
         known = self.known()
         if not known:
             return None
@@ -66,27 +62,19 @@ class Storage(NamedTuple):
 
 
 def place_of(file: Path) -> Storage:
-    """Place of a file.
-
-    Raises:
-        OSError: The folder of journals cannot be made.
-    """
+    """Place of a file."""
     path = os.path.realpath(file)
     return Storage(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
 
 
 def left_place() -> Storage | None:
-    """Place of the new mechanism that was left last without being saved, where there is one."""
+    """Place of the last new mechanism that was never saved, or None."""
     found = (path for path in journals(_folder()) if path.name[:1].isdigit())
     return next(map(Storage, found), None)
 
 
 def new_place() -> Storage:
-    """Place of a new mechanism.
-
-    Raises:
-        OSError: The folder of journals cannot be made.
-    """
+    """Place of a new mechanism."""
     return Storage(new_journal(_folder()))
 
 

@@ -1,4 +1,4 @@
-"""A target on its way: the designs that it looks at are the document while it goes on."""
+"""A target in progress: the designs of the search become the document."""
 
 from __future__ import annotations
 
@@ -10,18 +10,12 @@ from .document import Document
 from .jobs import Job
 from .wants import number_like
 
-# Designs are shown no faster than this [s], with so many digits.
+# Shortest time between two designs on the page [s], and their number of digits.
 PACE, DIGITS = 0.1, 6
 
 
 class Shown:
-    """A job whose designs become the document as they come.
-
-    Args:
-        job: Told all of it.
-        document: That the names are in.
-        write: Edits the document, by operations.
-    """
+    """A job whose designs become the document, by operations for ``write``."""
 
     def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
         self._job, self._document, self._write = job, document, write
@@ -29,17 +23,17 @@ class Shown:
 
     @property
     def stopped(self) -> bool:
-        """Whether it is to end."""
+        """Whether to end."""
         return self._job.stopped
 
     def tell(self, **changes: Any) -> None:
-        """Take how far it is."""
+        """Send the progress, and edit the document."""
         self._job.tell(**changes)
         now = time.monotonic()
         if not changes.get("design") or now - self._last < PACE or self.stopped:
             return
         self._last = now
-        own = self._document.names
-        texts = {name: number_like(own[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
-        ops = [{"op": "name", "name": name, "to": {**own[name], "value": text}} for name, text in texts.items()]
+        names = self._document.names
+        texts = {name: number_like(names[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
+        ops = [{"op": "name", "name": name, "to": {**names[name], "value": text}} for name, text in texts.items()]
         self._write(ops)

@@ -14,7 +14,7 @@ from .building import Arguments, arranged, build, free_names, numbers_of
 from .document import Document
 from .references import call_of, called
 
-# Words that a variable of the script must not be called.
+# Words that no variable of the script may have.
 RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "fm", "planar", "spatial", "pi"}
 WIDEST = 110
 NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
@@ -22,15 +22,12 @@ LEADING_ZEROS = re.compile(r"(?<![\w.])0+(?=\d)(?![\d]*[.eE])")
 
 
 def python_of(document: Document) -> str:
-    """A script whose function returns the model of a document; run by itself it prints the natural frequencies.
-
-    What cannot be built is left out, and stands in a comment with its reason.
-    """
+    """A script whose function returns the model of a document; a comment names what cannot be built, and why."""
     return _Script(document).text()
 
 
 class _Script:
-    """One script on its way."""
+    """One script."""
 
     def __init__(self, document: Document):
         self.document = document
@@ -45,7 +42,7 @@ class _Script:
 
     def text(self) -> str:
         """The whole script."""
-        # In the order in which they were made, each after those that it refers to.
+        # In the order of building: each thing after the things that it refers to.
         things = [self.document.by_id[id] for id in self.built.made]
         lines = [line for thing in things for line in self._lines(thing)]
         body = [*self._derived(), f"{self.b} = fm.Builder()", *lines, f"return {self.b}.build()"]
@@ -55,9 +52,9 @@ class _Script:
         head += [f"from flexmb import {', '.join(rooms)}"] * bool(rooms)
         pi = ["from math import pi", ""] if re.search(r"\bpi\b", text) else []
         parameters = ", ".join(f"{self.names[n]}={self._number(f'names/{n}/value')}" for n in self._free())
-        called = f"def {self.function}({parameters}):"
-        if len(called) > WIDEST:
-            called = f"def {self.function}(\n    " + parameters.replace(", ", ",\n    ") + ",\n):"
+        head_of_function = f"def {self.function}({parameters}):"
+        if len(head_of_function) > WIDEST:
+            head_of_function = f"def {self.function}(\n    " + parameters.replace(", ", ",\n    ") + ",\n):"
         title = clean(self.document.data["title"] or "mechanism")
         return "\n".join(
             [
@@ -70,8 +67,8 @@ class _Script:
                 "fm.enable_x64()",
                 "",
                 "",
-                called,
-                "    " + _docstring(self._told(title)).replace("\n", "\n    ").replace("\n    \n", "\n\n"),
+                head_of_function,
+                "    " + _docstring(self._doc(title)).replace("\n", "\n    ").replace("\n    \n", "\n\n"),
                 text,
                 "",
                 "",
@@ -82,7 +79,7 @@ class _Script:
         )
 
     def _variable(self, name: str, otherwise: str) -> str:
-        """A name for a variable that is not taken yet."""
+        """A new name for a variable."""
         word = re.sub(r"\W+", "_", name.strip()).strip("_") or otherwise
         word = word if word.isidentifier() else f"{otherwise}_{word}"
         word = word if word.isidentifier() else otherwise
@@ -96,26 +93,25 @@ class _Script:
     def _free(self) -> list[str]:
         return [name for name in free_names(self.document) if f"names/{name}/value" in self.values]
 
-    def _told(self, title: str) -> str:
-        """What the function returns, and the bounds of its arguments."""
-        told = [f"Model of {title}."]
+    def _doc(self, title: str) -> str:
+        """Docstring of the function, with the bounds of its arguments."""
+        bounds = []
         for name in self._free():
-            bounds = [self.document.names[name].get(bound) for bound in ("low", "high")]
-            if all(bounds):
-                told.append(f"{self.names[name]}: from {clean(bounds[0])} to {clean(bounds[1])}.")
-        return told[0] if len(told) == 1 else "\n\n".join([told[0], "\n".join(told[1:])]) + "\n"
+            low, high = (self.document.names[name].get(bound) for bound in ("low", "high"))
+            if low and high:
+                bounds.append(f"{self.names[name]}: from {clean(low)} to {clean(high)}.")
+        return "\n\n".join([f"Model of {title}.", "\n".join(bounds)]) + "\n" if bounds else f"Model of {title}."
 
     def _left_out(self) -> list[str]:
         things = self.document.by_id
-        problems = {f"{called(things, one['address'])}: {one['message']}" for one in self.built.problems}
-        told = {one["address"].partition("/")[0] for one in self.built.problems}
-        problems |= {
-            f"{called(things, id)}: what it refers to is left out" for id in self.built.skipped if id not in told
-        }
-        return [f"# Left out: {clean(' '.join(one.split()))}" for one in sorted(problems)] + [""] * bool(problems)
+        problems = {f"{called(things, p['address'])}: {p['message']}" for p in self.built.problems}
+        reported = {p["address"].partition("/")[0] for p in self.built.problems}
+        others = [id for id in self.built.skipped if id not in reported]
+        problems |= {f"{called(things, id)}: what it refers to is left out" for id in others}
+        return [f"# Left out: {clean(' '.join(text.split()))}" for text in sorted(problems)] + [""] * bool(problems)
 
     def _derived(self) -> list[str]:
-        """Names that follow from others, each after those."""
+        """Names that follow from others, each after those names."""
         free, lines, done = set(self._free()), [], set(self._free())
         waiting = [n for n in self.document.names if n not in free and f"names/{n}/value" in self.values]
         while waiting:
@@ -125,10 +121,8 @@ class _Script:
             waiting = [n for n in waiting if n not in done]
         return lines
 
-    # -- numbers ------------------------------------------------------------------------------------------------------
-
     def _number(self, address: str) -> str:
-        """The text of a number, with the names that the script has."""
+        """The text of a number, with the names of the script."""
         tree: Any = self.document.by_id[address.partition("/")[0]]["args"] if not address.startswith("names/") else None
         if tree is None:
             tree = self.document.names[address.split("/")[1]]["value"]
@@ -137,8 +131,6 @@ class _Script:
                 tree = tree[int(step)] if isinstance(tree, list) else tree[step]
         text = LEADING_ZEROS.sub("", " ".join(str(tree).split()))
         return NAME.sub(lambda found: self.names.get(found.group(), found.group()), text)
-
-    # -- calls -------------------------------------------------------------------------------------------------------
 
     def _lines(self, thing: dict[str, Any]) -> list[str]:
         call: Any = call_of(thing)
@@ -159,11 +151,11 @@ class _Script:
 
 
 class Source(str):
-    """A text that stands in the script as it is."""
+    """Text that stands in the script unchanged."""
 
 
 def _written(value: Any) -> str:
-    """A value as Python writes it, texts in double quotes."""
+    """A value in Python, with texts in double quotes."""
     if isinstance(value, Source):
         return value
     if isinstance(value, tuple):
@@ -176,12 +168,12 @@ def _written(value: Any) -> str:
 
 
 def _wrapped(called: str, args: list[str]) -> str:
-    """A call in one line, or with an argument a line where that is too long."""
+    """A call in one line, or with one argument a line if it is too long."""
     line = f"{called}({', '.join(args)})"
     return line if len(line) <= WIDEST else f"{called}(\n    " + ",\n    ".join(args) + ",\n)"
 
 
 def _docstring(text: str) -> str:
-    """A docstring in which nothing ends early."""
+    """A docstring without quotes inside."""
     text = text.replace("\\", "/").replace('"', "'")
     return f'"""{text}"""'

@@ -7,9 +7,9 @@ from typing import Any
 from ..model.by_name import FRAME_OF, TURN_OF, TURNS
 from .fields import Call, calls
 
-# Parts of a node or an element that have a name of their own.
+# Parts of a node or an element with names of their own.
 PARTS = (".rotation", ".warping", ".internal", *(f".{axis}" for axis in TURNS))
-# Kinds of fields that hold names of things, and in which namespaces these are looked up.
+# Kinds of fields that contain names of things, and the namespaces of these names.
 SPACES = {
     "node": ("node",),
     "nodes": ("node",),
@@ -24,18 +24,18 @@ SPACES = {
 
 
 def call_of(thing: dict[str, Any]) -> Call | None:
-    """What a thing calls; None where this version knows no such call."""
+    """What a thing calls; None if this version has no such call."""
     return calls().get(thing["call"])
 
 
 def called(things: Mapping[str, dict[str, Any]], address: str) -> str:
-    """Call and name of the thing to which an address belongs; the address where there is none."""
+    """Call and name of the thing at an address, or the address itself if no thing has it."""
     thing = things.get(address.partition("/")[0])
     return address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip()
 
 
 def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], str]]:
-    """Names that a thing refers to: address within the thing, namespaces, and the name as it is written there."""
+    """Names that a thing refers to: address within the thing, namespaces, and the name as written there."""
     call = call_of(thing)
     for argument, value in thing["args"].items():
         field = call.fields.get(argument) if call else None
@@ -57,17 +57,17 @@ def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], st
 
 
 def stage_of(thing: dict[str, Any]) -> str | None:
-    """Name of the node that a building block carries, and makes where it is not there."""
+    """Name of the node that a building block carries. The block makes this node if it does not exist."""
     call, stage = call_of(thing), thing["args"].get("stage")
     return stage if call is not None and call.kind == "block" and isinstance(stage, str) and stage else None
 
 
 class Names:
-    """Names of the things of a document, and which thing a reference means.
+    """Names of the things of a document, and the thing that each reference means.
 
     Attributes:
-        by_space: Of each namespace, the id of the thing that bears a name.
-        made: Ids of the building blocks that make a node as their stage, by its name.
+        by_space: Id of the thing with a name, by namespace and name.
+        made: Id of the building block that makes a node as its stage, by the name of the node.
     """
 
     def __init__(self, things: list[dict[str, Any]]):
@@ -84,16 +84,11 @@ class Names:
         self._blocks = sorted(self.by_space.get("block", {}).items(), key=lambda pair: -len(pair[0]))
 
     def thing(self, spaces: tuple[str, ...], name: str) -> str | None:
-        """Id of the thing that a reference means; None where there is none, or two.
-
-        Args:
-            spaces: Namespaces in which it may be.
-            name: As it is written, which may be that of a part, such as "A.rotation" or "pivot leaf 1".
-        """
+        """Id of the thing that a name such as "A.rotation" or "pivot leaf 1" means; None if none or two match."""
         found = self.exactly(spaces, name)
         if found or not {"node", "element"} & set(spaces):
             return found
-        if found := self._stage(spaces, name):
+        if "node" in spaces and (found := self.made.get(name) or self.made.get(_without_part(name))):
             return found
         for start in (TURN_OF, FRAME_OF):
             if name.startswith(start) and (found := self.exactly(("node",), name.removeprefix(start))):
@@ -101,30 +96,33 @@ class Names:
         return next((id for block, id in self._blocks if name.startswith(f"{block} ")), None)
 
     def first(self, spaces: tuple[str, ...], name: str) -> str | None:
-        """The same where the first namespace counts in which there is such a name: parts of sensors are nodes first."""
+        """The same in the first namespace with such a name: parts of sensors are nodes first."""
         return next((found for space in spaces if (found := self.thing((space,), name))), None)
 
     def exactly(self, spaces: tuple[str, ...], name: str) -> str | None:
-        """The same of a thing's own name, or that of its rotation, its warping or its coordinates."""
+        """The same for the name of a thing itself, or of its rotation, its warping or its coordinates."""
         for plain in dict.fromkeys((name, _without_part(name))):
             found = {self.by_space.get(space, {}).get(plain) for space in spaces} - {None}
             if len(found) == 1:
                 return found.pop()
         return None
 
-    def _stage(self, spaces: tuple[str, ...], name: str) -> str | None:
-        return self.made.get(name) or self.made.get(_without_part(name)) if "node" in spaces else None
+    def unused(self, space: str, name: str) -> str:
+        """A name, with as many primes behind it as make it new."""
+        while name in self.by_space.get(space, {}):
+            name += "'"
+        return name
 
 
 def _without_part(name: str) -> str:
     return next((name.removesuffix(part) for part in PARTS if name.endswith(part)), name)
 
 
-def part_of(names: Names, said: str) -> tuple[str, str, str]:
-    """A part of a sensor, such as "velocity A.x", taken apart: what stands before the name, the name, what follows."""
-    of, point, component = said.rpartition(".")
+def part_of(names: Names, text: str) -> tuple[str, str, str]:
+    """A part of a sensor, such as "velocity A.x", as quantity, name and component."""
+    of, point, component = text.rpartition(".")
     if not point:
-        return "", said, ""
+        return "", text, ""
     words = of.split(" ")
     for count in range(len(words)):
         name = " ".join(words[count:])
@@ -134,48 +132,46 @@ def part_of(names: Names, said: str) -> tuple[str, str, str]:
     return "", of, f".{component}"
 
 
+def dependent(names: Names, things: list[dict[str, Any]], gone: set[str]) -> list[str]:
+    """Ids of the things that refer to things with some ids, directly or through others, in order."""
+    needs = {thing["id"]: set(referred(names, thing).values()) for thing in things}
+    everything = set(gone)
+    while along := {id for id, of in needs.items() if id not in everything and of & everything}:
+        everything |= along
+    return [thing["id"] for thing in things if thing["id"] in everything - gone]
+
+
 def referred(names: Names, thing: dict[str, Any]) -> dict[str, str | None]:
-    """Id of what each reference of a thing means, by the address within the thing; None where nothing is."""
+    """Id of the thing that each reference means, by its address within the thing; None if no thing matches."""
     found = {}
     for address, spaces, written in references(thing):
         name = part_of(names, written)[1] if address.startswith("weights/") else written
         field = address.partition("/")[0]
         known = (names.first if field == "weights" else names.thing)(spaces, name)
         if known == thing["id"] and field == "stage":
-            # The node that a block makes itself.
+            # The block makes this node.
             continue
         found[address] = known
     return found
 
 
 def with_references(thing: dict[str, Any], names: Names, changed: Callable[[str, str], str | None]) -> dict[str, Any]:
-    """A thing whose references are others.
-
-    Args:
-        thing: Not changed.
-        names: Of the document.
-        changed: ``f(id, name)``: the new name of what is referred to, from its id and the name in the reference; None
-            to leave it.
-    """
-    args, own = thing["args"], {}
+    """A thing with other references: ``changed(id, name)`` returns the new name, or None to keep the old one."""
+    args, new_names = thing["args"], {}
     for address, spaces, written in references(thing):
         weight = address.startswith("weights/")
         before, name, after = part_of(names, written) if weight else ("", written, "")
         known = (names.first if weight else names.thing)(spaces, name)
         new = changed(known, name) if known else None
         if new is not None and new != name:
-            own[address] = f"{before}{new}{after}"
-    for address, value in own.items():
+            new_names[address] = f"{before}{new}{after}"
+    for address, value in new_names.items():
         args = replaced(args, address.split("/"), value)
     return thing if args is thing["args"] else {**thing, "args": args}
 
 
 def replaced(tree: Any, path: list[str], value: Any) -> Any:
-    """A tree of dictionaries and lists with another value at a path; the rest is shared.
-
-    Raises:
-        KeyError: The path leads through what is neither.
-    """
+    """A tree of dictionaries and lists with another value at a path; KeyError if the path passes something else."""
     if not path:
         return value
     head, *rest = path
@@ -183,14 +179,14 @@ def replaced(tree: Any, path: list[str], value: Any) -> Any:
         return {**tree, head: replaced(tree.get(head), rest, value)}
     if not re.fullmatch(r"\d{1,4}", head) or not (tree is None or isinstance(tree, list)):
         raise KeyError(head)
-    own, k = list(tree or []), int(head)
-    own += [""] * (k + 1 - len(own))
-    own[k] = replaced(own[k] if rest and isinstance(own[k], list) else None if rest else own[k], rest, value)
-    return own
+    entries, k = list(tree or []), int(head)
+    entries += [""] * (k + 1 - len(entries))
+    entries[k] = replaced(entries[k] if not rest or isinstance(entries[k], list) else None, rest, value)
+    return entries
 
 
 def renamed_part(name: str, old: str, new: str) -> str:
-    """A reference by the name of a thing, or of a part of it, after that has another name."""
+    """A reference to a renamed thing or to a part of it, with the new name."""
     for start in (TURN_OF, FRAME_OF):
         if name.startswith(start) and _without_part(name.removeprefix(start)) == old:
             return start + new + name.removeprefix(start + old)

@@ -1,7 +1,7 @@
-"""The server of the workbench: a page, its script and a socket, on the loopback address alone.
+"""The server of the workbench: a page, its script and a socket, on the loopback address.
 
-Any web page may send requests to this address, so that each needs the token, which stands in the address, a host that
-is this machine (a foreign name may be made to point here), and for the socket an origin that is this server.
+Any web page may send requests to this address. Each request therefore needs the token of the address and a host that is
+this machine, and the socket also an origin that is this server.
 """
 
 import asyncio
@@ -26,12 +26,12 @@ from .messages import LONGEST_FRAME, Page, guarded, number_of, parsed, refused, 
 from .session import Refused, Session
 
 LOOPBACK = "127.0.0.1"
-# Requests of one page whose replies are kept, for those that are sent again after the connection was lost.
+# Number of kept replies to one page, for requests that are sent again after a lost connection, and of such pages.
 KEPT_REPLIES = 200
 KEPT_PAGES = 50
-# Requests of one page that are under way at once; more wait.
+# Requests of one page at once; more wait.
 MOST_UNDER_WAY = 50
-# Jobs whose last state a new page is told.
+# Number of jobs whose last state a new page receives.
 KEPT_JOBS = 30
 FILES = {
     "": ("page.html", "text/html"),
@@ -48,25 +48,14 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-GOODBYE = "The workbench has ended. Start flexmb edit again, and this page goes on."
+GOODBYE = "The workbench has ended. Start flexmb edit again to continue on this page."
 
 
 class Server:
-    """Serves a session to the pages of this machine's user.
-
-    Attributes:
-        address: What to open in a browser.
-        port: Where it listens.
-        token: What an address must have.
-    """
+    """Serves a session to the pages of this machine's user, at an address with a port and a token."""
 
     def __init__(self, session: Session, *, port: int = 0, token: str | None = None, framed: bool = False):
-        """Take the port; :meth:`start` begins to answer.
-
-        Raises:
-            ModuleNotFoundError: websockets is not installed.
-            OSError: The port is taken.
-        """
+        """Take the port; :meth:`start` begins to answer."""
         _websockets()
         self.session = session
         self.token = token or secrets.token_urlsafe(24)
@@ -77,7 +66,7 @@ class Server:
         self._pages: set[Page] = set()
         self._last: dict[Hashable, str] = {}
         self._replies: dict[str, dict[int, asyncio.Task]] = {}
-        # Everything that changes the session runs here, one after the other; the event loop only passes it on.
+        # Requests change the session here, one after the other. The event loop only passes them on.
         self._desk = ThreadPoolExecutor(1, "flexmb desk")
         self._beside = ThreadPoolExecutor(2, "flexmb beside")
         self._thread = threading.Thread(target=self._run, name="flexmb workbench", daemon=True)
@@ -90,7 +79,7 @@ class Server:
         self._thread.start()
         self._ready.wait()
         self.session.listen(self.tell)
-        # A process that ends while its threads compute is aborted within JAX's own code.
+        # Ending a process while its threads compute would abort it within JAX.
         atexit.register(self.close)
 
     def close(self) -> None:
@@ -106,15 +95,13 @@ class Server:
         self._beside.shutdown(wait=False, cancel_futures=True)
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Push a message to all pages; from any thread."""
+        """Send a message to all pages, from any thread."""
         key = (message["tell"], message.get("job"))
         text = written(message)
         if self._loop is not None:
-            # The loop may have ended.
+            # A closed loop raises.
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._push, key, text)
-
-    # What runs in the event loop.
 
     def _run(self) -> None:
         asyncio.run(self._serve())
@@ -142,7 +129,7 @@ class Server:
         await server.wait_closed()
 
     def _push(self, key: Hashable, text: str) -> None:
-        # The newest job stands last, the oldest is forgotten.
+        # The newest job stands last. The oldest job is removed.
         self._last.pop(key, None)
         self._last[key] = text
         jobs = [other for other in self._last if isinstance(other, tuple) and other[1] is not None]
@@ -155,21 +142,18 @@ class Server:
         """Answer a request for a file, refuse a wrong one, or let the socket open (None)."""
         hosts, path = request.headers.get_all("Host"), request.path.partition("?")[0]
         if len(hosts) != 1 or not _is_here(hosts[0]):
-            return self._refusal(connection, 403, "This address answers to 127.0.0.1 and localhost alone.")
+            return self._refusal(connection, 403, "The host is wrong. Use 127.0.0.1 or localhost.")
         token, _, name = path.removeprefix("/").partition("/")
         if not hmac.compare_digest(token.encode(), self.token.encode()):
-            return self._refusal(connection, 403, "The token in the address is missing or wrong: take the whole line.")
+            return self._refusal(connection, 403, "The token in the address is missing or wrong. Copy the whole line.")
         if name == "socket":
             if request.headers.get_all("Origin") != [f"http://{hosts[0]}"]:
-                return self._refusal(connection, 403, "The socket answers to the page of this server alone.")
+                return self._refusal(connection, 403, "The origin is wrong. Use the page of this server.")
             return None
-        if name not in FILES:
+        content = files("flexmb.workbench").joinpath(FILES[name][0]) if name in FILES else None
+        if content is None or not content.is_file():
             return self._refusal(connection, 404, "There is no such file.")
-        file, kind = FILES[name]
-        content = files("flexmb.workbench").joinpath(file)
-        if not content.is_file():
-            return self._refusal(connection, 404, "There is no such file.")
-        return self._response(connection, 200, content.read_bytes(), kind)
+        return self._response(connection, 200, content.read_bytes(), FILES[name][1])
 
     def _refusal(self, connection: Any, status: int, text: str) -> Any:
         return self._response(connection, status, f"{text}\n".encode(), "text/plain")
@@ -185,14 +169,14 @@ class Server:
         headers["Connection"] = "close"
         return Response(status, http.HTTPStatus(status).phrase, headers, body)
 
-    async def _connected(self, own: Any) -> None:
+    async def _connected(self, connection: Any) -> None:
         from websockets.exceptions import ConnectionClosed
 
-        page = Page(own)
+        page = Page(connection)
         sender = asyncio.create_task(page.send())
         name, under_way = "", deque[asyncio.Task]()
         try:
-            async for text in own:
+            async for text in connection:
                 try:
                     number, verb, arguments = parsed(text)
                 except Refused as fault:
@@ -212,7 +196,7 @@ class Server:
                 await sender
 
     def _asked(self, page: Page, name: str, number: int, verb: str, arguments: dict[str, Any]) -> asyncio.Task:
-        """Have a request done, once however often it is sent, and reply when it is."""
+        """Do a request once, however often it is sent, and reply."""
         kept = self._replies.setdefault(name, {}) if name else {}
         task = kept.get(number) if verb != "hello" else None
         if task is None:
@@ -256,11 +240,11 @@ def _websockets() -> None:
 
 
 def _listening(port: int) -> socket.socket:
-    # Said to be TCP by name, or asyncio leaves small messages waiting for those before them to be acknowledged (40 ms).
+    # Only on a socket with the protocol TCP does asyncio send small messages without waiting (40 ms).
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if os.name == "posix":
-            # A port of a process that has just ended is free; elsewhere this would share one that is taken.
+            # The port of an ended process is free; on other systems the option would share a taken port.
             found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind((LOOPBACK, port))
         found.listen()
@@ -271,5 +255,5 @@ def _listening(port: int) -> socket.socket:
 
 
 def _is_here(host: str) -> bool:
-    """Whether a Host header names this machine; its port may be another, where a tunnel leads here."""
+    """Whether a Host header names this machine; a tunnel may have another port."""
     return re.fullmatch(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", host, re.ASCII | re.IGNORECASE) is not None

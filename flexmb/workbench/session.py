@@ -1,4 +1,4 @@
-"""One session of the workbench: the document and its history, what is computed of it, and what pages ask for."""
+"""One session of the workbench: document, history, computed results, and the requests of pages."""
 
 from __future__ import annotations
 
@@ -27,16 +27,12 @@ from .targets import meet
 from .undo import History
 from .wants import label_of
 
-# How long a design that is pinned waits for its answers [s].
+# Longest time that a pinned design waits for its answers [s].
 LONGEST_WAIT = 5.0
 
 
 class Refused(Exception):
-    """What a page asked for is not done.
-
-    Attributes:
-        problem: Its message, and the address of the field where one is meant.
-    """
+    """A request of a page is refused, with a message and the address of a field."""
 
     def __init__(self, message: str, address: str | None = None):
         super().__init__(message)
@@ -44,22 +40,18 @@ class Refused(Exception):
 
 
 class Session:
-    """A document that is worked on, with a method ``do_<verb>`` for everything that a page may ask for.
+    """A document with a method ``do_<verb>`` for each request of a page.
 
-    Verbs run one after the other in one thread. Each answers what its reply holds, or a function that makes it, which
-    runs beside the verbs that follow: it must be of what it was given alone.
+    Verbs run one after the other in one thread. Each returns its reply, or a function that makes the reply beside the
+    verbs that follow; the function must use only its own data.
 
     Attributes:
-        run: Name of this session: another one after the program was started again.
-        history: The document, and the way to it.
-        notes: What is to be said about how it began.
-        file: Where it is saved, and where its journal stands.
-        live: What is computed of the newest document.
-        jobs: Long work.
+        run: Name of this session, another one after a restart of the program.
+        notes: Notes about the beginning.
     """
 
     def __init__(self, history: History | None = None, *, place: Storage | None = None, notes: list[str] | None = None):
-        """Begin; what is computed is told from the first :meth:`listen` on."""
+        """Begin; :meth:`listen` starts the messages."""
         self.run = secrets.token_hex(8)
         self.history = history or History()
         self.notes = notes or []
@@ -77,27 +69,20 @@ class Session:
         self._offered: dict[str, Any] = {}
         self.live = Live(self._live_tells, self.built)
 
-    # What it tells, and how it is asked.
-
     def listen(self, listener: Callable[[dict[str, Any]], None]) -> None:
-        """Tell a function everything that pages are to know, from any thread."""
+        """Call a function with every message to pages, from any thread."""
         self._listeners.append(listener)
         with self._lock:
             self._tell_changes()
             self.file.begin()
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Tell all pages, from any thread."""
+        """Send a message to all pages, from any thread."""
         for listener in list(self._listeners):
             listener(message)
 
     def ask(self, verb: str, arguments: dict[str, Any], key: str | None = None) -> Any:
-        """Do what a page asks for.
-
-        Raises:
-            Refused: There is no such verb, or it takes other arguments.
-            Exception: Whatever was wrong with what was asked.
-        """
+        """Do a request of a page."""
         method = getattr(self, f"do_{verb}", None) if verb.isidentifier() else None
         if method is None:
             raise Refused(f"There is no verb '{clean(verb)}'.")
@@ -108,12 +93,12 @@ class Session:
             raise Refused(f"{verb}: {fault}.") from None
         with self._lock:
             if key is not None and key in self.history.requests:
-                # Done by a process that was killed before it could say so.
+                # A killed process did this before it could reply.
                 return self._reply(self.history.requests[key])
             return method(*given.args, **given.kwargs) or {}
 
     def built(self, document: Document | None = None) -> Built:
-        """What has become of a document, which is built once."""
+        """The built document, built once."""
         document = document or self.history.document
         known = self._built
         if known is None or known[0] is not document:
@@ -121,18 +106,14 @@ class Session:
         return known[1]
 
     def builder(self) -> Any:
-        """A new builder with the mechanism as it is now.
-
-        Raises:
-            ModelError: Something in it cannot be built; the message lists all.
-        """
+        """A new builder with the present mechanism; ModelError with all problems if something cannot be built."""
         built = build(self.history.document)
         if built.problems:
             raise ModelError("\n".join(problem["message"] for problem in built.problems))
         return built.builder
 
     def close(self, *, keep: bool | None = None) -> None:
-        """End what is running; a second call does nothing."""
+        """End everything that runs; a second call does nothing."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -140,10 +121,8 @@ class Session:
         self.live.stop()
         self.file.close(keep)
 
-    # Verbs.
-
     def do_hello(self, run: str | None = None) -> dict[str, Any]:
-        """What a page needs to begin."""
+        """Data for a new page."""
         return {
             "run": self.run,
             "version": __version__,
@@ -166,7 +145,7 @@ class Session:
         return self._stepped(self.history.redo(key))
 
     def do_part(self) -> None:
-        """End a step: what follows is another one, whatever its merge key."""
+        """End a step: the next edit is another one, whatever its merge key."""
         self.history.part()
 
     def do_want(self, **changes: Any) -> None:
@@ -176,15 +155,15 @@ class Session:
         self.live.show(self.history.revision, self.history.document, self.wants)
 
     def do_advise(self, index: int, key: str | None = None) -> Any:
-        """Do what a piece of advice says."""
+        """Carry out a piece of advice."""
         counted = self.live.counted
         given = counted.get("advice", [])
         if counted.get("revision") != self.history.revision or not 0 <= index < len(given):
-            raise Refused("The mechanism has changed since this advice was given: see what it says now.")
+            raise Refused("The mechanism has changed since this advice. Look at the new advice.")
         return self._changed(self.history.edit(given[index]["ops"], given[index]["text"], None, key))
 
     def do_target(self, wants: list, free: list) -> dict[str, Any]:
-        """Find dimensions with which answers are as they are wanted: one step, which moves while the search goes on."""
+        """Find dimensions that meet targets, as one step that moves during the search."""
         document, node, label = self.history.document, self.wants.support_node, label_of(wants)
         merge = f"target {secrets.token_hex(8)}"
 
@@ -208,7 +187,7 @@ class Session:
         return {"job": self.jobs.start(clean(analysis), lambda job: run(document, analysis, options or {}, job))}
 
     def do_pin(self) -> None:
-        """Keep this design to compare others with."""
+        """Keep this design for comparison."""
         if self._answers.get("of_revision") != self.history.revision:
             self.live.wait(LONGEST_WAIT)
         known = self._answers
@@ -217,7 +196,7 @@ class Session:
         self._tell_pinned()
 
     def do_unpin(self) -> None:
-        """Compare no longer."""
+        """End the comparison."""
         self._pinned = None
         self.tell({"tell": "pinned"})
 
@@ -228,57 +207,56 @@ class Session:
     def do_open(
         self, path: str | None = None, text: str | None = None, name: str | None = None, key: str | None = None
     ) -> Any:
-        """Put the document of a file, or of a text that a page has, in the place of this one; a step as any other."""
+        """Replace the document by a file, or by a text from the page, as one step."""
         if path is not None and text is None and name is None:
             notes = self.file.open(Path(path).expanduser().absolute(), key)
         elif path is None and isinstance(text, str) and isinstance(name, str):
             notes = self.file.receive(name, text, key)
         else:
-            raise Refused("open: give a path, or a text and its name.")
+            raise Refused("open: there is no path and no text. Give a path, or a text and its name.")
         return self._changed(None, notes=notes)
 
     def do_save(self, path: str | None = None, anyway: bool = False, over: bool = False) -> Any:
-        """Write the file; what would be lost or written over is said first, and nothing is written then."""
-        own = self.file.path
-        file = Path(path).expanduser().absolute() if path else own
+        """Write the file; if something would be lost or overwritten, only report it."""
+        current = self.file.path
+        file = Path(path).expanduser().absolute() if path else current
         if file is None:
+            raise Refused("save: this mechanism has no file yet. Give a path.")
             raise Refused("save: this mechanism has no file yet: give a path.")
         lost = lost_in(self.history.document, file)
         if not anyway and not self._agreed.issuperset(lost):
             return {"saved": False, "cannot_hold": lost}
-        if file != own and not over and file.exists():
+        if file != current and not over and file.exists():
             return {"saved": False, "over": file.name}
         notes = self.save(file)
         self._agreed.update(lost)
         return {"saved": True, "file": str(file), "notes": notes}
 
     def do_export(self, kind: str, deformed: bool = False) -> Callable[[], dict[str, Any]]:
-        """Content of a file of another kind."""
+        """Content of a file of another format."""
         document, file = self.history.document, self.file.path
         name = file.stem if file else "".join(c if c.isalnum() else "_" for c in document.data["title"])[:60]
         return lambda: exported(document, kind, name or "mechanism", deformed)
 
     def do_keep_disk(self) -> None:
-        """Keep what is here; the next save writes over what another program has written."""
+        """Keep the document; the next save overwrites the change of another program."""
         self.file.keep()
         self._tell_changes()
 
     def do_take_disk(self, key: str | None = None) -> Any:
-        """Take what the file holds now, or begin anew where there is no file; a step as any other."""
+        """Replace the document by the file, or by an empty one without a file, as one step."""
         return self._changed(None, notes=self.file.take(key))
 
-    # What they share.
-
     def save(self, file: Path) -> list[str]:
-        """Write the document to a file, see :meth:`.open_file.OpenFile.save`."""
+        """Write the document to a file."""
         with self._lock:
             notes = self.file.save(file)
             self._tell_changes()
         return notes
 
     def _reply(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
-        own = {"label": found} if found is None or isinstance(found, str) else found._asdict()
-        return {"revision": self.history.revision, **own, **more}
+        done = {"label": found} if found is None or isinstance(found, str) else found._asdict()
+        return {"revision": self.history.revision, **done, **more}
 
     def _changed(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
         self._tell_changes()
@@ -317,7 +295,7 @@ class Session:
             self._tell_offered()
 
     def _tell_offered(self) -> None:
-        """Which analyses there are for the document of now, after all else, since they take much of the package."""
+        """Send the analyses of the present document, after all else, since they load much of the package."""
         from .analyses import offered
 
         if (found := offered(self.history.document)) != self._offered:

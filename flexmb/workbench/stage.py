@@ -1,4 +1,4 @@
-"""What the stage draws: the chosen mode or state, as the page of the viewer has it."""
+"""The picture on the stage: the chosen mode or state, as data for the page of the viewer."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -17,19 +17,13 @@ from .live_answers import Answers
 
 
 class Scenes:
-    """Scenes one after the other, whose modes do not turn over: each goes the way that it went before."""
+    """Scenes one after the other; a mode keeps the sign that it had before."""
 
     def __init__(self):
         self._before: tuple[Any, np.ndarray] | None = None
 
     def of_answers(self, found: Answers, slopes: Mapping[str, float] | None = None, label: str = "") -> dict[str, Any]:
-        """Scene of a mechanism that has been analysed.
-
-        Args:
-            found: Answers, and what is wanted.
-            slopes: Where sensitivity colours the elements: that of each element, by its name.
-            label: What the slopes are.
-        """
+        """Scene of an analysed mechanism, with elements coloured by ``slopes`` if wanted."""
         wants, model = found.wants, found.model
         colouring = found.stress if wants.colour == "stress" else None
         own: Modes | Buckling | None = {"modes": found.modes, "buckling": found.buckled}.get(wants.state)
@@ -46,7 +40,7 @@ class Scenes:
         return {**found_scene, "view": page_data(shown)}
 
     def of_count(self, count: Count) -> dict[str, Any] | None:
-        """Scene of a mechanism that cannot be analysed: its self-stress, or its shape; None without elements."""
+        """Scene of a mechanism without answers: its self-stress, or its shape; None without elements."""
         if count.drawn is None:
             return None
         over = count.mobility is not None and count.mobility.overconstraints
@@ -54,7 +48,7 @@ class Scenes:
         return {"kind": shown.kind, "mode": 0, "modes": len(shown.choices), "view": page_data(shown)}
 
     def _steady(self, found: Modes | Buckling, mode: int) -> Modes | Buckling:
-        """The modes, the chosen one turned over where it would go against the one before it."""
+        """The modes, the chosen one with its former sign."""
         shape = np.asarray(found.shapes)[:, mode]
         key = (type(found), mode, shape.shape)
         before = self._before[1] if self._before and self._before[0] == key else shape
@@ -67,9 +61,9 @@ class Scenes:
 
 
 def _of_slopes(model: Model, shown: Any, slopes: Mapping[str, float], label: str) -> Colours:
-    """Colours of all elements by their sensitivity, the same all along each."""
-    own = np.array([slopes.get(part.name, np.nan) for part in shown.lines.parts])
-    values = np.repeat(own, [part.count for part in shown.lines.parts])[None]
-    finite = np.abs(own[np.isfinite(own)])
+    """Colours of elements by their sensitivity, constant along each."""
+    by_part = np.array([slopes.get(part.name, np.nan) for part in shown.lines.parts])
+    values = np.repeat(by_part, [part.count for part in shown.lines.parts])[None]
+    finite = np.abs(by_part[np.isfinite(by_part)])
     largest = float(np.max(finite, initial=0.0)) or 1.0
     return Colours(label, "coolwarm", -largest, largest, values)

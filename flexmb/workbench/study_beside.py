@@ -1,4 +1,4 @@
-"""The study beside a SPACAR input file, where the names in its braces have their values and bounds."""
+"""The study beside a SPACAR input file, with values and bounds of the names in its braces."""
 
 import json
 import re
@@ -13,22 +13,18 @@ from .building import free_names, numbers_of
 from .document import Document
 from .formulas import text_of
 
-# So many studies in a folder are looked at.
+# Number of studies in a folder that are considered.
 MOST = 50
 HEAD = re.compile(r"\s*\[+\s*(.*?)\s*\]+\s*(#.*)?")
 
 
 def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
-    """Values of names, or values and bounds, as the study of a file has them; and what there is to know of it.
+    """Values or (value, lowest, highest) of names from the study of a file, and notes about it.
 
-    The study has the name of the file with .toml, or else it is another one in the folder that names the file as its
-    model.
-
-    Raises:
-        StudyError: The study of that name is wrong.
+    The study has the name of the file with .toml, or else it is another study in the folder with this model.
     """
     own = path.with_suffix(".toml")
-    others = sorted(one for one in path.parent.glob("*.toml") if one != own)[:MOST]
+    others = sorted(study for study in path.parent.glob("*.toml") if study != own)[:MOST]
     for study in [own, *others]:
         try:
             model, found, functions = parameters_in(study)
@@ -38,17 +34,15 @@ def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
             continue
         if (path.parent / model).name != path.name or ":" in model.removesuffix(".dat"):
             continue
-        notes = [f"{clean(study.name)} names Python functions, which are not run here: {clean(', '.join(functions))}"]
+        notes = [
+            f"{clean(study.name)} names Python functions, which the workbench never runs: {clean(', '.join(functions))}"
+        ]
         return found, notes * bool(functions)
     return {}, []
 
 
 def write_beside(document: Document, path: Path) -> str | None:
-    """Text of the study of a file: names with their values and bounds. All else in a study that is there stays.
-
-    Raises:
-        ModelError: The study there is of another model, or cannot be changed.
-    """
+    """Text of the study of a file with the names, values and bounds of a document; all else in the study stays."""
     study = path.with_suffix(".toml")
     lines = _parameters(document)
     if not study.is_file():
@@ -62,16 +56,14 @@ def write_beside(document: Document, path: Path) -> str | None:
         before = tomllib.loads(text)
     except ValueError as fault:
         raise ModelError(f"{clean(study.name)} beside the file is no study: {clean(fault)}") from None
-    if before.get("model") != path.name:
-        raise ModelError(
-            f"{clean(study.name)} beside the file is the study of another model, {clean(repr(before.get('model')))}:"
-            " save under another name."
-        )
+    if (model := before.get("model")) != path.name:
+        name, other = clean(study.name), clean(repr(model))
+        raise ModelError(f"{name} beside the file is the study of another model, {other}. Choose another name.")
     written = _with_parameters(text, lines)
     after = tomllib.loads(written)
     rest = [{key: value for key, value in data.items() if key != "parameters"} for data in (before, after)]
     if rest[0] != rest[1]:
-        raise ModelError(f"[parameters] of {clean(study.name)} are written in a way that cannot be changed here.")
+        raise ModelError(f"[parameters] of {clean(study.name)} cannot be replaced. Write it as one table.")
     return written
 
 
@@ -98,7 +90,7 @@ def _number(value: Any) -> str:
 
 
 def _with_parameters(text: str, lines: list[str]) -> str:
-    """The text of a study with another table of parameters."""
+    """The text of a study with other parameters."""
     kept: list[str] = []
     place, inside = None, False
     for line in text.splitlines():

@@ -1,4 +1,4 @@
-"""Sums and signs of texts that are numbers, names or arithmetic; numbers stay numbers, exactly."""
+"""Sums and signs of texts: numbers, names or arithmetic. Sums of numbers are exact."""
 
 from decimal import Decimal, InvalidOperation
 
@@ -67,10 +67,10 @@ def _decimal(text: str) -> Decimal | None:
 
 
 def _text(number: Decimal) -> str:
-    """A number as one would write it."""
+    """Short text of a number."""
     if number == 0:
         return "0"
-    # Sums of what is far apart in size have more digits than a float.
+    # A sum of numbers of different size has more digits than a float.
     rounded = Decimal(repr(float(number))) if len(number.as_tuple().digits) > 17 else number
     short = rounded.normalize()
     return format(short, "f") if -7 <= short.adjusted() <= 9 else str(short).replace("E+", "e").replace("E", "e")
@@ -91,7 +91,7 @@ def _is_term(text: str) -> bool:
 
 
 def _term(text: str, *, signs: bool = False) -> str:
-    """A text that one may multiply by, or with ``signs`` add."""
+    """A text as a factor, or with ``signs`` as a summand."""
     if _is_term(text) or (signs and not text.strip().startswith(("-", "+"))):
         return text
     return f"({text})"

@@ -1,4 +1,4 @@
-"""Targets: numbers beside the drawing that are to have a value, met by the dimensions nearest to the present ones."""
+"""Targets for answers beside the drawing, met by the dimensions nearest to the present ones."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ import numpy as np
 from ..design.evaluate import layout_of
 from ..design.problem import make_problem
 from ..design.scaling import Scaling
-from ..design.search import AT_BOUND, search
+from ..design.search import search
 from ..display import listed
 from ..errors import ModelError, clean, heard
 from ..mechanics.loads import has_loads
+from ..numerical_limits import AT_BOUND, TARGET_AGAINST, TARGET_MET, TARGET_NEARLY, TARGET_TO_ROUND_OFF
 from ..plot.geometry import extent_of
 from ..progress import Stopped
 from ..questions.question import Asked
@@ -25,26 +26,24 @@ from .document import Document, apply
 from .traced import Traced, question_of, traced
 from .wants import checked_free, number_like, text_of, unit_of, wants_of
 
-# Of a name without bounds, this many times up and down.
+# Default bounds of a name: its value divided and multiplied by this.
 WIDE = 5.0
-# Relative difference at which a target is met, at which it is met to round-off, and by which the search may miss it.
-MET, EXACT, NEARLY = 1e-9, 1e-12, 1e-6
-# Evaluations of the search, and of each that follows it, for the targets alone; so many follow.
+# Evaluations of the search, evaluations of each search after it for the targets alone, and number of those.
 BUDGET, BUDGET_NEAREST, ROUNDS = 400, 200, 2
-# Designs are told no faster than this [s], so that the picture moves, until so much time was spent on that.
+# Shortest time between two designs that the page shows [s], and total time to wait for that [s].
 PACE, LONGEST_PAUSE = 0.05, 1.2
 
 
 class Watched(Protocol):
-    """What a target tells how far it is: a job."""
+    """A job: it receives the progress, and may be stopped."""
 
     @property
     def stopped(self) -> bool:
-        """Whether it is to end."""
+        """Whether to end."""
         ...
 
     def tell(self, **changes: Any) -> None:
-        """Take how far it is."""
+        """Take the progress."""
         ...
 
 
@@ -55,15 +54,8 @@ def meet(
     job: Watched,
     node: str | None = None,
 ) -> dict[str, Any]:
-    """Find the dimensions nearest to the present ones with which answers are as they are wanted.
-
-    The designs that are looked at are told as they come. What is found is not written anywhere: see "ops".
-
-    Raises:
-        ValueError: What is wanted, or may change, is none.
-        ModelError: The document builds no mechanism, or its answers are not there.
-    """
-    # What the package warns of is told beside the drawing.
+    """Find the dimensions nearest to the present ones that meet the targets; "ops" of the result would write them."""
+    # The page shows warnings beside the drawing.
     with heard():
         tuning, stopped = _Tuning(document, wants, free, job, node), False
         try:
@@ -78,7 +70,7 @@ class _Tuning:
 
     def __init__(self, document: Document, wants: Any, free: Sequence[str], job: Watched, node: str | None):
         numbers = numbers_of(document)
-        names = {name: float(numbers[f"names/{name}/value"]) for name in document.names if _has(numbers, name)}
+        names = {name: float(numbers[a]) for name in document.names if (a := f"names/{name}/value") in numbers}
         self.document, self.job, self.node = document, job, node
         self.wants = wants_of(wants, names)
         self.free = checked_free(document, free)
@@ -86,14 +78,14 @@ class _Tuning:
         bounds = {name: self._bounds(name, numbers) for name in self.free}
         self.start = np.array([names[name] for name in self.free])
         self.scaling = Scaling(layout_of({name: names[name] for name in self.free}), bounds, {})
-        # A change by the whole range, relative where the dimension keeps its sign.
+        # Size of a change through the whole range, relative if the dimension keeps its sign.
         log, lower, upper = self.scaling.log, self.scaling.lower, self.scaling.upper
         self.size = np.where(log, np.log(np.where(log, upper, 1.0) / np.where(log, lower, 1.0)), 1.0)
         self.keys = list(dict.fromkeys(want.key for want in self.wants))
         model = self._model()
         idle = [key for key in self.keys if _is_of_loads(key)]
         if idle and not has_loads(model.topology, model.parameters):
-            raise ValueError(f"No load acts, and so there is no {idle[0]}: add a force, a moment or gravity.")
+            raise ValueError(f"No load acts, and so there is no {idle[0]}. Add a force, a moment or gravity.")
         self.traced: Traced = traced(document, model, self.keys, node)
         self.answers = self.traced.at(document)
         self.everything = np.array([names[name] for name in self.traced.names])
@@ -109,60 +101,61 @@ class _Tuning:
         return built.builder.build()
 
     def _bounds(self, name: str, numbers: Mapping[str, Any]) -> tuple[float, float]:
-        """Bounds of a name, sensible ones where it has none."""
+        """Bounds of a name, with defaults."""
         value = float(numbers[f"names/{name}/value"])
         known = [numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
         if None not in known:
-            low, high = (float(one) for one in known)  # pyright: ignore[reportArgumentType]
+            low, high = (float(bound) for bound in known)  # pyright: ignore[reportArgumentType]
         else:
             size = abs(value) * WIDE if value else 0.5 * extent_of(np.array(list(positions(self.document).values())))
             wide = sorted((value / WIDE, value * WIDE)) if value else [-size, size]
-            low, high = (float(w if own is None else own) for own, w in zip(known, wide, strict=True))
+            low, high = (float(w if bound is None else bound) for bound, w in zip(known, wide, strict=True))
             self.assumed[name] = low, high
         if not low < high:
-            raise ValueError(f"Name '{clean(name)}' has no room between its bounds {low:g} and {high:g}.")
+            raise ValueError(f"The bounds of '{clean(name)}' are {low:g} and {high:g}. The upper must be larger.")
         if not low <= value <= high:
-            raise ValueError(f"Name '{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}: widen them.")
+            raise ValueError(f"'{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}. Widen them.")
         return low, high
 
-    # What the search asks.
+    def _by_key(self, values: np.ndarray) -> dict[str, float]:
+        return dict(zip(self.keys, values.tolist(), strict=True))
 
     def kernel(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
         """Answers and relative changes of the dimensions, (m + n,), their derivatives by ``unit``, and the code."""
         unit = np.clip(unit, 0.0, 1.0)
         x = np.asarray(self.scaling.to_dimensions(unit))
-        values, slopes, code = self.look(x)
+        values, slopes, code = self.evaluate(x)
         # A dimension that may change its sign changes relative to its range.
         rate = np.where(self.scaling.log, x * self.size, self.scaling.upper - self.scaling.lower)
         change = self.size * (unit - self.scaling.to_unit(self.start))
         return np.concatenate([values, change]), np.concatenate([slopes * rate, np.diag(self.size)]), code
 
-    def look(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        """Answers of a design, noted and told."""
+    def evaluate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+        """Answers of a design, which is noted and shown."""
         if self.job.stopped:
             raise Stopped
-        whole = self.everything.copy()
-        whole[self.places] = x
-        values, slopes, code = self.answers(whole)
+        everything = self.everything.copy()
+        everything[self.places] = x
+        values, slopes, code = self.answers(everything)
         slopes = slopes[:, self.places]
         self.count += 1
         if code == RESULTS.successful and np.all(np.isfinite(values)):
             missed = self.missed(values)
             self.first = values if self.first is None else self.first
             far = float(np.linalg.norm(self.scaling.to_unit(x) - self.scaling.to_unit(self.start)))
-            # Of designs that meet all, the nearest.
-            rank = missed if missed > EXACT else far * EXACT
+            # Among designs that meet all targets the nearest is best.
+            rank = missed if missed > TARGET_TO_ROUND_OFF else far * TARGET_TO_ROUND_OFF
             if self.best is None or rank < self.best[0]:
                 self.best = rank, x.copy(), values, slopes
-                # Where a step goes too far nothing is to be seen of it.
+                # Designs of steps that go too far are not shown.
                 self._tell(x, values, missed)
         else:
             self.failed = RESULTS.not_finite if code == RESULTS.successful else RESULTS(code)
         return values, slopes, code
 
     def missed(self, values: np.ndarray) -> float:
-        """By how much the worst want is missed [-]."""
-        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        """Relative miss of the worst target [-]."""
+        by_key = self._by_key(values)
         return max(0.0, *(want.missed(by_key[want.key]) for want in self.wants))
 
     def _tell(self, x: np.ndarray, values: np.ndarray, missed: float) -> None:
@@ -173,21 +166,19 @@ class _Tuning:
             time.sleep(wait)
             self.paused += wait
         self.told_at = time.monotonic()
-        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        by_key = self._by_key(values)
         text = ", ".join(f"{key} {text_of(value, unit_of(key))}" for key, value in by_key.items())
-        done = min(0.95, self.count / 40) if missed > MET else 0.98
+        done = min(0.95, self.count / 40) if missed > TARGET_MET else 0.98
         self.job.tell(fraction=done, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
 
-    # The search.
-
     def run(self) -> None:
-        """Search as ``fm.tune`` does, for the least change; then for the targets alone, or for what is nearest."""
+        """Search like ``fm.tune`` for the least change, then for the targets alone, or for the nearest design."""
         self.job.tell(fraction=0.0, text="compiling")
-        values, slopes, code = self.look(self.start)
+        values, slopes, code = self.evaluate(self.start)
         if code != RESULTS.successful or not np.all(np.isfinite(values)):
-            told = RESULTS(code) if code != RESULTS.successful else RESULTS.not_finite
+            why = RESULTS(code) if code != RESULTS.successful else RESULTS.not_finite
             names = ", ".join(key for key, v in zip(self.keys, values, strict=True) if not np.isfinite(v))
-            raise ModelError(f"{names or 'What is wanted'} has no value now, to begin from: {told.message}")
+            raise ModelError(f"{names or 'A target'} has no value now, from which to begin: {why.message}")
         if self.missed(values) <= 0:
             return
         self._refuse_without_effect(values, slopes)
@@ -202,15 +193,15 @@ class _Tuning:
         for _ in range(ROUNDS):
             assert self.best is not None
             missed, x, values, _ = self.best
-            if missed <= EXACT:
+            if missed <= TARGET_TO_ROUND_OFF:
                 return
-            by_key = dict(zip(self.keys, values.tolist(), strict=True))
+            by_key = self._by_key(values)
             # A limit that is reached stays reached, from inside.
-            inside = {"equal": 0.0, "least": MET, "most": -MET}
+            inside = {"equal": 0.0, "least": TARGET_MET, "most": -TARGET_MET}
             near = {
                 want.key: want.value + inside[want.kind] * abs(want.value)
                 for want in self.wants
-                if want.kind == "equal" or want.missed(by_key[want.key]) > -10 * NEARLY
+                if want.kind == "equal" or want.missed(by_key[want.key]) > -10 * TARGET_NEARLY
             }
             self._search(values, near, {}, {}, x, BUDGET_NEAREST)
             if self.best[0] >= missed:
@@ -219,13 +210,13 @@ class _Tuning:
     def _search(
         self, values: np.ndarray, targets: Any, equal: Any, limits: Any, begin: np.ndarray, budget: int
     ) -> None:
-        """Search as ``fm.tune`` does; the best design so far is kept by :meth:`look`."""
+        """Search like ``fm.tune``; :meth:`evaluate` keeps the best design."""
         layout = layout_of({**dict.fromkeys(self.keys, 0.0), "change": np.zeros(len(self.free))})
         start = np.concatenate([values, np.zeros(len(self.free))])
         wanted: dict[str, Any] = {"targets": targets, "equal": equal, "limits": limits}
-        problem = make_problem(layout, start, minimize=None, maximize=None, **wanted, margin=NEARLY)
+        problem = make_problem(layout, start, minimize=None, maximize=None, **wanted, margin=TARGET_NEARLY)
         unit = self.scaling.to_unit(begin)
-        search(problem, self.kernel, _untraced, _none_refused, unit, None, NEARLY, budget)
+        search(problem, self.kernel, _untraced, _none_refused, unit, None, TARGET_NEARLY, budget)
 
     def _refuse_without_effect(self, values: np.ndarray, slopes: np.ndarray) -> None:
         for want in self.wants:
@@ -233,42 +224,37 @@ class _Tuning:
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
                 now = text_of(float(values[i]), want.unit)
                 raise ValueError(
-                    f"{want} cannot be met: it is {now}, and {listed(self.free)} has no effect on it. Let another"
-                    " dimension vary: write a name where a number stands."
+                    f"{want} cannot be met. It is {now}, and {listed(self.free)} has no effect on it. Let another"
+                    " dimension vary: write a name instead of a number."
                 )
 
-    # What is told.
-
     def told(self, stopped: bool = False) -> dict[str, Any]:
-        """The result, as :func:`meet` gives it."""
+        """The result of :func:`meet`."""
         if self.best is None or self.first is None:
             nothing: dict[str, Any] = {"design": {}, "values": {}, "ops": [], "label": "", "met": False}
             return {**nothing, "text": "Stopped before the first design.", "stopped": stopped, "assumed": {}}
         rank, x, values, _ = self.best
-        ops, written = self._written(x)
-        met = rank <= MET
+        ops, design = self._written(x)
+        met = rank <= TARGET_MET
         wanted = ", ".join(map(str, self.wants))
-        changes = [
-            f"{name} = {op['to']['value']} (was {self.document.names[name]['value']})"
-            for name, op in ((op["name"], op) for op in ops)
-        ]
-        by_key = dict(zip(self.keys, values.tolist(), strict=True))
+        before = self.document.names
+        changes = [f"{op['name']} = {op['to']['value']} (was {before[op['name']]['value']})" for op in ops]
         if met and not ops:
-            text = f"{wanted}: it is so already."
+            text = f"{wanted}: already met."
         elif met:
             text = f"{wanted}: met with {', '.join(changes)}."
         elif stopped:
-            text = f"Stopped on the way to {wanted}; nearest so far {', '.join(changes) or 'as it is'}."
+            text = f"Stopped on the way to {wanted}. Nearest so far: {', '.join(changes) or 'as it is'}."
         else:
             text = self._why(x, values)
         changed = {op["name"] for op in ops}
         for name, (low, high) in [pair for pair in self.assumed.items() if pair[0] in changed]:
-            text += f" '{clean(name)}' has no bounds: {low:.4g} to {high:.4g} were taken."
+            text += f" '{clean(name)}' has no bounds. The search used {low:.4g} to {high:.4g}."
         return {
             "status": "done" if met else "stopped" if stopped else "failed",
             "text": text,
-            "design": written,
-            "values": by_key,
+            "design": design,
+            "values": self._by_key(values),
             "ops": ops,
             "label": f"target {wanted}",
             "met": met,
@@ -277,49 +263,43 @@ class _Tuning:
         }
 
     def _why(self, x: np.ndarray, values: np.ndarray) -> str:
-        """What is not met, how near it comes, and what limits it."""
-        by_key, unit = dict(zip(self.keys, values.tolist(), strict=True)), self.scaling.to_unit(x)
-        bad = [w for w in self.wants if w.missed(by_key[w.key]) > MET]
-        comes = [f"{want} is not reached: it comes to {text_of(by_key[want.key], want.unit)}" for want in bad]
+        """Which targets are not met, the nearest values, and what limits them."""
+        by_key, unit = self._by_key(values), self.scaling.to_unit(x)
+        bad = [w for w in self.wants if w.missed(by_key[w.key]) > TARGET_MET]
+        reached = [f"{want} is not reached: it comes to {text_of(by_key[want.key], want.unit)}" for want in bad]
         limits = []
         for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
             if min(u, 1 - u) < AT_BOUND:
-                limits.append(
-                    f"{clean(name)} is at its {'lower' if u < 0.5 else 'upper'} bound {low if u < 0.5 else high:g}"
-                )
+                side, bound = ("lower", low) if u < 0.5 else ("upper", high)
+                limits.append(f"{clean(name)} is at its {side} bound {bound:g}")
         for want in self.wants:
-            if want not in bad and want.missed(by_key[want.key]) > -1e-4:
+            if want not in bad and want.missed(by_key[want.key]) > -TARGET_AGAINST:
                 limits.append(f"{want} stands against it")
         if len(bad) > 1:
             limits.append("they stand against each other")
         if self.failed is not RESULTS.successful and not limits:
-            limits.append(f"designs further on have no answer: {self.failed.message}")
-        limited = f"; {'; '.join(limits)}" if limits else "; no small change of a dimension brings it nearer"
-        advice = " Widen the bounds" if limits else " Begin with other values"
-        advice += ", or let more dimensions vary."
-        return f"{', '.join(comes)}{limited}.{advice}"
+            limits.append(f"further designs have no answer: {self.failed.message}")
+        why = "; ".join(limits) or "no small change of a dimension brings it nearer"
+        advice = "Widen the bounds" if limits else "Begin with other values"
+        return f"{', '.join(reached)}; {why}. {advice}, or let more dimensions vary."
 
     def _written(self, x: np.ndarray) -> tuple[list[dict[str, Any]], dict[str, float]]:
-        """The edit that writes a design, of as few digits as keep what it meets, and the design as written."""
+        """The edit that writes a design with the fewest digits that meet the targets, and the design as written."""
         for digits in (12, 17):
-            found: list[dict[str, Any]] = []
-            values = dict(zip(self.free, self.start.tolist(), strict=True))
+            ops: list[dict[str, Any]] = []
+            design = dict(zip(self.free, self.start.tolist(), strict=True))
             for name, value, before in zip(self.free, x.tolist(), self.start.tolist(), strict=True):
-                own = self.document.names[name]
                 if value != before:
-                    text = number_like(own["value"], value, digits)
-                    values[name] = float(text)
-                    found.append({"op": "name", "name": name, "to": {**own, "value": text}})
-            whole = self.everything.copy()
-            whole[self.places] = list(values.values())
-            after = self.answers(whole)[0] if found else None
-            if after is None or self.best is None or self.best[0] > MET or self.missed(after) <= MET:
+                    entry = self.document.names[name]
+                    text = number_like(entry["value"], value, digits)
+                    design[name] = float(text)
+                    ops.append({"op": "name", "name": name, "to": {**entry, "value": text}})
+            everything = self.everything.copy()
+            everything[self.places] = list(design.values())
+            after = self.answers(everything)[0] if ops else None
+            if after is None or self.best is None or self.best[0] > TARGET_MET or self.missed(after) <= TARGET_MET:
                 break
-        return found, values
-
-
-def _has(numbers: Mapping[str, Any], name: str) -> bool:
-    return f"names/{name}/value" in numbers
+        return ops, design
 
 
 def _is_of_loads(key: str) -> bool:
@@ -337,5 +317,5 @@ def _none_refused(units: np.ndarray) -> np.ndarray:
 
 
 def applied(document: Document, result: Mapping[str, Any]) -> Document:
-    """A document with what was found written into it."""
+    """A document with the result of :func:`meet`."""
     return apply(document, result["ops"])[0]

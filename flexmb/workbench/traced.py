@@ -1,4 +1,4 @@
-"""The answers beside the drawing as functions of the free names, with derivatives, compiled once for each structure."""
+"""The answers beside the drawing as functions of the free names with derivatives, compiled once for each structure."""
 
 from __future__ import annotations
 
@@ -25,27 +25,22 @@ from .building import build, free_names, numbers_of, structure
 from .document import Document
 from .edits import texts
 
-# Structures whose compiled functions are kept.
+# Number of structures whose compiled functions are kept.
 MOST = 24
 
 Answer = Callable[[Linearization], Any]
 
 
 def answer_of(key: str, node: str | None = None) -> Answer:
-    """An answer beside the drawing as a function of the linearised mechanism, which may be traced.
-
-    Raises:
-        ValueError: There is no such answer, or it needs a node.
-    """
+    """An answer as a function of the linearised mechanism, which may be traced."""
     text = question_of(key, node)
     try:
         question = asked(text)
     except (KeyError, ValueError):
         question = None
     if question is None or not question.question.differentiable:
-        raise ValueError(
-            f"'{clean(key)}' is no answer that has derivatives by the dimensions. There are {', '.join(names_of())}."
-        )
+        known = ", ".join(names_of())
+        raise ValueError(f"'{clean(key)}' has no derivatives by the dimensions. Answers with derivatives: {known}.")
 
     def answer(lin: Linearization) -> Any:
         try:
@@ -57,26 +52,22 @@ def answer_of(key: str, node: str | None = None) -> Answer:
 
 
 def question_of(key: str, node: str | None = None) -> str:
-    """The text of a question for the key of an answer, of which an axis alone is an axis of the chosen node.
-
-    Raises:
-        ValueError: It needs a node, and none is chosen.
-    """
+    """The question of an answer's key; an axis alone becomes an axis of the node."""
     kind, _, which = key.partition(" ")
     if kind not in ("stiffness", "displacement") or not which or "." in which:
         return key
     if node is None:
-        raise ValueError(f"'{clean(key)}' is that of a node: choose one.")
+        raise ValueError(f"'{clean(key)}' belongs to a node. Select a node.")
     return f"{kind} {node}.{which}"
 
 
-def _increment(model: Model) -> float | None:
-    """As live answers take it: without incremental loads."""
+def increment_of(model: Model) -> float | None:
+    """Increment at which answers are computed: without incremental loads."""
     return None if model.parameters.increment is None else 0.0
 
 
 class Traced:
-    """Answers as a function of the free names, and their derivatives.
+    """Answers as a function of the free names, with derivatives.
 
     Attributes:
         names: Free names, in order.
@@ -84,9 +75,10 @@ class Traced:
     """
 
     def __init__(self, document: Document, model: Model, keys: Sequence[str], node: str | None):
-        """Trace nothing yet."""
         self.names, self.keys = tuple(free_names(document)), tuple(keys)
-        self._document, self._plain = document, plain_of(document)
+        # Numeric fields without names vary within a structure.
+        plain = [address for address, text in texts(document) if is_number(text) and not address.startswith("names/")]
+        self._document, self._plain = document, plain
         functions = {key: answer_of(key, node) for key in keys}
         layout = layout_of({"free": np.zeros(len(self.names)), "plain": np.zeros(len(self._plain))})
         example = dict(zip(layout.names, self._inputs(document), strict=True))
@@ -108,7 +100,7 @@ class Traced:
 
     def _linearized(self, free: Any, plain: Any) -> Linearization:
         model = self._built(free, plain)
-        return linearize(model, increment=_increment(model))
+        return linearize(model, increment=increment_of(model))
 
     def _inputs(self, document: Document) -> tuple[np.ndarray, np.ndarray]:
         values = numbers_of(document)
@@ -116,7 +108,7 @@ class Traced:
         return np.array(free, float), np.array([values[address] for address in self._plain], float)
 
     def at(self, document: Document) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]:
-        """Answers by the free names of a document of this structure."""
+        """The function of the free names for a document of this structure: answers, derivatives, code."""
         plain = self._inputs(document)[1]
 
         def answers(free: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
@@ -124,16 +116,11 @@ class Traced:
                 nothing = np.full((len(self.keys), len(self.names)), np.nan)
                 return nothing[:, :1].sum(axis=1), nothing, int(RESULTS.impossible_design)
             slopes, (values, code) = self._function(jnp.asarray(free), jnp.asarray(plain))
-            # An unstable state has an answer.
+            # An unstable state has answers too.
             answered = int(code) == RESULTS.unstable_state
             return np.asarray(values), np.asarray(slopes), int(RESULTS.successful if answered else code)
 
         return answers
-
-
-def plain_of(document: Document) -> list[str]:
-    """Addresses of the numeric fields that are numbers alone: they do not depend on names, and vary in a structure."""
-    return [address for address, text in texts(document) if is_number(text) and not address.startswith("names/")]
 
 
 _KEPT: dict[Any, Traced] = {}
@@ -141,20 +128,13 @@ _LOCK = threading.Lock()
 
 
 def clamps_of(model: Model) -> tuple[tuple[bool, ...], ...]:
-    """Which ends of leaf springs and warping beams are clamped, of each block that has some."""
-    return tuple(
-        tuple((np.asarray(own["clamped"]) == 1).ravel().tolist())
-        for own in model.parameters.properties
-        if "clamped" in own
-    )
+    """Whether ends of leaf springs and warping beams are clamped, for each block with such ends."""
+    properties = [own["clamped"] for own in model.parameters.properties if "clamped" in own]
+    return tuple(tuple((np.asarray(clamped) == 1).ravel().tolist()) for clamped in properties)
 
 
 def traced(document: Document, model: Model, keys: Sequence[str], node: str | None = None) -> Traced:
-    """The function of the free names of a document, kept for its structure.
-
-    Raises:
-        ValueError: There is no such answer.
-    """
+    """The function of the free names of a document, kept for its structure."""
     key = (structure(document), tuple(model.q_labels), clamps_of(model), tuple(keys), node)
     with _LOCK:
         found = _KEPT.pop(key, None) or Traced(document, model, keys, node)

@@ -1,4 +1,4 @@
-"""The edits of a session: undone and redone without limit, and journalled so that a killed process comes back."""
+"""The edits of a session, undone and redone without limit, and written to a journal against a killed process."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from typing import Any, NamedTuple
 
 try:
     import fcntl
-except ImportError:  # Where the system has no such locks, all journals are offered.
+except ImportError:  # Systems without such locks offer all journals.
     fcntl = None
 
 from ..files import naming
 from .document import Document, EditError, Report, apply
 
-# Requests that are remembered, so that one which is sent again is done once.
+# Number of remembered requests: a request that is sent again is done once.
 KEPT_REQUESTS = 1000
-# What a damaged line of a journal raises where it is read or done again.
+# Faults of a damaged line of a journal.
 UNREADABLE = (EditError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError)
 
 
 class _Step(NamedTuple):
-    """One step back: what it is called, and the document before it; its file too, where the step changed that."""
+    """One step: its label, the document before it, and the file before it if the step changed the file."""
 
     label: str
     before: Document
@@ -36,27 +36,21 @@ class _Step(NamedTuple):
 
 
 class History:
-    """A document and the way to it.
+    """A document and its edits.
 
     Attributes:
-        document: As it is now.
-        revision: Number of changes, undone and redone ones among them.
-        file: Path of the file that the document belongs to; None where it has none.
-        saved: The document as its file has it; None where no file does.
-        requests: What came of the last requests, by their keys: a report of edits, or a label.
-        damage: What of the journal could not be recovered, in words; "" where all of it was.
+        document: Present document.
+        revision: Number of changes, including undone and redone ones.
+        file: Path of the document's file, or None.
+        saved: The document in its file, or None.
+        requests: Results of the last requests by their keys: a report of edits, or a label.
+        damage: What could not be recovered from the journal, in words.
     """
 
     def __init__(
         self, document: Document | None = None, journal: str | os.PathLike | None = None, *, file: str | None = None
     ):
-        """A history that begins.
-
-        Args:
-            document: To begin with; an empty one unless given.
-            journal: File to which each edit is written as it is done, before it is answered; no journal unless given.
-            file: That the document was read from.
-        """
+        """Begin a history, with a journal if a path is given: each edit is in the journal before it is answered."""
         self.document = document or Document.empty()
         self.revision = 0
         self.file = file
@@ -72,36 +66,26 @@ class History:
 
     @property
     def undo_labels(self) -> list[str]:
-        """What may be undone, the last first."""
+        """Labels of steps to undo, the last first."""
         return [step.label for step in reversed(self._back)]
 
     @property
     def redo_labels(self) -> list[str]:
-        """What may be done again, the next first."""
+        """Labels of steps to redo, the next first."""
         return [step.label for step in reversed(self._forth)]
 
     @property
     def journal(self) -> Path | None:
-        """The file of the journal."""
+        """File of the journal."""
         return None if self._file is None else Path(self._file.name)
 
     @property
     def is_saved(self) -> bool:
-        """Whether a file has all of it, or there was nothing to save so far."""
+        """Whether a file contains the document, or there was nothing to save so far."""
         return self.document is self.saved or (self.saved is not None and self.document.data == self.saved.data)
 
     def edit(self, ops: Any, label: str | None = None, merge: str | None = None, key: str | None = None) -> Report:
-        """Edit the document.
-
-        Args:
-            ops: As of :func:`.document.apply`.
-            label: What the step is called; by default after the operations.
-            merge: Edits with equal keys in a row are one step, such as those of a slider that is dragged.
-            key: Of the request, under which its report is remembered.
-
-        Raises:
-            EditError: Nothing is changed then.
-        """
+        """Edit the document as one step, with a label; edits with equal ``merge`` keys in a row are one step."""
         document, report = apply(self.document, ops)
         report = report._replace(label=label or report.label)
         self._write({"edit": ops, "label": report.label, "merge": merge, "key": key})
@@ -110,14 +94,7 @@ class History:
         return report
 
     def replace(self, document: Document, label: str, file: str | None = None, key: str | None = None) -> None:
-        """Put another document in the place of this one, as one step: a file that is opened.
-
-        Args:
-            document: The document, which counts as saved.
-            label: What the step is called.
-            file: That it was read from, which saving writes from now on, until the step is undone.
-            key: Of the request.
-        """
+        """Replace the document by one that counts as saved in a file, as one step."""
         self._write({"document": document.data, "label": label, "file": file, "key": key})
         self._take(document, label, None)
         self._back[-1] = self._back[-1]._replace(file=(self.file,))
@@ -125,20 +102,20 @@ class History:
         self._remember(key, label)
 
     def undo(self, key: str | None = None) -> str | None:
-        """Go one step back; its label, or None where there is none."""
+        """Go one step back; its label, or None if there is none."""
         return self._go(self._back, self._forth, "undo", key)
 
     def redo(self, key: str | None = None) -> str | None:
-        """Do again what was undone last; its label, or None where there is none."""
+        """Redo the last undone step; its label, or None if there is none."""
         return self._go(self._forth, self._back, "redo", key)
 
     def mark_saved(self, file: str | None) -> None:
-        """Say that a file has the document as it is now."""
+        """Note that a file contains the present document."""
         self._write({"saved": True, "file": file})
         self.file, self.saved = file, self.document
 
     def part(self) -> None:
-        """End a step: what follows is a step of its own, whatever its key."""
+        """End a step: the next edit is another one, whatever its key."""
         if self._back and self._back[-1].merge is not None:
             self._write({"part": True})
             self._back[-1] = self._back[-1]._replace(merge=None)
@@ -152,7 +129,7 @@ class History:
             self._file = None
 
     def move_journal(self, path: Path) -> None:
-        """Go on in another file, which takes the place of one that is there."""
+        """Continue in another file, which is replaced if it exists."""
         if self._file is not None:
             old = Path(self._file.name)
             self._file.close()
@@ -185,7 +162,7 @@ class History:
                 del self.requests[next(iter(self.requests))]
 
     def _replay(self, line: dict[str, Any]) -> None:
-        """Do what a line of a journal tells."""
+        """Repeat a line of a journal."""
         if "edit" in line:
             self.edit(line["edit"], line.get("label"), line.get("merge"), line.get("key"))
         elif "document" in line:
@@ -202,12 +179,12 @@ class History:
 
     def _open(self, path: Path, mode: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        # For the eyes of its user alone.
+        # Only its user can read it.
         self._file = open(path, f"{mode}b", buffering=0, opener=lambda name, flags: os.open(name, flags, 0o600))
         _lock(self._file)
 
     def _write(self, line: dict[str, Any]) -> None:
-        """A line of the journal, on the disk before anything else is done."""
+        """Write a line of the journal to the disk, before anything else is done."""
         if self._file is None:
             return
         content = json.dumps(line, ensure_ascii=False).encode() + b"\n"
@@ -217,25 +194,20 @@ class History:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             os.fsync(self._file.fileno())
         except OSError as fault:
-            # Half a line would hide those that follow it.
+            # Half a line would hide the lines after it.
             with contextlib.suppress(OSError):
                 self._file.truncate(end)
                 self._file.seek(end)
-            message = (
-                f"Nothing is changed: the journal '{self._file.name}' cannot be written: {fault.strerror or fault}."
-            )
+            why = fault.strerror or fault
+            message = f"Nothing is changed: the journal '{self._file.name}' cannot be written: {why}."
             raise EditError("", message) from None
 
 
 def recover(path: str | os.PathLike) -> History:
-    """The history that a journal tells, which goes on in the same file.
+    """The history of a journal, which continues in the same file.
 
-    A line that was not finished when the process was killed is left out: its edit was never answered. Of a journal that
-    is damaged before its last line the part before that is recovered, and a copy of all of it stays beside it.
-
-    Raises:
-        EditError: It is no journal.
-        OSError: It cannot be read, or a damaged one cannot be copied.
+    An unfinished last line is left out: its edit was never answered. If another line is damaged, the steps before it
+    are recovered, and a copy of the journal stays beside it.
     """
     path = Path(path)
     found, whole, count = None, 0, 0
@@ -270,28 +242,26 @@ def recover(path: str | os.PathLike) -> History:
 
 
 def unreadable(path: Path) -> Path:
-    """A file beside a journal that is not there yet, for what cannot be read of it."""
+    """An unused file name beside a journal, for what cannot be read."""
     names = (path.with_suffix(f".unreadable{f'-{k}' if k else ''}") for k in itertools.count())
     return next(name for name in names if not name.exists())
 
 
-def journals(folder: str | os.PathLike | None = None) -> list[Path]:
-    """Journals that processes left behind which are no more, the newest first."""
-    folder = journal_folder() if folder is None else Path(folder)
+def journals(folder: Path) -> list[Path]:
+    """Journals that ended processes left behind, the newest first."""
     found = sorted(folder.glob("*.jsonl"), key=lambda path: path.stat().st_mtime, reverse=True)
     return [path for path in found if not is_locked(path)]
 
 
-def new_journal(folder: str | os.PathLike | None = None) -> Path:
-    """A file for a new journal."""
-    folder = journal_folder() if folder is None else Path(folder)
+def new_journal(folder: str | os.PathLike) -> Path:
+    """An unused file name for a journal."""
     stamp = time.strftime("%Y%m%d-%H%M%S")
     names = (f"{stamp}-{os.getpid()}{f'-{k}' if k else ''}.jsonl" for k in itertools.count())
-    return next(folder / name for name in names if not (folder / name).exists())
+    return next(path for name in names if not (path := Path(folder) / name).exists())
 
 
 def journal_folder() -> Path:
-    """Where journals are: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
+    """Folder of journals: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
     if given := os.environ.get("FLEXMB_STATE"):
         return Path(given)
     if given := os.environ.get("FLEXMB_CACHE"):
@@ -300,14 +270,14 @@ def journal_folder() -> Path:
 
 
 def _lock(file: Any) -> None:
-    """Hold a file for as long as the process lives, where the system can."""
+    """Lock a file for the life of the process, if the system can."""
     if fcntl is not None:
         with contextlib.suppress(OSError):
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def is_locked(path: Path) -> bool:
-    """Whether a process that lives writes a journal."""
+    """Whether a running process writes a journal."""
     if fcntl is None:
         return False
     with open(path, "rb") as file:

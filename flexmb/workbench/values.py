@@ -1,4 +1,4 @@
-"""Values of the numbers in a document: names, arithmetic of names, and what a compiled function of them depends on."""
+"""Values of the numbers in a document, and the structure on which a compiled function of them depends."""
 
 from __future__ import annotations
 
@@ -13,26 +13,17 @@ from .references import call_of, replaced
 
 
 def free_names(document: Document) -> list[str]:
-    """Names whose values are numbers: those that one may slide, or tune by."""
+    """Names whose values are numbers, for sliders and tuning."""
     return [name for name, own in document.names.items() if is_number(own["value"])]
 
 
 def numbers_of(document: Document, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Values of all numeric fields, by address; of names too, "names/t/value". What has none is left out.
-
-    Args:
-        document: The document.
-        names: Values of free names in place of those in the document, () each, which may be traced.
-    """
+    """Values of numeric fields and names ("names/t/value") by address; ``names`` replaces values of free names."""
     return dict(evaluated(document, names)[0])
 
 
 def value_in(document: Document, text: str) -> Any:
-    """Value of arithmetic with the names of a document.
-
-    Raises:
-        ValueError: It has none.
-    """
+    """Value of arithmetic with the names of a document; ValueError if it has none."""
     values: dict[str, Any] = {}
     for name in document.names:
         _evaluate_name(document, name, {}, values, {})
@@ -40,7 +31,7 @@ def value_in(document: Document, text: str) -> Any:
 
 
 def evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, str]]:
-    """Values by address, and what is wrong by address."""
+    """Values by address, and faults by address."""
     if not given:
         if "evaluated" not in document.kept:
             document.kept["evaluated"] = _evaluated(document, {})
@@ -73,39 +64,35 @@ def _evaluated(document: Document, given: Mapping[str, Any]) -> tuple[dict[str, 
 
 
 def _evaluate_name(document: Document, name: str, given: Mapping[str, Any], values: dict, faults: dict) -> None:
-    """Value of a name, after those of the names in it; without recursion, since a chain of them may be long."""
+    """Value of a name after the names in it, without recursion: a chain of names may be long."""
     path: dict[str, None] = {name: None}
     while path:
-        one = next(reversed(path))
-        address, text = f"names/{one}/value", document.names[one]["value"]
+        current = next(reversed(path))
+        address, text = f"names/{current}/value", document.names[current]["value"]
         missing = [n for n in names_in(text) if n in document.names and n not in values]
         open_ = [n for n in missing if f"names/{n}/value" not in faults]
         circle = next((n for n in missing if n in path), None)
-        if one in given:
-            values[one] = given[one]
-        elif one in values or address in faults:
+        if current in given:
+            values[current] = given[current]
+        elif current in values or address in faults:
             pass
         elif circle is not None:
             members = list(path)
-            told = " → ".join(map(clean, [*members[members.index(circle) :], circle]))
-            faults[address] = f"Name '{clean(one)}' is defined by itself: {told}."
+            chain = " → ".join(map(clean, [*members[members.index(circle) :], circle]))
+            faults[address] = f"Name '{clean(current)}' is defined by itself: {chain}."
         elif open_:
             path[open_[0]] = None
             continue
         else:
             try:
-                values[one] = _value(text, values, document)
+                values[current] = _value(text, values, document)
             except ValueError as fault:
                 faults[address] = str(fault)
         path.popitem()
 
 
 def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
-    """Value of a text, with a message that is a sentence.
-
-    Raises:
-        ValueError: It has none.
-    """
+    """Value of a text; ValueError with a sentence if it has none."""
     if not text.strip():
         raise ValueError("A number, a name or arithmetic is missing.")
     for name in names_in(text):
@@ -122,15 +109,11 @@ def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
 
 
 def structure(document: Document, *, arithmetic: bool = True) -> str:
-    """What a document builds but for its numbers: equal texts build the same compiled functions of their numbers.
+    """Text that is equal for documents with equal compiled functions of their numbers.
 
-    Degrees of freedom and clamps that the Builder finds depend on numbers too: beside this key stands that of the
-    model, such as its ``q_labels``.
-
-    Args:
-        document: The document.
-        arithmetic: Whether functions of the free names are meant, for which texts such as "2*w" count. Without it
-            those of the numbers of :func:`numbers_of`.
+    The Builder also chooses degrees of freedom and clamps by numbers. Keys therefore contain those of the model too.
+    With ``arithmetic`` the functions depend on the free names, and texts such as "2*w" count; otherwise they depend on
+    the numbers of :func:`numbers_of`.
     """
     found, _ = evaluated(document)
 

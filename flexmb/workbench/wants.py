@@ -1,4 +1,4 @@
-"""What is wanted of answers: read from texts with units, checked, and written as it was written."""
+"""Targets from texts with units, checked, and numbers written like the text before."""
 
 from __future__ import annotations
 
@@ -24,14 +24,7 @@ PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "m": 1e-3,
 
 @dataclasses.dataclass(frozen=True)
 class Want:
-    """An answer that is to have a value.
-
-    Attributes:
-        key: Which answer.
-        kind: "equal", "least" or "most".
-        value: In its unit.
-        unit: SI, without a prefix.
-    """
+    """A target: an answer by its key, "equal", "least" or "most", and a value in its SI unit without prefix."""
 
     key: str
     kind: str
@@ -42,45 +35,39 @@ class Want:
         return f"{self.key} {KINDS[self.kind]} {text_of(self.value, self.unit)}"
 
     def missed(self, value: float) -> float:
-        """By how much a value misses it, relative to it [-]; not above zero where it does not."""
+        """Relative miss of a value [-]; zero or negative if it meets the target."""
         off = (value - self.value) / (abs(self.value) or 1.0)
         return {"equal": abs(off), "least": -off, "most": off}[self.kind]
 
 
 def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
-    """What is wanted, checked.
-
-    Raises:
-        ValueError: Nothing is wanted, or what is no number.
-    """
+    """Checked targets."""
     found = []
-    for one in given:
-        key, kind = str(one.get("answer", "")), one.get("kind", "equal")
+    for target in given:
+        key, kind = str(target.get("answer", "")), target.get("kind", "equal")
         if kind not in KINDS:
-            raise ValueError(f"Target '{clean(key)}' must be equal, least or most, not {shown(kind)}.")
+            raise ValueError(f"Target '{clean(key)}' is of kind {shown(kind)}. It must be equal, least or most.")
         unit = unit_of(key)
-        found.append(Want(key, kind, value_in(key, str(one.get("value", "")), unit, names), unit))
+        found.append(Want(key, kind, value_in(key, str(target.get("value", "")), unit, names), unit))
     if not found:
-        raise ValueError("Say what is wanted, such as frequency 1 = 20 Hz.")
+        raise ValueError("There is no target. Give one, such as frequency 1 = 20 Hz.")
     for key in {want.key for want in found}:
         own = {want.kind: want.value for want in found if want.key == key}
         if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
-            raise ValueError(
-                f"'{clean(key)}' is wanted twice: give it one value, or one from below and one from above."
-            )
+            raise ValueError(f"'{clean(key)}' has two targets. Give one value, or a lower and an upper one.")
         if own.get("least", -np.inf) > own.get("most", np.inf):
             raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
     return found
 
 
 def label_of(given: Sequence[Mapping[str, Any]]) -> str:
-    """What the edit that meets targets is called, of what was given for :func:`wants_of`."""
-    parts = [f"{one.get('answer')} {KINDS.get(str(one.get('kind', 'equal')), '?')} {one.get('value')}" for one in given]
+    """Label of the edit that meets targets."""
+    parts = [f"{t.get('answer')} {KINDS.get(str(t.get('kind', 'equal')), '?')} {t.get('value')}" for t in given]
     return clean(f"target {', '.join(parts)}")
 
 
 def unit_of(key: str) -> str:
-    """Unit of an answer by its key, SI without a prefix; empty where it has none, or where there is no such answer."""
+    """SI unit of an answer without prefix; empty if it has none, or if there is no such answer."""
     return unit_of_question(question_of(key, "")).removesuffix("-")
 
 
@@ -97,17 +84,17 @@ def value_in(key: str, text: str, unit: str, names: Mapping[str, float]) -> floa
         form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
         raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
     if not np.isfinite(value):
-        raise ValueError(f"Target '{clean(key)}' must be finite, not '{clean(text)}'.")
+        raise ValueError(f"Target '{clean(key)}' is '{clean(text)}'. It must be finite.")
     return value
 
 
 def text_of(value: float, unit: str) -> str:
-    """An answer with its unit, as it is told."""
+    """An answer with its unit."""
     return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
 
 
 def number_like(text: str, value: float, digits: int) -> str:
-    """A number with the exponent of another text: 0.76e-3 where 0.5e-3 stood."""
+    """A number with the exponent of another text: 0.76e-3 after 0.5e-3."""
     exponent = re.search(r"[eE]([-+]?\d+)\s*$", text)
     plain = f"{value:.{digits}g}"
     if exponent is None:
@@ -123,13 +110,8 @@ def checked_free(document: Document, free: Sequence[str]) -> list[str]:
         if name not in document.names:
             raise ValueError(f"There is no name '{clean(name)}' to change.")
         if name not in known:
-            text = document.names[name]["value"]
-            raise ValueError(
-                f"'{clean(name)}' is '{clean(text)}': it follows from others. Choose from {listed(known)}."
-            )
-    chosen = list(dict.fromkeys(free)) or known
-    if not chosen:
-        raise ValueError(
-            "No dimension may change: write a name, such as t, where a number stands, and give it a value."
-        )
-    return chosen
+            text = clean(document.names[name]["value"])
+            raise ValueError(f"'{clean(name)}' is '{text}': it follows from others. Choose from {listed(known)}.")
+    if not known:
+        raise ValueError("No dimension may change. Write a name, such as t, instead of a number, and give it a value.")
+    return list(dict.fromkeys(free)) or known

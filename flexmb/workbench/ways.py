@@ -1,4 +1,4 @@
-"""Which way to go: how an answer changes with every number of the document, and with every free name."""
+"""Sensitivities of an answer by every number and every free name of the document."""
 
 import dataclasses
 import logging
@@ -16,6 +16,7 @@ from ..errors import AnalysisError, heard
 from ..linear.linearize import linearize
 from ..model.model import Model
 from ..model.parameters import Parameters
+from ..numerical_limits import REPEATED_ANSWER, SAME_ANSWER
 from ..plot.geometry import names_of
 from ..results import RESULTS, check, collected, worst_of
 from .building import build, free_names, numbers_of, structure
@@ -24,11 +25,7 @@ from .live_answers import Answers
 from .references import call_of
 from .traced import Answer, answer_of, clamps_of
 
-# Two frequencies or multipliers this near to each other, relatively, are repeated: neither has a derivative.
-REPEATED = 1e-6
-# The closure was made of another design: where what it finds is off by more, something that is no number has changed.
-SAME = 1e-6
-# Closures that are kept.
+# Number of compiled functions that are kept.
 MOST = 12
 
 Slopes = Callable[[Any], Any]
@@ -39,9 +36,9 @@ class _Closure:
     """A compiled function of the numbers of documents of one structure.
 
     Attributes:
-        addresses: Of the numbers, in order.
-        slopes: Of the numbers (n,): answer, slopes (n,), relative slopes by the sections of each block's elements, and
-            code of RESULTS.
+        addresses: Addresses of the numbers, in order.
+        slopes: From numbers (n,) to the answer, its slopes (n,), relative slopes by the sections of each block's
+            elements, and a code of RESULTS.
     """
 
     addresses: tuple[str, ...]
@@ -49,30 +46,33 @@ class _Closure:
 
 
 class Ways:
-    """Sensitivities of answers: compiled once for each structure and answer, in a thread of its own."""
+    """Sensitivities of answers, compiled once for each structure and answer in a thread of its own."""
 
     def __init__(self, changed: Callable[[], None]):
-        """Nothing is compiled yet."""
         self._changed = changed
         self._closures: dict[Any, _Closure | Exception | None] = {}
         self._names: dict[Any, Callable[..., Any]] = {}
 
     def of(self, document: Document, found: Answers, *, wait: bool = False) -> dict[str, Any]:
-        """Sensitivities of the answer that is wanted, as a message to pages."""
+        """Sensitivities of the wanted answer, as a message to pages."""
         key = str(found.wants.sensitivity_of)
-        told = {"answer": key, "message": "", "by_field": {}, "by_name": {}, "relative": {}, "by_element": {}}
+        empty = {"answer": key, "message": "", "by_field": {}, "by_name": {}, "relative": {}, "by_element": {}}
+
+        def without(status: str, message: str = "") -> dict[str, Any]:
+            return {**empty, "status": status, "message": message, "words": []}
+
         value = found.values.get(key, {}).get("value")
         why = _meaningless(key, found) if value is not None else f"There is no {key} here, and so no sensitivity of it."
         if value is None or why:
-            return {**told, "status": "failed", "message": why, "words": []}
+            return without("failed", why)
         kind = _kind(document, found, key)
         if kind not in self._closures:
             self._prepare(kind, document, found, key, wait)
         closure = self._closures.get(kind)
         if closure is None:
-            return {**told, "status": "computing", "words": []}
+            return without("computing")
         if isinstance(closure, Exception):
-            return {**told, "status": "failed", "message": str(closure), "words": []}
+            return without("failed", str(closure))
         numbers = numbers_of(document)
         point = np.array([numbers[address] for address in closure.addresses])
         same, slopes, shares, code = closure.slopes(point)
@@ -80,32 +80,30 @@ class Ways:
         try:
             check(int(code), True)
         except AnalysisError as fault:
-            return {**told, "status": "failed", "message": str(fault), "words": []}
-        if abs(float(same) - value) > SAME * abs(value):
-            # Such as an end that is clamped now and was not: another mechanism.
+            return without("failed", str(fault))
+        if abs(float(same) - value) > SAME_ANSWER * abs(value):
+            # The function belongs to another mechanism, such as one with another clamped end.
             del self._closures[kind]
-            return {**told, "status": "computing", "words": []}
+            return without("computing")
         if not np.all(np.isfinite(slopes)):
-            message = (
-                RESULTS.critical_state.message if int(code) == RESULTS.critical_state else "It has no derivative here."
-            )
-            return {**told, "status": "failed", "message": message, "words": []}
+            critical = int(code) == RESULTS.critical_state
+            return without("failed", RESULTS.critical_state.message if critical else "It has no derivative here.")
         by_field = dict(zip(closure.addresses, slopes.tolist(), strict=True))
         by_name = self._by_name(document, by_field)
         at = {**{a: numbers[a] for a in by_field}, **{n: numbers[f"names/{n}/value"] for n in by_name}}
         every = {**by_field, **by_name}
         return {
-            **told,
+            **empty,
             "status": "ok",
             "by_field": by_field,
             "by_name": by_name,
-            "relative": {one: every[one] * float(at[one]) / value for one in every if at[one] != 0 and value != 0},
+            "relative": {name: every[name] * float(at[name]) / value for name in every if at[name] != 0 and value != 0},
             "by_element": _by_element(found.model, shares, value),
             "words": _words(key, found, by_field),
         }
 
     def _prepare(self, kind: Any, document: Document, found: Answers, key: str, wait: bool) -> None:
-        """Compile a closure."""
+        """Compile a function, in a thread unless told to wait."""
         self._closures[kind] = None
         while len(self._closures) > MOST:
             del self._closures[next(iter(self._closures))]
@@ -115,7 +113,7 @@ class Ways:
                 answer = answer_of(key, found.wants.support_node)
                 with heard():
                     closure: Any = _closure(document, found, answer, numbers_of(document))
-            except Exception as fault:  # Told to the pages, whatever it is; nobody else waits for this thread.
+            except Exception as fault:  # No one else waits for this thread: the pages show the fault.
                 logging.getLogger("flexmb").debug("%s", key, exc_info=True)
                 closure = fault
             if kind in self._closures:
@@ -129,7 +127,7 @@ class Ways:
             threading.Thread(target=compile_, name="flexmb ways", daemon=True).start()
 
     def _by_name(self, document: Document, by_field: Mapping[str, float]) -> dict[str, float]:
-        """Slopes by the free names: those of the fields, through the arithmetic in each."""
+        """Slopes by the free names, from the slopes of the fields and the arithmetic in each field."""
         names = free_names(document)
         if not names:
             return {}
@@ -146,7 +144,7 @@ class Ways:
 
 
 def numeric_fields(document: Document) -> list[str]:
-    """Addresses of the fields that are numbers to differentiate by: not names, nor what chooses code."""
+    """Addresses of the fields with numbers to differentiate by: no names, and no numbers that choose code."""
     whole = set()
     for thing in document.things:
         call = call_of(thing)
@@ -160,7 +158,7 @@ def numeric_fields(document: Document) -> list[str]:
 
 
 def _kind(document: Document, found: Answers, key: str) -> Any:
-    """What a closure is for: structure, roles that the Builder finds by numbers, and the answer."""
+    """Key of a compiled function: structure, roles that depend on numbers, and the answer."""
     model = found.model
     roles = tuple(tuple(map(str, some)) for some in model.roles())
     where = found.values[key].get("where", {}).get("node") if key == "displacement" else None
@@ -168,7 +166,7 @@ def _kind(document: Document, found: Answers, key: str) -> Any:
 
 
 def _closure(document: Document, found: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
-    """Answer and slopes of documents of this structure, compiled; called once, so that it is."""
+    """Answer and slopes for documents of this structure, compiled by a first call."""
     like, increment, addresses = found.model, found.increment, tuple(numeric_fields(document))
 
     def parameters(flat: Any) -> Parameters:
@@ -193,20 +191,22 @@ def _closure(document: Document, found: Answers, answer: Answer, numbers: Mappin
 def _of_sections(properties: dict[str, Any], slopes: dict[str, Any]) -> list[Any]:
     """Slopes times sizes, summed over the sizes of each section, for every stack of sections of a block."""
     found = []
-    sections, theirs = properties.get("section"), slopes.get("section")
-    for own, slope in zip(*((one if isinstance(one, tuple) else (one,)) for one in (sections, theirs)), strict=True):
-        if own is not None:
-            pairs = zip(jax.tree.leaves(_sizes(own)), jax.tree.leaves(_sizes(slope)), strict=True)
-            # What is not stacked is no number of an element's own.
+    stacks = [
+        each if isinstance(each, tuple) else (each,) for each in (properties.get("section"), slopes.get("section"))
+    ]
+    for section, slope in zip(*stacks, strict=True):
+        if section is not None:
+            pairs = zip(jax.tree.leaves(_sizes(section)), jax.tree.leaves(_sizes(slope)), strict=True)
+            # A leaf without axes is shared by several elements.
             products = [a * b for a, b in pairs if jnp.ndim(a)]
-            found.append(sum(jnp.sum(jnp.reshape(own, (own.shape[0], -1)), axis=1) for own in products))
+            found.append(sum(jnp.sum(jnp.reshape(product, (len(product), -1)), axis=1) for product in products))
     return found
 
 
 def _sizes(section: Any) -> Any:
-    """What of a section is no material."""
+    """Sizes of a section, without its material."""
     fields = [getattr(section, field.name) for field in dataclasses.fields(section)]
-    return [own for own in fields if not isinstance(own, Material)]
+    return [value for value in fields if not isinstance(value, Material)]
 
 
 def _by_element(model: Model, shares: list[list[Any]], value: float) -> dict[str, float]:
@@ -214,14 +214,14 @@ def _by_element(model: Model, shares: list[list[Any]], value: float) -> dict[str
     found: dict[str, float] = {}
     for block, stacks in zip(model.topology.blocks, shares, strict=True):
         names = names_of(model, block)
-        own = [one for stack in stacks for one in np.asarray(stack).tolist()]
-        for name, one in zip(names, own, strict=False):
-            found[name] = found.get(name, 0.0) + one / value
+        slopes = [slope for stack in stacks for slope in np.asarray(stack).tolist()]
+        for name, slope in zip(names, slopes, strict=False):
+            found[name] = found.get(name, 0.0) + slope / value
     return found
 
 
 def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) -> Callable[..., Any]:
-    """From slopes by the fields to slopes by the names, at values of these."""
+    """The function from slopes by the fields, at values of the names, to slopes by the names."""
 
     def fields(flat: Any) -> Any:
         found = numbers_of(document, dict(zip(names, flat, strict=True)))
@@ -231,7 +231,7 @@ def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) ->
 
 
 def _meaningless(key: str, found: Answers) -> str:
-    """Why an answer has no sensitivity; empty where it has."""
+    """Reason why an answer has no sensitivity; empty if it has one."""
     word, _, number = key.partition(" ")
     several: dict[str, Any] = {}
     if found.modes is not None:
@@ -239,13 +239,13 @@ def _meaningless(key: str, found: Answers) -> str:
     if found.buckled is not None:
         several["multiplier"] = found.buckled.multipliers
     if word == "pole":
-        return "Poles of loads without a potential are not differentiated here."
+        return "flexmb does not differentiate poles of loads without a potential."
     if word in several:
         values, place = np.asarray(several[word]), int(number) - 1
-        alike = np.abs(values - values[place]) <= REPEATED * np.abs(values[place])
+        alike = np.abs(values - values[place]) <= REPEATED_ANSWER * np.abs(values[place])
         near = [i for i in np.flatnonzero(alike).tolist() if i != place]
         if found.values[key]["text"].startswith("0 Hz"):
-            return f"{key.capitalize()} is that of a free motion: it stays zero."
+            return f"{key.capitalize()} belongs to a free motion: it stays zero."
         if near:
             others = ", ".join(f"{word} {i + 1}" for i in near)
             return f"{key.capitalize()} is repeated, as {others}: alone it has no derivative."
@@ -255,12 +255,12 @@ def _meaningless(key: str, found: Answers) -> str:
 
 
 def _words(key: str, found: Answers, by_field: Mapping[str, float]) -> list[str]:
-    """What is special about sensitivities."""
+    """Special properties of sensitivities, in words."""
     words = []
     if not any(by_field.values()):
         words.append(f"No number changes {key}.")
     if key == "stress" and found.stress is not None:
         largest = np.max(np.asarray(found.stress.von_mises), axis=-1)
-        if np.sum(largest >= (1 - REPEATED) * np.max(largest)) > 1:
-            words.append("It is largest at several places alike: this is how it changes at one of them.")
+        if np.sum(largest >= (1 - REPEATED_ANSWER) * np.max(largest)) > 1:
+            words.append("Several places have the largest stress. The sensitivity holds for one of them.")
     return words

@@ -79,9 +79,9 @@ def test_every_mode_of_the_command_line_is_offered_and_no_second_list():
     [
         ("path", "There is no load: add a force"),
         ("buckling", "There is no load: add a force"),
-        ("simulate", "Nothing sets it in motion: add a force"),
+        ("simulate", "Nothing moves it: add a force"),
         ("statespace", "There is no input: add one"),
-        ("inverse", "add an input there"),
+        ("inverse", "Add an input there"),
     ],
 )
 def test_what_is_missing_is_told_with_what_to_add(name, said):

@@ -71,7 +71,7 @@ def test_counts_are_those_of_the_tutorial():
     # WA 1239 (2012), section 2.2: the spatial guide has NDOF = 0 and one over-constraint; released, NDOF = 1.
     over = count(mechanisms.spatial_guide())
     assert (over.status, over.over, over.numbers["ndof"]) == ("overconstrained", 1, 0)
-    assert set(over.told()["shares"][0]) == {"left 1", "right 1", "bar"}
+    assert set(over.message_data()["shares"][0]) == {"left 1", "right 1", "bar"}
     exact = count(mechanisms.spatial_guide(extra=(6,)))
     assert (exact.status, exact.over, exact.numbers["ndof"], exact.dofs) == ("ok", 0, 1, ("left1.y",))
     assert exact.warnings, "of plain beams"

@@ -10,7 +10,7 @@ from flexmb.workbench.merged import merged
 
 def document(b: fm.Builder) -> Document:
     known = Calls(b)
-    things = known.said([f"{float(number):g}" for number in known.numbers])
+    things = known.filled([f"{float(number):g}" for number in known.numbers])
     own = [{"id": str(k), **thing} for k, thing in enumerate(things, 1)]
     return Document.from_data({"format": FORMAT, "title": "", "dimension": 2, "names": {}, "things": own})
 

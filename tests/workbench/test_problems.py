@@ -75,7 +75,7 @@ def test_a_document_of_another_version_is_kept_and_told():
     document = Document.from_data(data)
     built = build(document)
     assert [p["address"] for p in built.problems] == ["77"]
-    assert "no call of this version" in built.problems[0]["message"]
+    assert "This version has no call" in built.problems[0]["message"]
     other, _ = apply(document, [{"op": "set", "address": "77/nodes", "to": ["B"]}, {"op": "delete", "ids": ["77"]}])
     assert build(other).problems == []
 

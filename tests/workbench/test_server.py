@@ -167,7 +167,7 @@ def test_what_is_binary_or_too_long_is_refused_by_name(client, server):
     client.socket.send(b"\x00")
     assert "binary" in client.reply(None)["problem"]["message"]
     reply = client.ask("edit", ops=[], label="x" * LONGEST_MESSAGE)
-    assert f"{LONGEST_MESSAGE} letters at most" in reply["problem"]["message"]
+    assert f"It may have {LONGEST_MESSAGE} at most" in reply["problem"]["message"]
     assert client.ask("edit", ops=[NODE])["ok"]
     # Beyond any sense the connection ends, and the session does not.
     from websockets.exceptions import ConnectionClosed

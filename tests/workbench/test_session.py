@@ -326,7 +326,7 @@ def test_a_file_that_another_program_changes_is_offered(opened, tmp_path, monkey
     assert found["name"] == "guide.json"
     assert "7 things and the names" in found["summary"]
     # Nothing is written over it unasked.
-    with pytest.raises(ValueError, match="changed by another program"):
+    with pytest.raises(ValueError, match="program has changed"):
         session.ask("save", {})
     assert "w" in path.read_text()
     session.ask("take_disk", {})
@@ -463,5 +463,5 @@ def test_a_file_that_an_undone_step_brings_back_is_watched_again(opened, tmp_pat
     paths[0].write_text(Document.empty(3).text)
     session.ask("undo", {})
     assert told.newest["document"]["file"] == str(paths[0])
-    with pytest.raises(ValueError, match="changed by another program"):
+    with pytest.raises(ValueError, match="program has changed"):
         session.ask("save", {})

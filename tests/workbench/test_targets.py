@@ -203,14 +203,14 @@ def test_values_with_and_without_units(text, unit, value):
 @pytest.mark.parametrize(
     ("given", "free", "said"),
     [
-        ([], ["t"], "Say what is wanted"),
+        ([], ["t"], "There is no target"),
         ([want("frequency 1", "fast")], ["t"], "'fast' asks for 'fast'"),
         ([want("frequency 1", "20 kg")], ["t"], "Give a number"),
         ([want("frequency 1", "20", "about")], ["t"], "must be equal, least or most"),
-        ([want("frequency 1", "20"), want("frequency 1", "30", "least")], ["t"], "wanted twice"),
+        ([want("frequency 1", "20"), want("frequency 1", "30", "least")], ["t"], "has two targets"),
         ([want("frequency 1", "30", "least"), want("frequency 1", "20", "most")], ["t"], "cannot be at least 30"),
-        ([want("colour", "20")], ["t"], "'colour' is no answer"),
-        ([want("stiffness x", "20")], ["t"], "that of a node"),
+        ([want("colour", "20")], ["t"], "'colour' has no derivatives"),
+        ([want("stiffness x", "20")], ["t"], "belongs to a node"),
         ([want("frequency 1", "20")], ["thickness"], "no name 'thickness'"),
         ([want("frequency 1", "20")], ["L2"], "follows from others"),
         ([want("frequency 3", "20")], ["t"], "numbered 1 to 1"),
