@@ -153,7 +153,7 @@ def test_what_is_left_out_is_told(step_reader):
     bare.add(planar.spring_damper, "A", "B", law=lambda s, v: 10.0 * s)
     bare.fix("A")
     bare.fix("B", "y")
-    with pytest.raises(fm.ModelError, match="no element has a section with a shape"):
+    with pytest.raises(fm.ModelError, match="No element has a section with a shape"):
         cad.step(bare.build())
 
 

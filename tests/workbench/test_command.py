@@ -63,7 +63,7 @@ def test_a_port_that_is_taken_is_said_so(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
         told = called("--no-browser", "--port", port)
-    assert re.fullmatch(rf"flexmb edit: port {port} is taken: .*; --port 0 takes any that is free.\n", told)
+    assert re.fullmatch(rf"flexmb edit: port {port} is taken: .*. --port 0 takes any free port.\n", told)
 
 
 @pytest.mark.slow

@@ -47,7 +47,7 @@ def test_names_and_arithmetic_of_a_file_become_names_and_fields(guide):
     section = next(thing["args"] for thing in document.things if thing["call"] == "Rigidity")
     assert (section["EA"], section["EIy"], section["mass"]) == ("210e9*w*t", "210e9*w*t**3/12", "7850*w*t")
     # The study names a function beside it, which is neither there nor looked for.
-    assert notes == ["study.toml names Python functions, which are not run here: own:twice"]
+    assert notes == ["study.toml names Python functions, which the workbench never runs: own:twice"]
     numbers = {"t": 0.7e-3, "w": 0.02}
     expected = fm.frequencies(fm.read_spacar(guide, numbers=numbers).builder.build())
     other = edited(document, **{name: repr(value) for name, value in numbers.items()})
@@ -151,7 +151,7 @@ def test_what_a_file_cannot_hold_is_listed_all_at_once(tmp_path):
     told = "\n".join(cannot_hold(document))
     for wanted in ("rigid_body", "The body on node", "'both'", "Gravity as an increment", "no such name"):
         assert wanted in told
-    with pytest.raises(ModelError, match="Save Python or the document itself instead"):
+    with pytest.raises(ModelError, match="Save Python or the document instead"):
         save_dat(document, tmp_path / "no.dat")
     assert list(tmp_path.iterdir()) == []
     # What is not complete is in no answer, and in no file.

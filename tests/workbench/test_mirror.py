@@ -195,7 +195,7 @@ def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_nam
     document, _ = apply(document, [{"op": "add", "thing": named}])
     assert build(document).problems == []
     op = {"op": "mirror", "ids": ids, "axis": "x", "at": "0"}
-    with pytest.raises(EditError, match="explode it first"):
+    with pytest.raises(EditError, match="Explode it first"):
         apply(document, [op])
     parts, _ = apply(document, [{"op": "explode", "id": "5"}])
     there = mirrored(parts, "x")

@@ -141,7 +141,7 @@ def test_a_name_without_bounds_gets_some_and_it_is_told():
     found = targets.meet(planar_guide(), [want("frequency 1", "20")], ["t"], Job())
     assert found["met"]
     assert found["assumed"] == {"t": [approx(0.1e-3), approx(2.5e-3)]}
-    assert "'t' has no bounds: 0.0001 to 0.0025 were taken" in found["text"]
+    assert "'t' has no bounds. The search used 0.0001 to 0.0025." in found["text"]
 
 
 @pytest.mark.slow

@@ -132,7 +132,7 @@ def test_what_has_no_meaning_is_said():
     document = guide()
     found = Ways(lambda: None)
     told = found.of(document, answers(document, sensitivity_of="stress"), wait=True)
-    assert "at several places alike" in told["words"][0]
+    assert "Several places have the largest stress" in told["words"][0]
     told = found.of(document, answers(document, sensitivity_of="frequency 9"), wait=True)
     assert (told["status"], told["message"]) == ("failed", "There is no frequency 9 here, and so no sensitivity of it.")
     twins = apply(
