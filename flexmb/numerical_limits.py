@@ -3,6 +3,15 @@
 Values are relative unless a unit stands beside them. Tolerances of integrators and of user options stay with them.
 """
 
+# --- root -----------------------------------------------------------------------------------------------------------
+
+OUTER_MOTION = 1e-6
+"""A mode moves nodes, and not only inner coordinates of elements, above this share of its largest motion. Below is
+round-off."""
+
+POWER_OF_TEN = 1e-9
+"""Added to a logarithm, so that round-off does not put a power of ten below its prefix."""
+
 # --- elements -------------------------------------------------------------------------------------------------------
 
 SHORTEST_ELEMENT = 1e-12
@@ -474,6 +483,39 @@ UNREFINED = 1e-6
 
 FORCE_ROUND_OFF = 10 * 2.0**-52
 """Round-off of forces over the largest: some units in the last place."""
+
+# --- build ----------------------------------------------------------------------------------------------------------
+
+UNIT_NORM_OF_ROTATION = 1e-9
+"""Euler parameters may miss the unit norm by this: they are often typed or computed with ten digits."""
+
+SYMMETRIC_INERTIA = 1e-9
+"""A matrix of inertia may be unsymmetric by this share of its largest entry: programs for solids print ten digits."""
+
+INDEPENDENT = 1e-5
+"""Part of a unit candidate for a degree of freedom that must remain after those already chosen. Below, the rest of the
+mechanism would be determined to ten digits or fewer."""
+
+CLEARLY_INDEPENDENT = 1e-2
+"""The same if better candidates follow."""
+
+CANNOT_MOVE = 1e-7
+"""Change of a degree of freedom per unit motion below which it cannot move: null spaces carry the square root of
+round-off."""
+
+ELEMENT_LAW = 1e-9
+"""Largest deviation of a user's element from a law, relative to numbers of the same kind. Round-off leaves 1e-14."""
+
+ELEMENT_DIFFERENCE = 1e-5
+"""The same for derivatives against differences, which carry 1e-10."""
+
+POTENTIAL_DIFFERENCE = 1e-2
+"""The same for the slope of a potential, which may have a corner within a step, as in contact."""
+
+# --- blocks ---------------------------------------------------------------------------------------------------------
+
+SHORTEST_DIRECTION = 1e-9
+"""Least length of a vector that states a direction, of unit length or in metres: below stands round-off."""
 
 # --- trajectory -----------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Global settings of JAX that a user switches on by one call; importing flexmb changes none."""
+"""Global settings of JAX that one call of the user switches on; importing flexmb changes none."""
 
 import contextlib
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 from .errors import warn
 
 LARGEST_CACHE = 2_000_000_000
-# So often files are counted [s]: of thousands it takes a twentieth of a command.
+# Time between two counts of the cache's files [s]: thousands of files take a twentieth of a command.
 BETWEEN = 3600.0
 
 
@@ -28,17 +28,15 @@ def cache_folder() -> Path:
 
 
 def _prepared(path: Path) -> None:
-    """Make the folder; refuse one others may have written code into; once an hour drop the oldest beyond the limit."""
+    """Make the folder; refuse one that others may write to; remove its oldest files beyond the limit once an hour."""
     path.mkdir(parents=True, exist_ok=True, mode=0o700)
     if hasattr(os, "getuid"):
         for folder in filter(Path.exists, (path, path / "programs")):
             state = folder.stat()
             if state.st_uid != os.getuid():
-                raise PermissionError(f"The folder '{folder}' is another user's: compiled code in it could be theirs.")
+                raise PermissionError(f"The folder '{folder}' belongs to another user, who could put code into it.")
             if state.st_mode & 0o022:
-                raise PermissionError(
-                    f"Others may write into '{folder}', whose code would be run: take chmod 700 first."
-                )
+                raise PermissionError(f"Others may write code into '{folder}', which would run: call chmod 700 first.")
     from .compilation.kept import PART
 
     looked_at = path / "looked_at"
@@ -52,15 +50,15 @@ def _prepared(path: Path) -> None:
         if folder.is_dir():
             with os.scandir(folder) as found:
                 for file in found:
-                    # Another process may rename or remove it meanwhile.
+                    # Another process may meanwhile rename or remove it.
                     with contextlib.suppress(FileNotFoundError):
                         state = file.stat()
-                        # Part of a file whose process was stopped.
+                        # A leftover of a stopped process.
                         if file.name.endswith(PART) and time.time() - state.st_mtime > BETWEEN:
                             Path(file.path).unlink()
                         elif file.is_file():
                             files.append((state, file.path))
-    files.sort(key=lambda one: -max(one[0].st_atime, one[0].st_mtime))
+    files.sort(key=lambda entry: -max(entry[0].st_atime, entry[0].st_mtime))
     kept = 0
     for state, file in files:
         kept += state.st_size
@@ -69,26 +67,26 @@ def _prepared(path: Path) -> None:
 
 
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
-    """Keep compiled code on disk, so that a fresh process starts quickly.
+    """Keep compiled code on disk, so that a new process starts quickly.
 
-    Programs of this package are found there without being traced, except where functions or objects of yours take part.
-    Whoever replaces functions or numbers of this package or of a library chooses another folder: it is not looked for.
+    A new process loads programs of this package without tracing them, unless functions or objects of yours take part.
+    flexmb does not notice replaced functions or numbers of packages: choose another folder if you replace any.
 
-    What equinox and diffrax check while they run then answers NaN instead of raising, in the whole process, unless the
-    environment variable ``EQX_ON_ERROR`` says otherwise: code that raises cannot be kept. Once an hour this call
-    removes files beyond 2 GB in all, those that were not used for the longest time first.
+    Errors that equinox and diffrax check at run time become NaN in the whole process, because code that raises cannot
+    be kept; the environment variable ``EQX_ON_ERROR`` overrides this. Once an hour this call removes files beyond 2 GB
+    in total, longest unused first.
 
     Args:
-        folder: Where, a folder of its own that belongs to you and that no other can write into; by default
+        folder: A folder of its own that belongs to you and that no one else can write to; by default
             :func:`cache_folder`.
-        thorough: Compile for half the run time in twice the compile time, as code that is kept deserves.
+        thorough: Compile for half the run time in twice the compile time, which pays for kept code.
 
     Returns:
         The folder.
 
     Raises:
-        PermissionError: The folder is another user's, or others may write into it.
-        OSError: It cannot be made.
+        PermissionError: The folder belongs to another user, or others may write to it.
+        OSError: The folder cannot be made.
     """
     import jax
     from jax.experimental.compilation_cache.compilation_cache import reset_cache
@@ -98,8 +96,8 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     path = Path(folder) if folder is not None else cache_folder()
     _prepared(path)
     compile_thoroughly(thorough, keep=True)
-    # What checks for errors by calling back into Python is never kept on disk, and diffrax does; its answers are
-    # checked for finiteness here. Equinox reads this once, when it is imported.
+    # diffrax checks errors by calling Python, and such code is never kept on disk; flexmb checks that answers are
+    # finite instead. Equinox reads this variable once, at import.
     if "equinox" in sys.modules and "EQX_ON_ERROR" not in os.environ:
         warn(
             "Equinox was imported before enable_cache(), so that motions compiled now are not kept on disk. Call"
@@ -107,7 +105,7 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
         )
     os.environ.setdefault("EQX_ON_ERROR", "nan")
     jax.config.update("jax_compilation_cache_dir", str(path))
-    # JAX looks for a folder once, when it compiles for the first time.
+    # JAX looks for the folder only once, when it first compiles.
     reset_cache()
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)

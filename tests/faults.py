@@ -1114,8 +1114,8 @@ FAULTS = [
     ),
     Fault(
         "compilation/host.py",
-        "np.asarray(one, of.dtype)",
-        "0 * np.asarray(one, of.dtype)",
+        "np.asarray(a, s.dtype)",
+        "0 * np.asarray(a, s.dtype)",
         "compilation/test_host.py -k once",
     ),
     Fault("compilation/host.py", 'jax.default_backend() != "cpu" or ', "", "compilation/test_host.py -k other"),
@@ -3408,8 +3408,8 @@ FAULTS = [
     ),
     Fault(
         "trajectory/ltv_file.py",
-        "np.swapaxes(of, 1, -1).reshape",
-        "of.reshape",
+        "np.swapaxes(row, 1, -1).reshape",
+        "row.reshape",
         "trajectory/test_linear_along.py -k names_of_spacar",
     ),
     Fault(

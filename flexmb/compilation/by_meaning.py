@@ -1,4 +1,4 @@
-"""Compiled code that functions share which do the same to other numbers."""
+"""Compiled code shared by functions that do the same with different numbers."""
 
 import dataclasses
 import functools
@@ -14,21 +14,19 @@ from ..arguments import is_concrete
 from . import compile
 from .program import Captured, Code, captured
 
-# Numbers that are of a formula rather than of a design: the compiler leaves operations out by them.
+# Numbers of formulas rather than designs, which let the compiler leave out operations.
 FORMAL = frozenset((0.0, 0.5, 1.0, 2.0))
 NUMBERS = (bool, int, float, complex, np.ndarray, np.generic, jax.Array)
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function of pytrees of arrays, quickly where it is called on concrete numbers.
+    """Compile a function of pytrees of arrays, quickly if it is called with concrete numbers.
 
-    The same as ``jax.jit`` but for two things. The compiler's options: quick to compile, or quick to run where compiled
-    code is kept on disk (see :func:`flexmb.enable_cache`). And a function that is defined anew, as where a cell of a
-    notebook runs again, is traced again but compiled only where it does something else: dimensions and models that
-    differ in numbers share code.
+    Two things differ from ``jax.jit``. Compiler options favour a quick compilation, or a quick run if compiled code is
+    kept on disk (see :func:`flexmb.enable_cache`). A function that is defined again, as by running a cell of a notebook
+    again, is compiled again only if it does something else: designs and models that differ in numbers share code.
 
-    JAX takes compiler options at the outermost call only, so that under a trace the function is compiled as part of the
-    caller's.
+    JAX accepts compiler options only at the outermost call. Under a trace the function is compiled with its caller.
 
     Args:
         function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
@@ -37,7 +35,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         The compiled function.
 
     Raises:
-        TypeError: It is no function.
+        TypeError: The argument is no function.
     """
     plain = compile.jit(function)
     taken: dict[Any, tuple[Captured, Callable[..., Any]]] = {}
@@ -53,8 +51,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
             found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
-                # Of numbers that another program traces, which are others the next time, and may be differentiated:
-                # what shares code has the same derivatives too.
+                # Numbers of an outer trace may be differentiated and differ next time: shared code must have the same
+                # derivatives too.
                 found = captured(functools.partial(function, **options), *shapes, formal=FORMAL)
                 return _called(found, run_of(found.code), leaves)
             with jax.core.eval_context():
@@ -71,7 +69,7 @@ def _called(found: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
 
 @functools.lru_cache(compile.MOST_VARIANTS)
 def run_of(code: Code) -> Callable[..., Any]:
-    """What runs a program on its numbers and arguments; the last ones are remembered, others with who holds them."""
+    """Function that runs a program on its numbers and arguments; MOST_VARIANTS of them are remembered."""
     count = len(code.jaxpr.constvars)
 
     def function(_: Any, __: Any, *leaves: Any):
@@ -81,6 +79,6 @@ def run_of(code: Code) -> Callable[..., Any]:
 
 
 def _is_known(leaf: Any) -> bool:
-    """Whether it is a number or an array that is not traced; a random key of JAX is none."""
+    """Whether it is a number or an array that is not traced, and no random key of JAX."""
     known = isinstance(leaf, NUMBERS) and is_concrete(leaf)
     return known and not (isinstance(leaf, jax.Array) and jnp.issubdtype(leaf.dtype, jax.dtypes.extended))

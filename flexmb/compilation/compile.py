@@ -22,7 +22,7 @@ T = TypeVar("T")
 # compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
 QUICK = {
     "xla_backend_optimization_level": 0,
-    # It moves little out of our loops and carries that through every later pass: a twentieth to an eighth of the time.
+    # Passes of loop-invariant code take a twentieth to an eighth of the compile time and move little out of our loops.
     "xla_disable_hlo_passes": "while-loop-invariant-code-motion",
     "xla_cpu_use_fusion_emitters": False,
     # Its fused products crash on some sizes of small matrices.
@@ -34,45 +34,34 @@ THOROUGH = {
     "xla_llvm_disable_expensive_passes": True,
     "xla_cpu_experimental_ynn_fusion_type": "",
 }
-# Gone since jaxlib 0.11, whose compiler refuses a name that it does not know.
+# Removed in jaxlib 0.11, whose compiler refuses unknown names.
 if jax.__version_info__ >= (0, 11):
     for options in (QUICK, THOROUGH):
         del options["xla_cpu_use_fusion_emitters"]
-# JAX takes options at the outermost call only: a kernel within another is compiled as that one is.
+# JAX accepts options only at the outermost call: a kernel within another one is compiled with its options.
 OPTIONS = {"quick": QUICK, "thorough": THOROUGH, "nested": None}
-# So many variants of a kernel are remembered, for structures and functions that differ: each takes 5 to 40 MB.
+# Variants of a kernel that are remembered, for different structures and functions: each takes 5 to 40 MB.
 MOST_VARIANTS = 32
-# Compiled code is given back where a process has used this share of the memory maps that it may have. A program takes
-# some 300 and that of a motion in space 2000; beyond the limit, on Linux 65 530, the compiler ends the process. To
-# count them takes 10 ms, so that it is done only where programs since the last count may have reached the share.
+# Share of a process's memory maps at which compiled code is released. A program takes some 300 maps, the program of a
+# motion in space 2000. Beyond the limit, 65 530 on Linux, the compiler aborts the process. Counting takes 10 ms, so it
+# happens only if programs since the last count may have reached the share.
 FULL = 0.6
 MAPS_OF_PROGRAM = 2000
 
 
 _thorough = False
-# How many more programs may be compiled before memory maps are counted again.
+# Programs that may be compiled before memory maps are counted again.
 _programs_left = 0
 
 
 def compile_thoroughly(thorough: bool, keep: bool = False) -> None:
-    """Whether compiled functions should run quickly rather than compile quickly, from now on."""
+    """Set whether compiled functions should run quickly rather than compile quickly."""
     global _thorough
     _thorough, kept.is_on = thorough, keep
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function of pytrees of arrays, quickly where it is called on concrete numbers.
-
-    The same as ``jax.jit`` but for the compiler's options: quick to compile, or quick to run where compiled code is
-    kept on disk (see :func:`flexmb.enable_cache`). JAX takes compiler options at the outermost call only, so that
-    under a trace the function is compiled as part of the caller's.
-
-    Args:
-        function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
-
-    Returns:
-        The compiled function.
-    """
+    """As :func:`flexmb.jit`, but a function that is defined again is compiled again."""
     if not callable(function):
         raise TypeError(f"fm.jit takes a function, not a {type(function).__name__}.")
 
@@ -83,7 +72,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(function)
     def call(*arguments: Any, **options: Any):
-        # Flattened once, here: a model is a tree of some thirty arrays.
+        # Flattened once: a model is a tree of some thirty arrays.
         leaves, structure = jax.tree.flatten(arguments)
         return run(structure, tuple(sorted(options.items())), leaves)
 
@@ -91,16 +80,15 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """As :func:`jit`, of a function whose arguments may hold what is no array: functions, solvers, options.
+    """As :func:`jit`, for arguments that may contain leaves other than arrays: functions, solvers, options.
 
-    Such leaves of the arguments are compared, not traced, so they must be hashable; a function defined anew is another
-    one and is compiled again.
+    Such leaves are compared, not traced, so they must be hashable. A function defined again is another leaf.
     """
 
     def flat(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         numbers = iter(leaves)
-        whole = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
-        return function(*jax.tree.unflatten(structure, whole))
+        every = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
+        return function(*jax.tree.unflatten(structure, every))
 
     run = compiled(flat, name_of(function))
 
@@ -115,9 +103,9 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def unguarded(function: Callable[P, T]) -> Callable[P, T]:
-    """Return the function, exempt from the checks of ranks and transfers that a user's program switches on.
+    """Return the function, exempt from checks that users switch on to find faults in their own code.
 
-    ``jax.numpy_rank_promotion("raise")`` and ``jax.transfer_guard("disallow")`` look for faults in the user's own code.
+    These are ``jax.numpy_rank_promotion("raise")`` and ``jax.transfer_guard("disallow")``.
     """
 
     @functools.wraps(function)
@@ -129,12 +117,12 @@ def unguarded(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def is_staged() -> bool:
-    """Whether what is computed now becomes part of a program, as within ``jax.jit``; ``jax.grad`` alone computes."""
+    """Whether operations now become part of a program, as within ``jax.jit`` but not ``jax.grad`` alone."""
     return isinstance(jax.lax.add(np.zeros(()), np.zeros(())), jax.core.Tracer)
 
 
 def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    """``run(structure, fixed, leaves)`` calls ``function(structure, fixed, *leaves)``, compiled as settings ask for."""
+    """``run(structure, fixed, leaves)``: ``function(structure, fixed, *leaves)``, compiled by the settings."""
 
     def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         return jax.tree.map(_strong, function(structure, fixed, *leaves))
@@ -149,16 +137,16 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
             _programs_left -= 1
             return kept.called(own, things, leaves)
 
-        # Beside it, whether a program of it has been found to call the host.
+        # The list stores whether the program was found to call the host.
         return under_name(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
 
     @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
         leaves, traced = _as_taken(leaves)
         if traced:
-            # Within another program of this package the host is called in another way than within a user's.
+            # Programs of this package call the host in another way than a user's program does.
             return variant(structure, fixed, "nested", False, (exact(fixed), is_within_run()))[0](*leaves)
-        # Within another program as well, none of whose numbers come in: there, known numbers would be traced.
+        # Within a trace known numbers would be traced too: leave its context.
         with one_thread(), jax.core.eval_context():
             mode = "thorough" if _thorough else "quick"
             own, calls_host = variant(structure, fixed, mode, _is_anywhere(leaves), exact(fixed))
@@ -172,12 +160,12 @@ def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
 
 
 def _is_anywhere(leaves: list[Any]) -> bool:
-    """Whether arrays may lie on any device: programs that are kept are those of the first one."""
+    """Whether arrays may lie on any device: kept programs run on the first one."""
     return jax.default_backend() == "cpu" or not any(getattr(leaf, "committed", False) for leaf in leaves)
 
 
 def under_name(function: Callable[..., Any], name: str, options: dict[str, Any] | None) -> Any:
-    """A function of arrays to be compiled by JAX, under a name."""
+    """A function of arrays, to be compiled by JAX under a name."""
 
     def program(*leaves: Any):
         return function(*leaves)
@@ -187,20 +175,14 @@ def under_name(function: Callable[..., Any], name: str, options: dict[str, Any] 
 
 
 def make_room(share: float = FULL) -> bool:
-    """Give compiled code back where a next program may not find a memory map: what is asked again compiles again.
-
-    Returns whether it went.
-
-    Args:
-        share: Of the memory maps that a process may have, from which on compiled code goes.
-    """
+    """Release compiled code if memory maps may run out above a share of their limit; whether it was released."""
     global _programs_left
     try:
         most = int(Path("/proc/sys/vm/max_map_count").read_text(encoding="ascii"))
         with open("/proc/self/maps", "rb") as maps:
             used = sum(1 for _ in maps)
     except OSError:
-        # Other systems than Linux have no such limit.
+        # Only Linux has such a limit.
         return False
     _programs_left = int(FULL * most - used) // MAPS_OF_PROGRAM
     if used > share * most:
@@ -212,21 +194,21 @@ def make_room(share: float = FULL) -> bool:
 
 
 def exact(thing: Any) -> Any:
-    """What stands for an option where equal ones are not the same, as 1, 1.0 and True are, and zeros of either sign."""
+    """Representation of an option that distinguishes equal values of different kind, such as 1, 1.0, True and -0.0."""
     if type(thing) is tuple:
         return tuple(map(exact, thing))
     return type(thing), repr(thing) if type(thing) in (float, complex) else thing
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """Under which programs are listed."""
+    """Name under which programs are listed."""
     return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
 
 
 def _as_taken(leaves: list[Any]) -> tuple[list[Any], bool]:
-    """Leaves as compiled code takes them, and whether any is traced: one pass over all of them, at every call.
+    """Leaves as compiled code takes them, and whether any is traced; one pass at every call.
 
-    A number whose type is weak, such as a float of Python's, is another type: a program of its own.
+    Numbers of weak type, such as floats of Python, would be another type and another program.
     """
     known, traced = _known(), False
     for place, leaf in enumerate(leaves):
@@ -240,31 +222,30 @@ def _as_taken(leaves: list[Any]) -> tuple[list[Any], bool]:
 
 @functools.cache
 def _known() -> type:
-    """The class of JAX's arrays of numbers: it is seen quicker than an instance of ``jax.Array``."""
-    # Asked first within a trace, it would be that of what is traced.
+    """The class of JAX's arrays: comparing it is quicker than ``isinstance(.., jax.Array)``."""
+    # First asked within a trace, it would be the class of traced arrays.
     with jax.ensure_compile_time_eval():
         return type(jax.device_put(np.zeros(())))
 
 
 def _strong(number: Any) -> Any:
-    """An array or number as it is, but of a type that does not give way to others."""
-    # A random key has no such type.
+    """A number or array of strong type."""
+    # Random keys have no weak type.
     own = getattr(number, "weak_type", False)
     weak = own if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
-    # On the host: JAX compiles a program to convert a number.
+    # By NumPy: JAX compiles a program to convert a number.
     library = jnp if isinstance(number, jax.Array) else np
     return library.asarray(number, jnp.result_type(number)) if weak else number
 
 
 class _Number:
-    """The class stands for an array among the leaves that are compared."""
+    """Stands for an array among the leaves that are compared."""
 
 
 def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Keep the trace of a function of pytrees of arrays, for the other kernels that call it with equal shapes.
+    """Keep the trace of a function of pytrees of arrays, for all kernels that call it with equal shapes.
 
-    Python's part in compiling, which no cache on disk saves, is paid once a process instead of once a kernel. Returns
-    the same function.
+    Tracing, which no cache on disk saves, then costs its time once a process instead of once a kernel.
     """
     return functools.wraps(function)(jax.jit(function))
 
@@ -272,8 +253,8 @@ def traced_once(function: Callable[..., Any]) -> Callable[..., Any]:
 def as_primitives(function: Callable[..., Any]) -> Callable[..., Any]:
     """Trace a small function once to primitive operations, before it is differentiated and mapped.
 
-    The functions and operators of ``jax.numpy`` are compiled functions themselves, which ``jax.vmap`` and ``jax.jvp``
-    would transform one by one; that takes twice as long to trace.
+    Functions of ``jax.numpy`` are compiled functions, which ``jax.vmap`` and ``jax.jvp`` would transform one by one,
+    in twice the time.
     """
 
     @functools.wraps(function)

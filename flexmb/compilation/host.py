@@ -1,10 +1,10 @@
-"""Calls of the host by compiled code, in a way that lets such code be kept on disk.
+"""Calls of the host by compiled code that can be kept on disk.
 
-``jax.pure_callback`` does the same, but what holds one is compiled anew in every process, and a call takes twelve times
-as long (130 us beside 11 us). Here the host is a handler of XLA's foreign function interface, of the same name in every
-process, and what it is to call stands in the program itself: a function of this package by its name, and what it takes
-beside arrays. Only programs that this package runs call it so: they are waited for, and an interruption from the
-keyboard ends them at their next call. Within a user's own ``jax.jit`` it is a callback of JAX.
+``jax.pure_callback`` does the same, but a program with one is compiled anew in every process, and a call takes 130 us
+instead of 11 us. Here the host is a handler of XLA's foreign function interface with a fixed name. The program contains
+the call itself: the name of a function of this package and its arguments other than arrays. Only programs that this
+package runs use it: they are waited for, and Ctrl-C ends them at their next call. Within a user's own ``jax.jit`` the
+call is a callback of JAX.
 """
 
 import base64
@@ -26,23 +26,23 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 
-# The name by which programs call the host.
+# Name by which programs call the host.
 TARGET = "flexmb_host"
-# So many different calls are remembered as they are written in programs.
+# Different calls that are remembered as programs contain them.
 MOST_CALLS = 32
 _lock = threading.Lock()
 _here = threading.local()
 
 
 class Run:
-    """One run of a compiled function of this package, in which its program may call the host; a context.
+    """Context for one run of a compiled function of this package whose program may call the host.
 
-    While a program calls the host, an interruption from the keyboard is held back: raised within the handler it would
-    be lost, and the answer of that call with it. The handler refuses instead, so that the program ends. Where the
-    process ignores interruptions, as a job in the background of a shell or under nohup does, the program runs on.
+    During such a run Ctrl-C is held back: raised within the handler it would be lost, together with the answer of the
+    call. The handler refuses further calls instead, so that the program ends. If the process ignores interruptions, as
+    background jobs of a shell or under nohup do, the program continues.
 
     Attributes:
-        calls_host: One value, whether the program is known to.
+        calls_host: List of one flag: whether the program is known to call the host.
         interrupted: Whether programs are to end.
     """
 
@@ -73,11 +73,11 @@ class Run:
         self._noted = Run.interrupted = True
 
     def finished(self, results: Any) -> Any:
-        """Results once they are there; whatever keeps this thread from waiting, the program has ended after it."""
+        """Results once they are complete; the program has ended even if this thread is interrupted while waiting."""
         try:
             return jax.block_until_ready(results)
         except jax.errors.JaxRuntimeError:
-            # It has ended by itself.
+            # The program has ended by itself.
             raise
         except BaseException:
             if self.calls_host[0]:
@@ -97,26 +97,26 @@ class Run:
 
 
 def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
-    """Result of a function of arrays of NumPy, inside compiled code; it has no derivatives.
+    """Result of a function of NumPy's arrays, inside compiled code, in the form of ``like``; without derivatives.
 
-    The result has the form of ``like``. What the function raises becomes an error of JAX with its text.
+    Exceptions of the function become errors of JAX with the same text.
 
     Args:
-        function: Function of a module of this package, or such a one of which some arguments are given already
-            (``functools.partial``), or a method of what can be pickled; what holds another is compiled anew in every
-            process. It calls nothing of JAX and has no effects.
-        like: Shapes and types of what it returns, a pytree of ``jax.ShapeDtypeStruct``.
+        function: Function of a module of this package, a ``functools.partial`` of one, or a method of a picklable
+            object; programs with other functions are compiled anew in every process. It calls nothing of JAX and has
+            no effects.
+        like: Shapes and types of the result, a pytree of ``jax.ShapeDtypeStruct``.
     """
     leaves, structure = jax.tree.flatten(arguments)
     shapes, results = jax.tree.flatten(like)
-    shapes = [jax.ShapeDtypeStruct(one.shape, jax.dtypes.canonicalize_dtype(one.dtype)) for one in shapes]
+    shapes = [jax.ShapeDtypeStruct(leaf.shape, jax.dtypes.canonicalize_dtype(leaf.dtype)) for leaf in shapes]
 
     def flat(*leaves: Any):
         return _flat(function, structure, results, leaves)
 
     if not any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
-        found = [jax.device_put(np.asarray(one, of.dtype)) for one, of in zip(flat(*leaves), shapes, strict=True)]
-        return jax.tree.unflatten(results, found)
+        values = [jax.device_put(np.asarray(a, s.dtype)) for a, s in zip(flat(*leaves), shapes, strict=True)]
+        return jax.tree.unflatten(results, values)
     trees = [jax.tree.unflatten(tree, range(tree.num_leaves)) for tree in (structure, results)]
     text = _as_text(function, trees) if is_within_run() else None
 
@@ -135,18 +135,18 @@ def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 def _refused(*_: Any):
     raise TypeError(
-        "What was found on the host by sparse factors has no further derivative here: a motion is differentiated in"
-        ' reverse once. Give form="coordinates", or sparse=False to other analyses.'
+        "Results of sparse factors on the host have no further derivative here: a motion can be differentiated once, in"
+        ' reverse mode. Give form="coordinates", or sparse=False to other analyses.'
     )
 
 
 def _flat(function: Callable[..., Any], structure: Any, results: Any, numbers: Any) -> list[Any]:
-    """Arrays of what a function returns, of those of its arguments, which it is given copies of."""
+    """Arrays of a function's result, from copies of the arrays of its arguments."""
     return results.flatten_up_to(function(*jax.tree.unflatten(structure, list(map(np.array, numbers)))))
 
 
 def _as_text(function: Callable[..., Any], trees: list[Any]) -> bytes | None:
-    """What is called as it stands in a program; None where it cannot, or XLA cannot call it."""
+    """The call as text for a program; None if it cannot be pickled or XLA cannot call it."""
     if jax.default_backend() != "cpu" or not is_known_to_xla():
         return None
     try:
@@ -157,12 +157,12 @@ def _as_text(function: Callable[..., Any], trees: list[Any]) -> bytes | None:
 
 
 def is_within_run() -> bool:
-    """Whether what is traced now becomes part of a program that this package runs."""
+    """Whether operations traced now become part of a program that this package runs."""
     return getattr(_here, "run", None) is not None
 
 
 def hold_for(program: Any) -> None:
-    """Note that the program of this run calls the host, if it does."""
+    """Note if the program of this run calls the host."""
     if _registered.cache_info().currsize and is_within_run() and _calls_host(program):
         _here.run.hold()
 
@@ -177,7 +177,7 @@ def _calls_host(program: Any) -> bool:
 
 
 def is_known_to_xla() -> bool:
-    """Whether programs can call the host by its name, from now on."""
+    """Register the handler, and return whether programs can call the host by its name."""
     with _lock:
         return _registered()
 
@@ -193,9 +193,9 @@ def _registered() -> bool:
 
 
 def program_on_disk(program: bytes) -> None:
-    """Make ready to run a program that was compiled in another process, which may call the host.
+    """Prepare to run a program compiled in another process, which may call the host.
 
-    Raises RuntimeError: Where XLA's interface is another one.
+    Raises RuntimeError: XLA's interface differs.
     """
     if TARGET.encode() in program:
         if not is_known_to_xla():
@@ -204,17 +204,17 @@ def program_on_disk(program: bytes) -> None:
             _here.run.hold()
 
 
-# By digest: a function, and how its arguments and results are made of arrays.
+# By digest: a function, and the structures of its arguments and results.
 _calls: dict[bytes, tuple[Callable[..., Any], Any, Any]] = {}
 
 
 def forget() -> None:
-    """Let go what programs called that are compiled no longer."""
+    """Forget calls of programs that are no longer compiled."""
     _calls.clear()
 
 
 def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], wanted: list[np.ndarray]) -> None:
-    """Call what is written in a program, and put what it returns where the program wants it."""
+    """Call the function that a program contains, and copy its results to the places that XLA gives."""
     if Run.interrupted:
         raise KeyboardInterrupt("the program was interrupted")
     call = _calls.get(digest)
@@ -233,8 +233,8 @@ def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], w
         np.copyto(place, number, casting="same_kind")
 
 
-# XLA's interface, xla/ffi/api/c_api.h of version 0.3. Another minor version adds fields at ends alone; XLA refuses a
-# handler of a version that it does not serve.
+# XLA's interface, xla/ffi/api/c_api.h of version 0.3. Other minor versions only add fields at the end, and XLA refuses
+# handlers of versions that it does not support.
 MAJOR, MINOR = 0, 3
 METADATA, INTERNAL = 1, 13
 TYPES = {1: "?", 4: "i4", 5: "i8", 8: "u4", 9: "u8", 11: "f4", 12: "f8", 15: "c8", 18: "c16"}
@@ -301,7 +301,7 @@ class _Frame(Structure):
 
 
 def _arrays(buffers: Any) -> list[np.ndarray]:
-    """Arrays that lie where XLA has them."""
+    """Arrays in the memory of XLA."""
     found = []
     for place in range(buffers.count):
         one = buffers.all[place].contents
@@ -313,14 +313,14 @@ def _arrays(buffers: Any) -> list[np.ndarray]:
 
 
 def _text(attributes: Any, place: int) -> bytes:
-    """One of a program's attributes, which XLA orders by name."""
+    """An attribute of the call; XLA orders attributes by name."""
     one = attributes.all[place].contents
     return ctypes.string_at(one.begin, one.length)
 
 
 @ctypes.CFUNCTYPE(c_void_p, POINTER(_Frame))
 def _handler(frame: Any) -> Any:
-    """What XLA calls: first with a question for the version, then with arrays; it returns an error or nothing."""
+    """Handler for XLA, which first asks for its version and then passes arrays; returns an error or None."""
     try:
         call = frame.contents
         if call.extensions:
@@ -333,7 +333,7 @@ def _handler(frame: Any) -> Any:
         texts = call.attributes
         _answer(_text(texts, 0), lambda: _text(texts, 1), given, _arrays(call.results))
     except BaseException as fault:
-        # What leaves this function is lost, and the program would go on with what it has not been given.
+        # An exception would be lost here, and the program would continue without its results.
         try:
             message = f"{type(fault).__name__}: {fault}"
         except BaseException:

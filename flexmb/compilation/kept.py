@@ -1,4 +1,4 @@
-"""Traced programs on disk, of what is made of plain values and this package's own functions.
+"""Traced programs on disk, for functions made of plain values and this package's own functions.
 
 JAX keeps compiled code on disk, and finds it by the traced program. Tracing takes most of the time of a command whose
 code is compiled already. A file of this module therefore stores a traced program. Its name is a digest of everything
@@ -30,20 +30,17 @@ PURE = ("flexmb", "equinox", "lineax", "optimistix", "diffrax", "jaxtyping")
 LIBRARIES = ("jax", "jaxlib", "numpy", "scipy", *PURE[1:])
 KNOWN = {"flexmb", *LIBRARIES, *sys.stdlib_module_names}
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis))
-# Settings of JAX with which it calls a function anew, operation by operation.
+# Settings of JAX that make it call functions operation by operation.
 BY_OPERATIONS = ("jax_disable_jit", "jax_debug_nans", "jax_debug_infs")
-# The end of the name of a file that is being written.
+# Ending of files that are being written.
 PART = ".part"
 log = logging.getLogger("flexmb")
-# Whether programs are kept, where JAX keeps its own.
+# Whether programs are kept in JAX's cache folder.
 is_on = False
 
 
 def called(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any, ...]) -> Any:
-    """Call a function in a trace: from disk where its program is there, otherwise traced and, if it can be, written.
-
-    Returns what the function returns.
-    """
+    """Result of a function in a trace, by its program on disk; otherwise traced, and written if possible."""
     if any(getattr(jax.config, name) for name in BY_OPERATIONS):
         return function(*leaves)
     path = None if things is None else _path(things, leaves)
@@ -55,7 +52,7 @@ def called(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any
 
 
 def remembered(function: Callable[..., int]) -> Callable[..., int]:
-    """A whole number that a function of this package finds by tracing, remembered, and kept beside the programs."""
+    """Remember a whole number that a function of this package finds by tracing, also on disk."""
 
     @functools.lru_cache(1000)
     def found(*things: Any):
@@ -73,7 +70,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
 
 
 def _traced(function: Callable[..., Any], path: Path | None, shapes: list[Any]) -> tuple[Any, Callable[..., Any]]:
-    """Structure of what a function returns, and what computes its leaves."""
+    """Structure of a function's result, and a function that computes its leaves."""
     structure: Any = None
 
     def flat(*leaves: Any):
@@ -89,7 +86,7 @@ def _traced(function: Callable[..., Any], path: Path | None, shapes: list[Any]) 
         try:
             calls = [export.DisabledSafetyCheck.custom_call(host.TARGET)]
             program = export.export(run, disabled_checks=calls)(*shapes)
-            # A structure cannot be written, what has it can.
+            # A structure cannot be pickled, but a tree of that structure can.
             results = jax.tree.unflatten(structure, range(structure.num_leaves))
             _write(path, pickle.dumps((results, bytes(program.serialize()))))
             return structure, program.call
@@ -99,7 +96,7 @@ def _traced(function: Callable[..., Any], path: Path | None, shapes: list[Any]) 
 
 
 def _read(path: Path) -> tuple[Any, Callable[..., Any]] | None:
-    """What :func:`_traced` returned and wrote, None where it is not there."""
+    """What :func:`_traced` wrote; None if it is missing or unusable."""
     from jax import export
 
     content = _content(path)
@@ -115,7 +112,7 @@ def _read(path: Path) -> tuple[Any, Callable[..., Any]] | None:
 
 
 def _content(path: Path) -> bytes | None:
-    """What was written; None where it is not there or damaged."""
+    """Content of a file; None if it is missing or damaged."""
     try:
         check, content = path.read_bytes().split(b"\n", 1)
     except (OSError, ValueError) as reason:
@@ -131,7 +128,7 @@ def _write(path: Path, content: bytes) -> None:
         part.write_bytes(_check(path, content) + b"\n" + content)
         part.replace(path)
     finally:
-        # It is still there where the disk is full.
+        # The part remains if the disk is full.
         part.unlink(missing_ok=True)
 
 
@@ -140,7 +137,7 @@ def _check(path: Path, content: bytes) -> bytes:
 
 
 def _path(things: tuple, leaves: tuple[Any, ...]) -> Path | None:
-    """Where what follows from things and types of arguments is kept; None where they cannot be known elsewhere."""
+    """File for a program by the things and argument types that determine it; None if they are unknown elsewhere."""
     folder = jax.config.values["jax_compilation_cache_dir"]
     try:
         if not is_on or folder is None or not jax.config.values["jax_enable_compilation_cache"]:
@@ -155,7 +152,7 @@ def _path(things: tuple, leaves: tuple[Any, ...]) -> Path | None:
 
 
 def _surroundings() -> Any:
-    """What a trace depends on beside the function and its arguments."""
+    """Everything that a trace depends on besides the function and its arguments."""
     for module in [module for name, module in sys.modules.items() if name.startswith("flexmb.")]:
         _refuse_changed(module)
     settings = [(name, getattr(jax.config, name, None)) for name in sorted(jax.config.values) if "cache" not in name]
@@ -164,15 +161,15 @@ def _surroundings() -> Any:
 
 @functools.cache
 def _refuse_changed(module: types.ModuleType) -> None:
-    """An error where the text of a module may not be what is run, since it changed after this package was imported."""
-    # A folder without code of its own has no file.
+    """Raise TypeError if the text of a module may differ from the running code, as it changed after the import."""
+    # Namespace packages have no file.
     if module.__file__ and os.stat(module.__file__).st_mtime_ns > begun:
         raise TypeError(f"the text of {module.__name__} changed, maybe after it was read")
 
 
 @functools.cache
 def _text() -> str:
-    """Versions of what is traced with and text of this package, as one number."""
+    """Digest of versions and of the text of this package."""
     versions = [sys.version, *map(importlib.metadata.version, LIBRARIES)]
     found = hashlib.sha256(repr(versions).encode())
     package = Path(__file__).parents[1]
@@ -183,7 +180,7 @@ def _text() -> str:
 
 
 def described(thing: Any) -> Any:
-    """A thing as text in tuples and lists, equal for equal things everywhere; a TypeError where parts are hidden."""
+    """A thing as nested text, equal for equal things in all processes; TypeError if a part cannot be known."""
     kind: Any = type(thing)
     if kind in PLAIN or thing is type(None):
         return kind.__name__, repr(thing)
@@ -205,7 +202,7 @@ def described(thing: Any) -> Any:
 
 
 def _place(function: types.FunctionType) -> tuple:
-    """Where the text of a function stands, in the package, a library, or Python's own."""
+    """Place of a function's text in the package, a library, or Python."""
     name, code = function.__globals__.get("__name__", ""), function.__code__
     module: Any = sys.modules.get(name) if name.partition(".")[0] in KNOWN else None
     if module is None or vars(module) is not function.__globals__ or code.co_filename != module.__file__:

@@ -1,4 +1,4 @@
-"""Traced functions taken apart: what follows from constants and what varies; a user's code and the numbers in it."""
+"""Traced functions as programs: split by what varies, compared by meaning, with a user's numbers as arguments."""
 
 from __future__ import annotations
 
@@ -18,17 +18,12 @@ from .record import Record, static
 if TYPE_CHECKING:
     from jax.extend.core import Jaxpr, Literal
 
-# Derivatives of one's own are looked at as deep as equations of motion take derivatives.
+# Depth of custom derivatives that are compared: as deep as equations of motion differentiate.
 RULES = 2
 
 
 class Code:
-    """A program, equal to another that does the same.
-
-    Attributes:
-        jaxpr: The program, with the numbers of a :class:`Captured` as its constants.
-        results: Structure of what it returns.
-    """
+    """A program that equals other programs that do the same; numbers of a :class:`Captured` are its constants."""
 
     def __init__(self, jaxpr: Jaxpr, results: Any, rules: int = RULES):
         self.jaxpr, self.results = jaxpr, results
@@ -43,38 +38,32 @@ class Code:
 
 
 class Captured(Record):
-    """A user's function as a program and the numbers that it captures or that stand in its text.
+    """A user's function as a program, with the numbers that it captures or that stand in its text.
 
-    Functions that differ in numbers alone are the same code, compiled once; numbers may be traced, for a derivative.
-
-    Attributes:
-        code: The program.
-        numbers: What it captured when it was taken.
+    Functions that differ in numbers alone share compiled code. Numbers may be traced, for a derivative.
     """
 
     code: Code = static()
     numbers: tuple[Any, ...]
 
     def __call__(self, *arguments: Any) -> Any:
-        """Value of the function for arguments of the shapes that it was taken for."""
+        """Value of the function for arguments of the captured shapes."""
         leaves = jax.tree.leaves(arguments)
         return jax.tree.unflatten(self.code.results, jax.core.eval_jaxpr(self.code.jaxpr, self.numbers, *leaves))
 
 
 def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, formal: Collection[float] = ()) -> Captured:
-    """Take a function as it is now: what its text refers to may change afterwards.
-
-    Returns the function as a record of numbers.
+    """Capture a function as it is now, before anything it refers to changes.
 
     Args:
-        formal: Numbers that stay in its text, whatever their sign, where the compiler makes use of them.
+        formal: Numbers that stay in the program, whatever their sign, because the compiler uses them.
     """
     from jax.extend.core import Var
 
     leaves, structure = jax.tree.flatten(like)
     results: Any = None
 
-    # A function of its own: JAX remembers the traces of those it knows.
+    # A new function, since JAX remembers traces of known ones.
     def flat(*leaves: Any):
         nonlocal results
         found, results = jax.tree.flatten(function(*jax.tree.unflatten(structure, leaves)))
@@ -84,7 +73,7 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     jaxpr, numbers, places, equations = program.jaxpr, list(program.consts), [], []
 
     def placed(atom: Any):
-        """A constant in place of a number in the text; whole numbers may be shapes or places, and stay."""
+        """A constant in place of a number; whole numbers may be shapes or indices, and stay."""
         kind: Any = atom.aval
         if not is_literal(atom) or not np.issubdtype(kind.dtype, np.inexact) or abs(atom.val) in formal:
             return atom
@@ -99,12 +88,12 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     return Captured(Code(jaxpr, results, rules), tuple(numbers))
 
 
-# Operations of what changes as waves and low powers of time do, without pulses.
+# Operations of waves and low powers of time, without pulses.
 WAVES = frozenset(
     "add sub mul neg sin cos square broadcast_in_dim reshape squeeze concatenate convert_element_type".split()
 )
 
-# Operations without kinks and jumps, but for what is singular: anything else may have some.
+# Operations without kinks and jumps, except at singularities; any other operation may have some.
 SMOOTH = WAVES | frozenset(
     """acos acosh asin asinh atan atan2 atanh cbrt copy cos cosh cumsum div dot_general dynamic_slice
     dynamic_update_slice erf erfc exp exp2 expand_dims expm1 gather integer_pow iota log log1p logistic pad pow
@@ -113,17 +102,17 @@ SMOOTH = WAVES | frozenset(
 
 
 def is_wave(found: Captured) -> bool:
-    """Whether a function is made of sums and products of sines and constants alone."""
+    """Whether a function consists of sums and products of sines and constants."""
     return all(equation.primitive.name in WAVES for equation in found.code.jaxpr.eqns)
 
 
 def has_effects(found: Captured) -> bool:
-    """Whether a function does more than to give numbers, such as to print."""
+    """Whether a function has side effects, such as printing."""
     return bool(found.code.jaxpr.effects)
 
 
 def may_bend(function: Callable[..., Any], *like: Any) -> bool:
-    """Whether a function may have kinks or jumps: whether it is made of other than smooth operations."""
+    """Whether a function may have kinks or jumps: whether it contains other than smooth operations."""
     return _may_bend(jax.make_jaxpr(function)(*like).jaxpr)
 
 
@@ -138,18 +127,18 @@ def _may_bend(jaxpr: Jaxpr) -> bool:
 
 
 def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
-    """A function of time as it is now, and the shape of what it gives.
+    """A function of time as it is now, and the shape of its value.
 
-    A record of this package, such as a table or a law, does what its numbers say, and is taken as it stands: a trace
-    with it may be kept, which one with a captured function is not.
+    Records of this package, such as tables and laws, stay as they are: their traces may be kept on disk, traces with
+    captured functions may not.
     """
     time = jax.ShapeDtypeStruct((), float)
     taken: Any = function
     if not isinstance(function, Record):
         taken = captured(lambda t: as_reals("its value", function(t)), time)
-    # Some say it, which takes no trace.
+    # Some records know their shape without a trace.
     shape = getattr(taken, "shape_of_value", None)
-    # By another name: that of a record is its text, with all that follows from it.
+    # Not the record itself: the name of its trace would be its whole text.
     if shape is None:
         value = jax.eval_shape(lambda t: taken(t), time)
         check_real("its value", value)
@@ -158,9 +147,9 @@ def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
 
 
 def digest(found: Captured) -> str:
-    """What a function does, as a word: changes with every number in it, and with its operations.
+    """Digest of a function's operations and numbers.
 
-    Options of operations are left out: among them are settings of JAX, and functions that each trace makes anew.
+    Options of operations are left out, since they include settings of JAX and functions that each trace makes anew.
     """
     text = hashlib.sha256()
 
@@ -185,7 +174,7 @@ def digest(found: Captured) -> str:
 
 
 def is_literal(atom: Any) -> TypeGuard[Literal]:
-    """Whether what an operation takes is a number in the text of a program, not one of its variables."""
+    """Whether an operand is a number in the text of a program, not a variable."""
     return hasattr(atom, "val")
 
 
@@ -196,13 +185,10 @@ def _is_program(thing: Any) -> bool:
 def split(
     function: Callable[..., Any], varying: tuple, constant: tuple
 ) -> tuple[Callable[..., tuple], Callable[..., Any]]:
-    """Take a function apart, so that it can be called many times with equal constants.
+    """Split a function without side effects of varying and constant arrays, to be called often with equal constants.
 
-    Equal operations are done once, and what no result needs is left out. Returns ``early(*constant)``, a tuple of
-    arrays ``kept``, and ``late(*varying, *kept)``, what the function returns.
-
-    Args:
-        function: Function of arrays that vary, followed by arrays that do not; it must not have side effects.
+    Equal operations are done once, and unused ones left out. Returns ``early(*constant)``, a tuple of arrays ``kept``,
+    and ``late(*varying, *kept)``, the result of the function.
     """
     early, (late,) = split_together([(function, varying)], constant)
     return early, late
@@ -211,10 +197,7 @@ def split(
 def split_together(
     functions: Sequence[tuple[Callable[..., Any], tuple]], constant: tuple
 ) -> tuple[Callable[..., tuple], list[Callable[..., Any]]]:
-    """As :func:`split`, of several functions of the same constants: what they make of these alike is done once.
-
-    Returns ``early(*constant)``, a tuple of arrays ``kept``, and of each function ``late(*varying, *kept)``.
-    """
+    """As :func:`split`, for several functions that share work on the same constants."""
 
     def every(constant: tuple, *varying: tuple):
         return (), *[function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
@@ -228,18 +211,17 @@ def _result_of(stage: Callable[..., Any]):
 
 
 def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tuple]) -> list[Callable[..., Any]]:
-    """Take a function apart by what each of its operations follows from.
+    """Split a function without side effects by the arguments that each operation depends on.
 
-    Equal operations are done once, and what no result needs is left out. Raises ValueError: A result follows from a
-    group after its own.
+    Equal operations are done once, and unused ones left out.
 
     Args:
-        function: Of tuples of arrays, to a result for each of them, which follows from that one and those before it;
-            it must not have side effects.
+        function: From tuples of arrays, the groups, to a result for each group, which depends on this group and those
+            before it; otherwise ValueError.
 
     Returns:
-        For each group a stage ``(*own, *kept) -> (result, more)``, of its arguments and of all that stages before it
-        have kept: its result, and what it keeps for those after it, a tuple of arrays.
+        For each group a stage ``(*own, *kept) -> (result, more)``: from its arguments and everything kept by earlier
+        stages to its result and a tuple of arrays kept for later stages.
     """
     leaves, structure = jax.tree.flatten(tuple(groups))
 
@@ -251,7 +233,7 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
     equations, results = _without_repeats(jaxpr, program.consts)
     inputs, outputs = _in_groups(jaxpr.invars, groups), _in_groups(results, shapes)
     level = {v: i for i, own in enumerate(inputs) for v in own}
-    # What is of literals alone, of no argument, is done where it is asked for: in every stage.
+    # Operations of literals alone are done in every stage that needs them.
     steps: list[list] = [[] for _ in groups]
     for equation in equations:
         last = max((level[v] for v in _variables(equation.invars) if v in level), default=None)
@@ -276,13 +258,13 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
 
 
 def _in_groups(things: Sequence[Any], like: Sequence[Any]) -> list[list]:
-    """Things in groups of as many as some trees have leaves."""
+    """Things in groups, as many in each as some trees have leaves."""
     left = iter(things)
     return [list(itertools.islice(left, len(jax.tree.leaves(one)))) for one in like]
 
 
 def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:
-    """Function of arguments in whatever trees."""
+    """Function of arguments in any trees."""
 
     def function(*arguments: Any):
         return jax.tree.unflatten(results, jax.core.eval_jaxpr(jaxpr, constants, *jax.tree.leaves(arguments)))
@@ -299,7 +281,7 @@ def _variables(atoms: Any) -> list:
 
 
 def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
-    """Equations without those done before, and results."""
+    """Equations without repetitions, and results."""
     first: dict = {}
     values = [(v.aval, np.asarray(c).tobytes()) for v, c in zip(jaxpr.constvars, constants, strict=True)]
     same: dict = {v: first.setdefault(value, v) for v, value in zip(jaxpr.constvars, values, strict=True)}
@@ -322,7 +304,7 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
 
 
 def _of_program(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
-    """Equal for programs that do the same with equal arguments."""
+    """Value that is equal for programs that do the same with equal arguments."""
     places = {v: i for i, v in enumerate([*jaxpr.constvars, *jaxpr.invars])}
     meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]
     meaning.append(tuple(v.aval for v in places))
@@ -338,15 +320,15 @@ def _of_program(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
 
 
 def _meaning(equation: Any, rules: int = RULES) -> tuple:
-    """Equal for equations that do the same with their inputs: by value where values compare, otherwise by identity.
+    """Value that is equal for equations that do the same: parameters compare by value if possible, else by identity.
 
-    What prints alike need not be alike: compiled helpers that differ in an array they capture do.
+    Text alone does not suffice: compiled helpers that differ in a captured array print alike.
     """
     parameters, derivative = dict(equation.params), ()
     rule = parameters.pop("jvp_jaxpr_fun", None)
     if rule is not None and rules:
-        # A derivative of one's own is made anew by each trace, and is known by its program: in which the function
-        # itself may stand, so that no more derivatives are looked at than equations of motion take.
+        # Each trace makes a custom derivative anew, so it is compared by its program. As this may contain the function
+        # itself, the depth is limited.
         own = len(equation.invars) - parameters.get("num_consts", 0)
         jaxpr, constants, _ = rule.call_wrapped(*[False] * own)
         rules -= 1
@@ -363,12 +345,12 @@ def _value(parameter: Any, rules: int) -> Any:
         hash(parameter)
     except TypeError:
         return id(parameter)
-    # The text as well: 1, 1.0 and True are equal, as are zeros of either sign.
+    # With its text, since 1, 1.0 and True are equal, as are zeros of either sign.
     return parameter if callable(parameter) else (parameter, repr(parameter))
 
 
 def needed(equations: Sequence[Any], results: Sequence[Any]) -> tuple[list, dict]:
-    """Equations that lead to results, and all variables that they or the results read, in order."""
+    """Equations that results depend on, and all variables that they or the results read, in order."""
     wanted = dict.fromkeys(_variables(results))
     found = []
     for equation in reversed(equations):

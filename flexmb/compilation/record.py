@@ -9,16 +9,16 @@ from ..display import Result
 
 
 def static(**options: Any) -> Any:
-    """A field that chooses code rather than being a number: it is compared, not traced."""
+    """A field that selects code instead of holding numbers: it is compared, not traced."""
     return dataclasses.field(metadata={"static": True}, **options)
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(dataclasses.field, static))
 class Record:
-    """Base class: a subclass is a frozen dataclass and a pytree, without a decorator.
+    """Base class whose subclasses are frozen dataclasses and pytrees without a decorator.
 
-    ``equinox.Module`` does the same and more; importing it takes a fifth of a second that every fresh process pays,
-    and it flattens in Python where JAX flattens a registered dataclass in C++ (benchmarks/first_impression.py).
+    ``equinox.Module`` does more, but its import takes a fifth of a second of each new process, and it flattens in
+    Python, while JAX flattens registered dataclasses in C++ (benchmarks/first_impression.py).
     """
 
     def __init_subclass__(cls, **options: Any):

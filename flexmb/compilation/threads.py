@@ -1,4 +1,4 @@
-"""Threads: one for LAPACK, all cores for independent work."""
+"""Threads: one for LAPACK, all cores for independent calls."""
 
 import contextlib
 import functools
@@ -18,20 +18,20 @@ _before: list[tuple[Any, int]] = []
 
 @functools.cache
 def _libraries() -> tuple[Any, ...]:
-    """The BLAS libraries that are loaded, found once: looking for them takes longer than most kernels run."""
+    """Loaded BLAS libraries, found once, since the search takes longer than most kernels."""
     from threadpoolctl import ThreadpoolController
 
-    # What it finds are the libraries that are loaded; SciPy's LAPACK is that of jax.
+    # SciPy's LAPACK, which JAX uses, must be loaded to be found.
     importlib.import_module("scipy.linalg")
 
     return tuple(ThreadpoolController().select(user_api="blas").lib_controllers)
 
 
 class one_thread(contextlib.ContextDecorator):
-    """Within, LAPACK works in the thread that calls it, in the whole process; after the last one, as before.
+    """Context in which LAPACK uses only the calling thread, in the whole process, until the last such context ends.
 
-    Matrices of a mechanism are too small for more (``benchmarks/threads.py``): two threads gain nothing, and as soon as
-    anything else runs on the machine they wait for each other ten to fifty times as long as they work.
+    Matrices of a mechanism are too small for more (``benchmarks/threads.py``): two threads gain nothing. If anything
+    else runs on the machine, they wait for each other ten to fifty times as long as they work.
     """
 
     def __enter__(self) -> None:
@@ -39,8 +39,8 @@ class one_thread(contextlib.ContextDecorator):
         with _lock:
             _inside += 1
             if _inside == 1:
-                _before[:] = [(one, one.get_num_threads()) for one in _libraries()]
-                _set((one, 1) for one, _ in _before)
+                _before[:] = [(library, library.get_num_threads()) for library in _libraries()]
+                _set((library, 1) for library, _ in _before)
 
     def __exit__(self, *fault: object) -> None:
         global _inside
@@ -51,27 +51,24 @@ class one_thread(contextlib.ContextDecorator):
 
 
 def _set(numbers: Iterable[tuple[Any, int]]) -> None:
-    """Give libraries so many threads each."""
+    """Set numbers of threads of libraries."""
     for library, number in numbers:
         library.set_num_threads(number)
 
 
 def cores() -> int:
-    """How many threads independent compiled calls are worth: the cores, where arrays live on them."""
+    """Number of threads for independent compiled calls: the cores if arrays live on the CPU, else one."""
     if jax.default_backend() != "cpu":
         return 1
     with ThreadPoolExecutor(1) as pool:
-        # What is set within a context holds in its own thread only.
+        # Settings within a context hold only in its thread: use this thread alone then.
         if pool.submit(jax.dtypes.canonicalize_dtype, float).result() != jax.dtypes.canonicalize_dtype(float):
             return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
-    """Compiled calls side by side, each with a LAPACK of one thread.
-
-    Returns the results in the order of the arguments.
-    """
+    """Results of compiled calls in parallel, in order, each with a LAPACK of one thread."""
 
     def finished(argument: Any):
         return jax.block_until_ready(function(argument))

@@ -1,4 +1,4 @@
-"""What a motion is, and what drives a mechanism along it, as that which vibrations are about."""
+"""The motion about which vibrations are described: its inputs, outputs and degrees of freedom."""
 
 import dataclasses
 from typing import Any, NamedTuple
@@ -26,23 +26,23 @@ from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
 from ..results import RESULTS
 
-# What measures what an input moves, of coordinates and of deformations.
+# Quantities that measure what an input moves, for coordinates (False) and deformations (True).
 MEASURES = {
     False: ("position", "velocity", "acceleration"),
     True: ("deformation", "deformation rate", "deformation acceleration"),
 }
-# Parts of an input that move apart by more than this share of how far they move are told, and by more than this share
-# of how far, or how fast, anything moves.
+# A warning names an input whose parts drift apart by this share of their way, and by this share of the largest way or
+# speed in the mechanism.
 APART, ROUND_OFF = 1e-6, 1e-9
 
 
 class About(NamedTuple):
-    """A motion that vibrations are about.
+    """A motion about which vibrations are described.
 
     Attributes:
         motion: The motion.
-        u0: Its inputs, (n_t, n_u) [N, N m; m, rad, and their rates, of what is held and moves].
-        held: Force that holds each degree of freedom along it and is let go, (n_t, n_q) [N, N m].
+        u0: Its inputs [N, N m; m, rad, and their rates, of held things that move].
+        held: Force that holds each degree of freedom along it and is released [N, N m].
     """
 
     motion: Motion
@@ -51,20 +51,20 @@ class About(NamedTuple):
 
 
 def about(given: Any, function: str) -> About:
-    """The motion of a simulation, along which nothing is held, or that of inverse dynamics.
+    """A simulated motion, along which nothing is held, or the motion of inverse dynamics.
 
     Raises:
-        TypeError: It is neither.
-        ModelError: It did not reach its end, or has one time alone.
+        TypeError: The argument is neither.
+        ModelError: The motion did not reach its end, or has only one time.
     """
     motion = getattr(given, "motion", given)
     if not isinstance(motion, Motion):
         raise TypeError(
-            f"fm.trajectory.{function} takes a Motion, of fm.simulate(..), or a Nominal, of"
+            f"fm.trajectory.{function} takes a Motion from fm.simulate(..) or a Nominal from"
             f" fm.trajectory.inverse_dynamics(..), not {type(given).__name__}."
         )
     if len(motion.t) < 2:
-        raise ModelError(f"fm.trajectory.{function} needs a motion of two times at least.")
+        raise ModelError(f"fm.trajectory.{function} needs a motion with at least two times.")
     if is_concrete(motion.x) and not np.all(np.isfinite(np.asarray(motion.x))):
         raise ModelError(
             f"fm.trajectory.{function} was given a motion that did not reach its end: motion.until(count)."
@@ -83,17 +83,17 @@ def about(given: Any, function: str) -> About:
 
 
 def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
-    """Inputs that move what is held, as that moves along the motion itself; zero for forces, (n_t, n_u).
+    """Inputs that move held things, along the motion itself, (n_t, n_u); zero for forces.
 
-    Displacements are those from the undeformed mechanism. Where two inputs move the same thing, each has all of it.
+    Displacements count from the undeformed mechanism. If two inputs move the same thing, each has all of its motion.
     """
     model = motion.model
     labels, weights, top = model.labels, model.parameters.weights, model.topology
     terms = terms_of(labels.inputs)
     moving = [i for i, term in enumerate(terms) if term.order is not None]
     if is_concrete((top.x.prescribed, top.e.prescribed)):
-        # What is FIXED stands still.
-        driven = [np.asarray(of).tolist() for of in (top.x.prescribed, top.e.prescribed)]
+        # FIXED things do not move.
+        driven = [np.asarray(indices).tolist() for indices in (top.x.prescribed, top.e.prescribed)]
         moving = [i for i in moving if terms[i].index in driven[terms[i].of_element]]
     if not moving:
         return jax.device_put(np.zeros((len(motion.t), len(labels.inputs))))
@@ -119,7 +119,7 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
 
 
 def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: dict[int, np.ndarray]) -> None:
-    """Warn of an input whose parts do not move together, by a constant distance at most."""
+    """Warn of an input whose parts do not move together; constant distances are allowed."""
     sizes = extent_of(motion.model.topology, motion.model.parameters), np.max(np.abs(motion.xd), initial=0.0)
     span = float(np.ptp(np.asarray(motion.t))) or 1.0
     floors = (ROUND_OFF * sizes[0], ROUND_OFF * sizes[1], ROUND_OFF * sizes[1] / span)
@@ -133,15 +133,15 @@ def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: 
             apart = apart - apart[0] * (term.order == 0)
             if np.max(np.abs(apart)) > APART * np.max(np.abs(own)) + floors[term.order]:
                 warn(
-                    f"Input '{signal.name}' moves several held things together, which along this motion do not move as"
-                    " it would move them: its nominal value is the one that is nearest to all."
+                    f"Input '{signal.name}' moves several held things together, but along this motion they move apart."
+                    " Its nominal value is the one nearest to all of them."
                 )
                 break
         first += len(signal.terms)
 
 
 def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "n_t n_q"]]:
-    """Degrees of freedom along a motion, from the undeformed mechanism, and their rates, (n_t, n_q) [m, rad; 1/s]."""
+    """Degrees of freedom along a motion, from the undeformed mechanism, and their rates [m, rad; 1/s]."""
     return _freedoms(motion.model.topology, motion.model.parameters, motion.x, motion.xd, motion.near)
 
 
@@ -165,7 +165,7 @@ def _freedoms(
 
 
 def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
-    """Loads that cancel, at the times of a motion, what holds the degrees of freedom along it."""
+    """Loads that cancel, along a motion, the forces that hold the degrees of freedom."""
     top = model.topology
     n = top.x.dof.shape[0]
     if is_concrete(held) and not np.any(np.asarray(held)):
@@ -179,11 +179,11 @@ def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]
 
 
 def check_freedoms(motion: Motion) -> None:
-    """Refuse a motion on which the degrees of freedom do not determine the configuration.
+    """Refuse a motion along which the degrees of freedom do not determine the configuration.
 
-    Also between two times, by a determinant that changes its sign there; of an even number of such places between two
-    times nothing is seen. There the matrices of what vibrates have a pole, which no curve through those at the times
-    tells. Raises AnalysisError: singular_configuration, with the first times.
+    A change of sign of a determinant shows such a place between two times; an even number of them stays unseen. There,
+    the matrices of vibrations have a pole that no curve through their values shows. Raises AnalysisError:
+    singular_configuration, with the first times.
     """
     model, top = motion.model, motion.model.topology
     if not is_concrete((model, motion.x, motion.near)) or top.e.given.shape[0] != top.x.dependent.shape[0]:
@@ -193,15 +193,15 @@ def check_freedoms(motion: Motion) -> None:
         first, last = (short(float(motion.t[passed[0] + i])) for i in range(2))
         raise AnalysisError(
             RESULTS.singular_configuration.name,
-            f"Between t = {first} and {last} s the motion passes a place where the degrees of freedom"
-            f" ({listed(model.q_labels)}) do not determine the configuration, about which no vibration can be told by"
-            " them. Name others, such as the turn of a hinge in place of a coordinate or of Euler parameters.",
+            f"Between t = {first} and {last} s the degrees of freedom"
+            f" ({listed(model.q_labels)}) do not determine the configuration, so they cannot describe vibrations there."
+            " Name others, such as the rotation of a hinge instead of a coordinate or Euler parameters.",
         )
 
 
 @jit
 def _sides(model: Model, x: Float[Array, "n_t n_x"], near: Float[Array, "n_t n_e"]) -> Float[Array, "n_t"]:
-    """Signs of the determinants of what is given by what is dependent, in pure numbers."""
+    """Signs of determinants of the derivatives of given deformations by dependent coordinates, scaled."""
     top, parameters = model.topology, model.parameters
     sizes = sizes_of(top, parameters)[top.x.dependent]
 
@@ -213,12 +213,10 @@ def _sides(model: Model, x: Float[Array, "n_t n_x"], near: Float[Array, "n_t n_e
 
 
 def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
-    """Outputs along a motion, as sensors give them; rotations in space since the undeformed mechanism.
+    """Outputs along a motion as sensors measure them, (n_t, n_y); rotations in space since the undeformed mechanism.
 
     Warns:
-        FlexmbWarning: A rotation about an axis in space passes a full turn, where it jumps.
-
-    Returns (n_t, n_y) [m, rad, ..].
+        FlexmbWarning: A measured rotation about an axis in space passes a full turn, where it jumps.
     """
     if not motion.labels.outputs:
         return as_floats(np.zeros((len(motion.t), 0)))
@@ -230,10 +228,7 @@ def outputs_of(motion: Motion) -> Float[Array, "n_t n_y"]:
 
 
 def origins_of(model: Model) -> Float[Array, "n_y"]:
-    """Coordinates that displacements among the outputs count from, in the undeformed mechanism; NaN of other outputs.
-
-    Returns (n_y,) [m].
-    """
+    """Start coordinates of displacements among the outputs [m], in the undeformed mechanism; NaN for other outputs."""
     outputs, entries = model.labels.outputs, model.labels.x
     moved = [s.quantity == "position" and not s.parts and entries[s.index].kind == "position" for s in outputs]
     places = np.array([s.index for s in outputs], int)
@@ -248,7 +243,7 @@ def _outputs(model: Model, driven: tuple[Driven, ...], rows: tuple[Array, ...]):
     def one(at: tuple[Array, ...]):
         t, x, xd, near, u = at
         own = undriven.state_of(x, xd, near)
-        # What needs no forces is told of motions without mass too.
+        # Outputs without forces are known for motions without mass too.
         z = under_inputs(model, undriven, u).acceleration(t, own)[0] if sensors.places.late else None
         return sensors.measured(t, own, z, u)
 

@@ -1,4 +1,4 @@
-"""Cubic splines through values at given times, of arrays of any shape."""
+"""Cubic splines through arrays of any shape at given times."""
 
 import jax
 import jax.numpy as jnp
@@ -8,20 +8,14 @@ from ..compilation.record import Record
 
 
 class Spline(Record):
-    """Cubic spline through values at given times, in between twice continuously differentiable.
-
-    Attributes:
-        t: Times, ascending, (n_t,) [s].
-        values: Values there, (n_t, ..).
-        slopes: Their derivatives there, (n_t, ..).
-    """
+    """Cubic spline through values at ascending times [s], with slopes there; its curvature is continuous."""
 
     t: Float[Array, "n_t"]
     values: Float[Array, "n_t ..."]
     slopes: Float[Array, "n_t ..."]
 
     def __call__(self, t: Float[Array, ""]) -> Float[Array, "..."]:
-        """Value at one time, () [s]; outside of the given times the first or last polynomial goes on."""
+        """Value at one time; outside of the given times the first or last polynomial continues."""
         i = jnp.clip(jnp.searchsorted(self.t, t, side="right") - 1, 0, self.t.shape[0] - 2)
         h = self.t[i + 1] - self.t[i]
         s = (t - self.t[i]) / h
@@ -31,17 +25,10 @@ class Spline(Record):
 
 
 def spline(t: Float[Array, "n_t"], values: Float[Array, "n_t ..."]) -> Spline:
-    """Cubic spline that has no knot at the second and the last but one time: SciPy's ``CubicSpline``.
+    """Cubic spline without knots at the second and the last but one time, as SciPy's ``CubicSpline``.
 
-    Args:
-        t: Two times at least, ascending, (n_t,) [s]. Through two it is a line, through three a parabola.
-        values: Values there, (n_t, ..).
-
-    Returns:
-        Spline.
-
-    Source:
-        THEORY.md 14, eq. (14.20): de Boor, A Practical Guide to Splines, ch. IV.
+    Times ascend. Through two values the spline is a line, through three a parabola. Source: THEORY.md 14, eq. (14.20):
+    de Boor, A Practical Guide to Splines, ch. IV.
     """
     flat = values.reshape(t.shape[0], -1)
     return Spline(t, values, _slopes(t, flat).reshape(values.shape))

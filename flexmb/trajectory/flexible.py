@@ -1,4 +1,4 @@
-"""Inputs of a linear system whose outputs follow laws, also where the inverse is unstable: before the output moves."""
+"""Stable inversion: inputs under which outputs of a linear system follow laws, beginning before the outputs move."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..model.model import Model
 from ..numerical_limits import JUMP_OF_LAW, MISSED_AT_REST, ZERO_OF_TERMS, ZERO_ON_AXIS
 from .laws import Law, Shaped, as_law, sampled
 
-# What is wanted is a polynomial of this degree between two times: exactly so for the laws of this room.
+# Degree of the polynomial between two times through the wanted outputs: exact for the laws of this room.
 DEGREE = 9
 
 
@@ -33,11 +33,11 @@ class StableInversion(Result, Record):
         u: Inputs, (n_t, n_u) [N, N m].
         y: The outputs that follow laws, (n_t, n_y).
         z: State, (n_t, n_z).
-        zeros: Zeros of the system, eigenvalues of its inverse, (n_z - sum of the relative degrees,) [1/s].
-        degrees: Relative degree of each output: of which derivative the input decides, (n_y,).
-        error: How far the outputs are off at most when the system starts from rest at the first of the times, because
-            what comes before is left out, () [SI].
-        inputs_of, outputs_of: Their names.
+        zeros: Zeros of the system: eigenvalues of its inverse, (n_z - sum of the relative degrees,) [1/s].
+        degrees: Relative degree of each output: the order of its derivative that the inputs determine, (n_y,).
+        error: Largest error of the outputs if the system starts from rest at the first time, since earlier inputs are
+            left out, () [SI].
+        inputs_of, outputs_of: Names of inputs and outputs.
     """
 
     t: Float[np.ndarray, "n_t"]
@@ -69,30 +69,30 @@ class StableInversion(Result, Record):
 
 
 def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: ArrayLike) -> StableInversion:
-    """Inputs under which the outputs of a flexible mechanism follow laws, bounded also where the inverse is unstable.
+    """Bounded inputs under which the outputs of a flexible mechanism follow laws, even if the inverse is unstable.
 
-    The linear system is solved for the inputs that give the outputs their laws, as a boundary value problem over all
-    time: the part of the inverse that decays is followed forwards from rest, the part that grows backwards from rest
-    at the end. So an input whose output is not collocated begins before the output does: let the times begin early
-    enough. ``error`` says how much of it is cut off there.
+    The system is solved for the inputs as a boundary value problem over all time. The decaying part of the inverse is
+    followed forwards from rest, the growing part backwards from rest at the end. An input that is not collocated with
+    its output therefore begins before the output moves: let the times begin early enough. ``error`` is the effect of
+    the part before the first time.
 
     Args:
         system: Mechanism, its linearisation, or a ``control.StateSpace`` with named inputs and outputs; of concrete
             numbers.
-        trajectory: Law of outputs by their names, as many as there are inputs, counted from the state about which
-            the system is linear; at rest before the first of the times and after the last.
-        times: Times at which to give the inputs, ascending, (n_t,) [s].
+        trajectory: Laws of outputs by name, as many as there are inputs. Values count from the state of linearisation.
+            Laws are at rest before the first time and after the last.
+        times: Ascending times at which to compute the inputs, (n_t,) [s].
 
     Returns:
         StableInversion.
 
     Raises:
-        ValueError, TypeError: Times that do not ascend, a law that is none, or traced numbers.
-        ModelError: Unknown output; another number of outputs than inputs; an output that the inputs cannot move;
-            outputs that depend on one another; zeros on the imaginary axis; a law that is not smooth enough.
+        ValueError, TypeError: Times do not ascend, a law is not a function of time, or numbers are traced.
+        ModelError: An output is unknown; numbers of outputs and inputs differ; the inputs cannot move an output;
+            outputs depend on each other; zeros lie on the imaginary axis; a law is not smooth enough.
 
     Warns:
-        FlexmbWarning: From rest at the first of the times the outputs are off by more than a thousandth.
+        FlexmbWarning: From rest at the first time, an error exceeds a thousandth of the largest output.
 
     Source:
         Devasia, Chen, Paden (1996), as THEORY.md 14, eq. (14.16) to (14.18).
@@ -106,7 +106,7 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     names = list(trajectory)
     for name in names:
         if name not in outputs:
-            raise ModelError(f"Trajectory '{name}' is of no output of the system. There are: {among(outputs, name)}.")
+            raise ModelError(f"Trajectory '{name}' names no output of the system. Outputs are: {among(outputs, name)}.")
     if len(names) != len(inputs):
         raise ModelError(
             f"There must be as many laws as inputs, but there are {len(names)} ({among(names)}) and"
@@ -123,9 +123,8 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
         unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
         earlier = np.log(1 / ZERO_OF_TERMS) / np.min(unstable)
         warn(
-            f"The inputs begin before the first of the times: from rest there the outputs are off by up to"
-            f" {short(error)}. Let the times begin earlier, by some {short(earlier)} s"
-            " before the outputs move."
+            f"The inputs begin before the first of the times: a start from rest there causes errors of up to"
+            f" {short(error)}. Let the times begin earlier: some {short(earlier)} s before the outputs move."
         )
     return StableInversion(
         grid, u, y, z, inverse.zeros, np.array(inverse.degrees), np.asarray(error), tuple(inputs), tuple(names)
@@ -137,10 +136,10 @@ class _Inverse(NamedTuple):
 
     Attributes:
         degrees: Relative degree of each output.
-        lift: State of the outputs and their derivatives, (n_z, r).
-        internal: Basis of the states that these do not see, (n_z, n_z - r).
-        q, p: Equations of the internal states; p is of the outputs, their derivatives, and the last ones.
-        gain, row: Those of the inputs.
+        lift: State per outputs and their derivatives xi, (n_z, r).
+        internal: Basis of the states without effect on xi, (n_z, n_z - r).
+        q, p: Equations of the internal states; w is xi, then the highest derivatives.
+        gain, row: Equations of the inputs.
         zeros: Eigenvalues of q.
     """
 
@@ -174,7 +173,7 @@ def _system(system: Any):
         )
     a, b, c, d = (np.asarray(part, float) for part in parts)
     if a.ndim != 2:
-        raise ModelError("This linearisation is along a motion: give lin.at_time(0), or that at another time.")
+        raise ModelError("This linearisation is along a motion. Give one time of it, such as lin.at_time(0).")
     return a, b, c, d, inputs, outputs
 
 
@@ -189,14 +188,14 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
         while not np.any(np.abs(through) > ZERO_OF_TERMS * size):
             own.append(row)
             if len(own) > n:
-                raise ModelError(f"Output '{name}' is one that the inputs cannot move.")
+                raise ModelError(f"Output '{name}' cannot be moved by the inputs.")
             through, size = row @ b, np.abs(row) @ np.abs(b)
             row = row @ a
         degrees.append(len(own))
         chains += own
         rows.append(row)
         gains.append(through)
-    # Of an output of degree zero y = C z + D u; of the others y^(r) = C A^r z + C A^(r-1) B u.
+    # An output of degree zero is y = C z + D u; others have y^(r) = C A^r z + C A^(r-1) B u.
     plant, row = np.array(gains), np.array(rows)
     scale = np.max(np.abs(plant), axis=1, keepdims=True)
     if np.linalg.cond(plant / scale) > 1 / ZERO_OF_TERMS:
@@ -206,7 +205,7 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
         )
     gain = np.linalg.inv(plant)
     chain = np.array(chains).reshape(-1, n)
-    # Rows of equal size, so that the states which they do not see are found to round-off.
+    # Rows of equal size, so that round-off does not hide states without effect.
     size = np.linalg.norm(chain, axis=1, keepdims=True)
     lift = np.linalg.pinv(chain / size) / size.T if len(chain) else np.zeros((n, 0))
     internal = scipy.linalg.null_space(chain / size) if len(chain) else np.eye(n)
@@ -219,14 +218,14 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
         hertz = sorted({float(f"{abs(z.imag) / (2 * np.pi):.4g}") for z in zeros[on_axis]})
         raise ModelError(
             f"The plant from the inputs to {listed(names)} has zeros on the imaginary axis, at"
-            f" {listed([short(f) for f in hertz])} Hz: there the mechanism vibrates unseen, for ever. Give it damping,"
-            " or another output."
+            f" {listed([short(f) for f in hertz])} Hz: vibrations without effect on the outputs would never end. Add"
+            " damping, or choose another output."
         )
     return _Inverse(degrees, lift, internal, q, p, gain, row, zeros)
 
 
 def _check_smooth(name: str, law: Any, degree: int) -> None:
-    """Refuse a law whose derivatives jump below that of which the input decides: it would take an infinite input."""
+    """Refuse a law with jumps in derivatives below the relative degree, which would need infinite inputs."""
     if isinstance(law, Shaped):
         law = getattr(law, "law", None)
     if not isinstance(law, Law) or degree == 0:
@@ -246,8 +245,8 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
         if np.max(jumps) > JUMP_OF_LAW * largest:
             raise ModelError(
                 f"Trajectory '{name}' is not smooth enough: its derivative of order {order} jumps at"
-                f" {short(breaks[int(np.argmax(jumps))])} s, and the input decides of that of order {degree} (the"
-                " relative degree). Take a smoother law, such as fm.trajectory.septic."
+                f" {short(breaks[int(np.argmax(jumps))])} s, but the inputs determine the derivative of order {degree}"
+                " (the relative degree). Take a smoother law, such as fm.trajectory.septic."
             )
 
 
@@ -255,7 +254,7 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
     """States, inputs and outputs at the times. Source: THEORY.md 14, eq. (14.18)."""
 
     def derivatives(t: Float[Array, ""]):
-        """Outputs and their derivatives to the relative degree, one a column, of each law."""
+        """Outputs and their derivatives below the relative degree, then the derivatives of this degree."""
         found = []
         for law, own in zip(laws, inverse.degrees, strict=True):
             functions = [law]
@@ -273,7 +272,7 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
         if np.any(moving):
             name = names[int(np.searchsorted(np.cumsum(inverse.degrees), np.argmax(moving), side="right"))]
             raise ModelError(
-                f"Trajectory '{name}' is not at rest at the {when} of the times. Let the times hold all of the law."
+                f"Trajectory '{name}' is not at rest at the {when} of the times. Let the times cover the whole law."
             )
     eta = np.zeros((len(grid), len(inverse.q)))
     if len(inverse.q):
@@ -292,18 +291,18 @@ def _derivative(f: Callable[..., Any]):
 
 
 def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Internal states at the times: what decays from the first of them on, what grows from the last of them back."""
+    """Internal states: the decaying part from the first time on, the growing part from the last time back."""
     import scipy.linalg
 
     found: Any = scipy.linalg.schur(inverse.q, sort="lhp")
     t, z, stable = found
     p = z.T @ inverse.p
-    # The two parts one by one: T11 X - X T22 = -T12.
+    # Separate both parts: T11 X - X T22 = -T12.
     x = scipy.linalg.solve_sylvester(t[:stable, :stable], -t[stable:, stable:], -t[:stable, stable:])
     fast, slow = t[:stable, :stable], t[stable:, stable:]
     decaying, growing = p[:stable] - x @ p[stable:], p[stable:]
     lengths = np.diff(grid)
-    # Between two times what is wanted is a polynomial of the share of the interval, through Chebyshev's points.
+    # Between two times the wanted outputs are a polynomial of the share of the interval, through Chebyshev's points.
     nodes = (1 - np.cos(np.pi * (2 * np.arange(DEGREE + 1) + 1) / (2 * DEGREE + 2))) / 2
     places = (grid[:-1, None] + nodes * lengths[:, None]).ravel()
     wanted = np.asarray(every(jnp.asarray(places))).reshape(len(lengths), DEGREE + 1, -1)
@@ -311,9 +310,9 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
     about_middle = np.einsum("pn,ind->ipd", to_powers, wanted)
 
     def steps(q: np.ndarray, p: np.ndarray, backwards: bool):
-        """End of each interval from its beginning, in the direction that decays."""
+        """States from interval to interval, in the direction in which they decay."""
         direction = -1.0 if backwards else 1.0
-        # Derivatives by the share of the interval at the end where the step begins.
+        # Derivatives by the share of the interval, where the step begins.
         shift = np.array(
             [
                 [math.perm(k, j) * (-0.5 * direction) ** (k - j) if k >= j else 0.0 for k in range(DEGREE + 1)]
@@ -345,7 +344,7 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
 
 
 def _at_rest(values: np.ndarray, degrees: list[int]):
-    """The same outputs, at rest."""
+    """Outputs with all their derivatives zero."""
     still, n_xi = np.zeros_like(values), sum(degrees)
     firsts = np.cumsum([0, *degrees[:-1]])
     for i, (first, degree) in enumerate(zip(firsts, degrees, strict=True)):
@@ -355,7 +354,7 @@ def _at_rest(values: np.ndarray, degrees: list[int]):
 
 
 def _transition(q: np.ndarray, p: np.ndarray, length: float) -> np.ndarray:
-    """State after an interval by that before it and by the scaled derivatives of what is wanted there."""
+    """Matrix from the state before an interval and the scaled derivatives of the wanted outputs to the state after."""
     import scipy.linalg
 
     n, m = p.shape
@@ -366,7 +365,7 @@ def _transition(q: np.ndarray, p: np.ndarray, length: float) -> np.ndarray:
 
 
 def _error_from_rest(a: np.ndarray, c: np.ndarray, z: np.ndarray, grid: np.ndarray) -> float:
-    """Largest output of what the start from rest leaves out, followed freely."""
+    """Largest output of the part that a start from rest leaves out, in free motion."""
     import scipy.linalg
 
     missing, lengths, kept = -z[0], np.diff(grid), {}

@@ -1,4 +1,4 @@
-"""Inverse dynamics: what drives a mechanism along a trajectory while its flexible deformations are held."""
+"""Inverse dynamics: inputs that drive a mechanism along a trajectory while its flexible deformations are held."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ from ..statics.strained import warn_of_needless_strain
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 
-# What is wanted changes by at most this share of the mechanism's extent, or radians, between two solutions.
+# Largest change of wanted quantities between two solutions, as a share of the mechanism's extent or in radians.
 STEP = 0.1
-# Steps of Newton's method to each of them at most, and the relative change at which they end.
+# Most steps of Newton's method in each solution, and the relative change at which they end.
 CORRECTIONS, SETTLED = 12, 1e-13
-# So many steps of that size lie between two times at most, and between the undeformed mechanism and its start values;
-# what is further away is not followed.
+# Most steps of that size between two times, and from the undeformed mechanism to its start values; longer ways are not
+# followed.
 MOST_STEPS = 100_000
 
 
@@ -53,7 +53,7 @@ class Quantity(Record):
 
     Attributes:
         quantity: "x", "e", "rotation" or "local rotation".
-        index: Index in x or e; of a rotation in space, that of its first Euler parameter.
+        index: Index in x or e; for a rotation in space, the index of its first Euler parameter.
         axis: Axis of a rotation in space.
     """
 
@@ -63,29 +63,23 @@ class Quantity(Record):
 
 
 class Wanted(Record):
-    """A quantity that follows a law.
-
-    Attributes:
-        place: What it is.
-        law: Function of time.
-    """
+    """A quantity that follows a law of time."""
 
     place: Quantity
     law: Callable[..., Any]
 
 
 class Nominal(Result, Record):
-    """A motion along a trajectory, and what drives the mechanism along it.
+    """A motion along a trajectory, with the inputs that drive the mechanism.
 
-    The motion is one of the whole model: its linearised equations, ``nominal.motion.linearizations()``, are those of a
-    mechanism that is free to vibrate about it.
+    The motion belongs to the whole model: ``nominal.motion.linearizations()`` linearises a mechanism that may vibrate
+    about it.
 
     Attributes:
-        motion: The motion, as :func:`flexmb.simulate` gives one, under the inputs and what holds the rest.
-        u0: Nominal inputs, in the order in which the builder named them, (n_t, n_u) [N, N m].
-        y0: Outputs along it, likewise, (n_t, n_y).
-        f0: Force that would have to hold each degree of freedom beside the inputs: zero along those that are driven,
-            (n_t, n_q) [N, N m].
+        motion: The motion, as :func:`flexmb.simulate` returns one, under the inputs and the holding forces.
+        u0: Nominal inputs, in the order of the builder, (n_t, n_u) [N, N m].
+        y0: Outputs, likewise, (n_t, n_y).
+        f0: Force beside the inputs that holds each degree of freedom: zero for driven ones, (n_t, n_q) [N, N m].
         result: Code of RESULTS at each time, (n_t,).
     """
 
@@ -103,22 +97,22 @@ class Nominal(Result, Record):
 
     @property
     def inputs(self) -> dict[str, Law]:
-        """Nominal inputs as functions of time, by their names."""
+        """Nominal inputs as functions of time, by name."""
         return self._laws(self.motion.labels.inputs, self.u0)
 
     @property
     def outputs(self) -> dict[str, Law]:
-        """Outputs along the trajectory as functions of time, by their names."""
+        """Outputs along the trajectory as functions of time, by name."""
         return self._laws(self.motion.labels.outputs, self.y0)
 
     def _laws(self, signals: tuple[Signal, ...], values: Any) -> dict[str, Law]:
         degree = min(5, (len(self.t) - 2) // 2 * 2 + 1)
         if degree < 3:
-            raise ValueError("Functions of time need four times at least.")
+            raise ValueError("Functions of time need at least four times.")
         return {signal.name: sampled(self.t, values[:, i], degree=degree) for i, signal in enumerate(signals)}
 
     def states(self) -> States:
-        """The states, over time."""
+        """The states over time."""
         return self.motion.states()
 
     def summary(self) -> Summary:
@@ -144,40 +138,38 @@ def inverse_dynamics(
     inputs: Sequence[str] | None = None,
     throw: bool = True,
 ) -> Nominal:
-    """Inputs that drive a mechanism along a trajectory, its flexible deformations held: SPACAR's mode 2.
+    """Inputs that drive a mechanism along a trajectory with its flexible deformations held: SPACAR's mode 2.
 
-    The trajectory says where degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or outputs
-    are to be, each counted from the undeformed mechanism. Other coordinates and outputs are reached by the degrees of
-    freedom that are driven, as the kinematics of the mechanism has it, on the branch that start values begin on. The
-    degrees of freedom that are not driven, such as the deformations of flexible parts, stay at their start values, zero
-    unless the builder named others.
+    The trajectory gives laws for degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or
+    outputs, each counted from the undeformed mechanism. Driven degrees of freedom follow the laws of other coordinates
+    and outputs by kinematics, on the branch of the start values. Degrees of freedom that are not driven, such as
+    deformations of flexible parts, keep their start values (zero by default).
 
-    The inputs are those that the equations of motion ask for along what is driven,
-    ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``; along what is held the same force is what would have to hold it,
-    ``f0``. What a PRESCRIBED motion takes is a reaction or a stress resultant of ``motion``.
+    The inputs satisfy the equations of motion along driven degrees of freedom,
+    ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``. Along held ones the same equations give the holding force ``f0``.
+    The force of a PRESCRIBED motion is a reaction or a stress resultant of ``motion``.
 
     Args:
         model: Mechanism with named inputs; differentiable in ``model.parameters``.
-        trajectory: Law of each quantity by its name: a coordinate "stage.x", a rotation "arm.phi" or "arm.rz", a
-            deformation "hinge.e1", or an output. Functions of time, twice differentiable, such as
-            :func:`flexmb.trajectory.quintic`; differentiable in their numbers.
-        times: Times at which to give it, ascending, (n_t,) [s]. From each to the next what is wanted goes straight:
-            of a closed curve that is run through between two times a turn is not seen.
-        driven: Names of the degrees of freedom that follow other coordinates and outputs, as many as there are of
-            these. None: those that are in no flexible element's stiffness, or all, where their number fits.
-        inputs: Names of the inputs that drive, as many as there are driven degrees of freedom; the others are zero.
-            None: all of them.
-        throw: Raise where there is no such motion; otherwise the code is in ``result``.
+        trajectory: Laws by name: a coordinate "stage.x", a rotation "arm.phi" or "arm.rz", a deformation "hinge.e1", or
+            an output. A law is a twice differentiable function of time, such as :func:`flexmb.trajectory.quintic`.
+            Results are differentiable in its numbers.
+        times: Ascending times of the results, (n_t,) [s]. Between two times, wanted quantities change straight: a full
+            closed curve between two times is not seen.
+        driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, equally many. None:
+            those without stiffness, or all, if their number fits.
+        inputs: Names of the inputs that drive, as many as driven degrees of freedom; the others are zero. None: all.
+        throw: Raise if there is no such motion; otherwise the code is in ``result``.
 
     Returns:
         Nominal.
 
     Raises:
-        ValueError, TypeError: Times that do not ascend, a law that is none, a model that ``jax.jit`` was given.
-        ModelError: An unknown name; a number of inputs or of driven degrees of freedom that does not fit; a quantity
-            that nothing moves.
-        AnalysisError: outside_workspace, also where it goes too far between two times, or singular_plant, with the
-            first time at which it is so.
+        ValueError, TypeError: Times do not ascend, a law is not a function of time, or ``jax.jit`` traces the model.
+        ModelError: A name is unknown; the number of inputs or of driven degrees of freedom does not fit; nothing moves
+            a quantity.
+        AnalysisError: outside_workspace (also for too long a way between two times) or singular_plant, with the first
+            time.
 
     Source:
         THEORY.md 14, eq. (14.13) to (14.15).
@@ -231,20 +223,20 @@ def inverse_dynamics(
 
 
 def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], times: Float[np.ndarray, "n_t"]) -> None:
-    """Warn where deformations that are held make others stretch, at the time of the largest deformation."""
+    """Warn if held deformations stretch others, at the time of the largest deformation."""
     sizes = np.max(np.abs(e), axis=1, initial=0.0)
     if np.all(np.isfinite(sizes)):
         farthest = int(np.argmax(sizes))
         remedy = (
-            "A nominal motion holds all deformations that no law moves. Name no coefficients of spectral beams as"
-            " degrees of freedom: those found leave them free to bend. Or take cubic beams (planar.beam,"
-            " spatial.beam), released in bending alone."
+            "A nominal motion holds all deformations without a law. Name no coefficients of spectral beams as degrees"
+            " of freedom: found ones leave the beams free to bend. Or take cubic beams (planar.beam, spatial.beam),"
+            " released in bending alone."
         )
         warn_of_needless_strain(model, e[farthest], f"At t = {short(times[farthest])} s", remedy)
 
 
 class _AtTimes(NamedTuple):
-    """What the kernel gives at every time; ``moves`` is how much each wanted quantity is moved by what is driven."""
+    """Results of the kernel at every time; ``moves`` is how far driven freedoms move each wanted quantity."""
 
     x: Any
     xd: Any
@@ -257,12 +249,9 @@ class _AtTimes(NamedTuple):
 
 
 def place_of(model: Model, name: str) -> Quantity | None:
-    """Where a quantity is that a name means; None where it means none.
+    """Place of a named quantity: "stage.x", "arm.phi", "arm.rz", "hinge.e1" or an output; None for an unknown name.
 
-    Raises ModelError: The name means an output that is the rate of something.
-
-    Args:
-        name: "stage.x", "arm.phi", "arm.rz", "hinge.e1", or an output that is a position, rotation or deformation.
+    Raises ModelError: The name is an output that measures a rate.
     """
     labels = model.labels
     if (place := labels.place(name)) is not None:
@@ -273,15 +262,15 @@ def place_of(model: Model, name: str) -> Quantity | None:
         if signal.name == name:
             if signal.quantity not in ("position", "deformation"):
                 raise ModelError(
-                    f"Trajectory '{name}': the output is a {signal.quantity}. Say where it is to be: give the law of an"
-                    " output that is a position or a deformation."
+                    f"Trajectory '{name}': the output is a {signal.quantity}. Give the law of an output that is a"
+                    " position or a deformation."
                 )
             return _place_of_signal(signal)
     return None
 
 
 def _place_of_signal(signal: Signal) -> Quantity:
-    """Where the quantity is whose value or rate an output measures."""
+    """Place of the quantity whose value or rate an output measures."""
     index, axis = np.array(signal.index), np.array(signal.axis or 0)
     if signal.axis is not None:
         return Quantity("local rotation" if signal.local else "rotation", index, axis)
@@ -289,7 +278,7 @@ def _place_of_signal(signal: Signal) -> Quantity:
 
 
 def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
-    """What is wanted of what is free, and what is PRESCRIBED."""
+    """Laws of free quantities, and laws of PRESCRIBED ones."""
     top = as_known(model, "trajectory.inverse_dynamics", numbers=False).topology
     given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
     fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
@@ -311,14 +300,14 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
             own = model.labels.x if place.quantity == "x" else model.labels.e
             prescribed[str(own[int(place.index)])] = law
         elif place.quantity in fixed and int(place.index) in fixed[place.quantity]:
-            raise ModelError(f"Trajectory '{name}' is of something FIXED, which nothing moves.")
+            raise ModelError(f"Trajectory '{name}' is of something FIXED, which cannot move.")
         else:
             wanted[name] = Wanted(place, law)
     return wanted, prescribed
 
 
 def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[str] | None) -> list[int]:
-    """Degrees of freedom that are driven, as places in q: those of the trajectory, and those that others follow."""
+    """Driven degrees of freedom, as places in q: those in the trajectory, and those that follow other laws."""
     top, names = model.topology, model.q_labels
     x_dof, e_dof = np.asarray(top.x.dof).tolist(), np.asarray(top.e.dof).tolist()
     own, followed = [], []
@@ -331,7 +320,7 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
         else:
             followed.append(name)
     if len(set(own)) < len(own):
-        raise ModelError("Two laws of `trajectory` are of the same degree of freedom: give one of them.")
+        raise ModelError("Two laws of `trajectory` are of the same degree of freedom: leave one out.")
     if driven is not None:
         as_written = {name.replace(".rotation.", "."): name for name in names}
         given = [as_written.get(name, name) for name in driven]
@@ -345,12 +334,12 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
         chosen = own + [i for i in chosen if i not in own]
         if len(chosen) != len(wanted):
             raise ModelError(
-                f"Argument `driven`: {len(wanted)} laws are wanted of {among(wanted)}, and"
-                f" {len(chosen)} degrees of freedom are driven. There must be as many."
+                f"Argument `driven`: there are {len(wanted)} laws, of {among(wanted)}, but {len(chosen)} degrees of"
+                " freedom are driven. There must be as many."
             )
         return chosen
     rest = [i for i in range(top.n_q) if i not in own]
-    # Which are stiff need not be known where all that are left follow.
+    # Stiffness does not matter if all remaining freedoms follow.
     stiff = _stiff(model) if followed and len(followed) != len(rest) else set()
     soft = [i for i in rest if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
     for chosen in ([] if not followed else soft, rest):
@@ -360,22 +349,22 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
         return own
     raise ModelError(
         f"Trajectory of {among(followed)}: {len(followed)} degrees of freedom must be driven to follow it, of"
-        f" {among([names[i] for i in rest]) if rest else 'none that are left'}. Say which by `driven`."
+        f" {among([names[i] for i in rest]) if rest else 'none that are left'}. Name them by `driven`."
     )
 
 
 def _stiff(model: Model) -> set[int]:
-    """Indices of the deformations that have a stiffness of their own."""
+    """Indices of deformations with stiffness."""
     from ..mechanics.stress_resultants import element_stiffness
 
     stiffness = jax.lax.stop_gradient(element_stiffness(model.topology, model.parameters))
     if not is_concrete(stiffness):
-        raise ModelError("Under a trace say which degrees of freedom are driven: argument `driven`.")
+        raise ModelError("Under a trace, name the degrees of freedom that are driven: argument `driven`.")
     return set(np.flatnonzero(np.diagonal(np.asarray(stiffness)) != 0).tolist())
 
 
 def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> list[int]:
-    """Inputs that are found, as many as degrees of freedom are driven."""
+    """Inputs to be computed, as many as driven degrees of freedom."""
     names = [signal.name for signal in model.labels.inputs]
     if inputs is None:
         chosen = [i for i, signal in enumerate(model.labels.inputs) if signal.quantity not in ORDERS]
@@ -388,13 +377,13 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
             raise ModelError(f"Argument `inputs` names an input twice: {among(inputs)}.")
         chosen = [names.index(name) for name in inputs]
     if inputs is None and not count:
-        # What is PRESCRIBED moves by itself.
+        # PRESCRIBED motions need no input.
         return []
     if len(chosen) != count:
-        has = f"to do so there are {among([names[i] for i in chosen])}" if chosen else "there is none to do so"
+        has = f"there are {among([names[i] for i in chosen])}" if chosen else "there is none"
         raise ModelError(
             f"{count} degrees of freedom are driven, which takes as many inputs, but {has}."
-            " Name them by input() in the builder, and those that drive by `inputs`."
+            " Name inputs by input() in the builder, and select those that drive by `inputs`."
         )
     return chosen
 
@@ -405,17 +394,17 @@ def _are_of_the_motion(outputs: Sequence[Signal]) -> bool:
 
 
 def _check_inputs(model: Model) -> None:
-    """Refuse inputs that move what is held: where that goes, a trajectory says."""
+    """Refuse inputs that move held things, whose laws belong into the trajectory."""
     for signal in model.labels.inputs:
         if any(part.order is not None for part in signal.terms):
             raise ModelError(
-                f"Input '{signal.name}' moves something that is held, and inverse dynamics gives forces, moments and"
-                " stresses. Leave it out, say prescribe() of what moves, and give its law in the trajectory."
+                f"Input '{signal.name}' moves something that is held, but inverse dynamics computes forces, moments and"
+                " stresses. Leave it out, call prescribe() for what moves, and give its law in the trajectory."
             )
 
 
 def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
-    """Raise with the first time at which it fails, and with the quantity that nothing moves, or that goes too far."""
+    """Raise with the first failing time, and with the quantity that nothing moves or that goes too far."""
     codes = np.asarray(found.result)
     if not np.any(codes):
         return
@@ -437,7 +426,7 @@ def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _
             since = f"between t = {short(times[first - 1])} and" if first else "from the undeformed mechanism to t ="
             raise AnalysisError(
                 RESULTS.outside_workspace.name,
-                f"Trajectory '{name}' goes further {since} {short(times[first])} s than is followed: {most:g} rad,"
+                f"Trajectory '{name}' goes too far {since} {short(times[first])} s: the limit is {most:g} rad,"
                 f" {most / (2 * np.pi):.0f} turns, or {most:g} times the size of the mechanism. Give more times, or"
                 " begin nearer.",
             )
@@ -447,7 +436,7 @@ def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _
 def _measured(
     form: CoordinatesForm, places: Sequence[Quantity], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "k"]:
-    """Quantities of a configuration, from the undeformed mechanism."""
+    """Quantities of a configuration, counted from the undeformed mechanism."""
     top, parameters = form.topology, form.parameters
     e = deformations(top, parameters, x, near) if any(p.quantity == "e" for p in places) else near
     values = []
@@ -472,7 +461,7 @@ class _At(NamedTuple):
 
 
 class _Corrected(NamedTuple):
-    """A state after one step of Newton's method, how large it was, and how what is driven moves what is wanted."""
+    """A state after a step of Newton's method, the step, and derivatives of wanted by driven quantities."""
 
     at: _At
     change: Any
@@ -481,10 +470,7 @@ class _Corrected(NamedTuple):
 
 
 def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal: tuple[Any, ...], at: _At):
-    """One step of Newton's method towards a configuration in which what is wanted has its values.
-
-    Source: THEORY.md 14, eq. (14.13).
-    """
+    """One step of Newton's method towards wanted values, THEORY.md 14, eq. (14.13)."""
     top, places, driven = form.topology, [one.place for one in wanted], jnp.array(moved, int)
     n = top.x.dof.shape[0]
     (held_x, held_e), target, held_q = goal
@@ -508,12 +494,12 @@ def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int,
     return _Corrected(at, change, rows, regular)
 
 
-# Coordinates and held deformations, values of what is wanted, and degrees of freedom from the undeformed mechanism.
+# Coordinates and held deformations; wanted values; degrees of freedom from the undeformed mechanism.
 _Goal = tuple[tuple[Any, Any], Any, Any]
 
 
 def _goal(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]) -> _Goal:
-    """Where everything is to be at a time."""
+    """Everything that is given at a time."""
     none, start = jnp.zeros(form.size), form.parameters.start
     whole = form.whole(t, none, none, none)
     values = [jnp.asarray(one.law(t), float) for one in wanted]
@@ -522,12 +508,12 @@ def _goal(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]
 
 
 def _between(a: _Goal, b: _Goal, share: Any) -> _Goal:
-    """A goal on the way from one to another."""
+    """A goal between two goals."""
     return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
 
 
 def _distance(places: Sequence[Quantity], sizes: Float[Array, "n_x"], a: _Goal, b: _Goal) -> Float[Array, ""]:
-    """Largest change from one goal to another, as a share of the mechanism's extent or in radians."""
+    """Largest change between two goals, as a share of the mechanism's extent or in radians."""
     (x, e), target, q = jax.tree.map(lambda a, b: b - a, a, b)
     of_target = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
     parts = (x / sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
@@ -564,7 +550,7 @@ def _walked(
     goals: tuple[_Goal, _Goal],
     at: _At,
 ) -> _At:
-    """From one goal to another, in steps that Newton's method can follow; not a number where these are too many."""
+    """State at a goal, reached from another goal in steps that Newton's method can follow; NaN for too many steps."""
     count = jnp.ceil(_distance([one.place for one in wanted], sizes, *goals) / STEP)
     within = count <= MOST_STEPS
     count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
@@ -584,7 +570,7 @@ def _configurations(
     sizes: Float[Array, "n_x"],
     times: Float[Array, "n_t"],
 ) -> _At:
-    """Where everything is at the times, from the undeformed mechanism on; derivatives do not pass through it."""
+    """States at the times, followed from the undeformed mechanism, without derivatives."""
     form, wanted, sizes, times = jax.lax.stop_gradient((form, wanted, sizes, times))
     top, parameters, places = form.topology, form.parameters, [one.place for one in wanted]
 
@@ -597,7 +583,7 @@ def _configurations(
     origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
     here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
     if moved and parameters.start is not None:
-        # The start values tell on which branch it begins: which way an elbow is bent.
+        # Start values select the branch, such as the side to which an elbow is bent.
         begin = _goal(form, (), times[0])
         origin = _walked(form, (), (), sizes, ((here, jnp.zeros(0), q), begin), origin)
         here, _, q = begin
@@ -613,7 +599,7 @@ def _inputs_needed(
     driven: Int[Array, "k"],
     acting: tuple[int, ...],
 ) -> tuple[Float[Array, "n_u"], Float[Array, "n_q"], Bool[Array, ""]]:
-    """Inputs that drive, forces that hold the rest, and whether these inputs can drive."""
+    """Driving inputs, holding forces, and whether these inputs can drive."""
     if not acting:
         return jnp.zeros(n_u), needed, jnp.array(True)
     chosen = jnp.array(acting, int)
@@ -652,7 +638,7 @@ def _nominal(
         x = found.at.x
         near, jacobian = deformed(form.elements, x, at.near)
         tangent = transfer(top, jacobian)
-        # How what is driven moves what is wanted, here: derivatives pass through the place.
+        # Derivatives of wanted by driven quantities at this place, so that derivatives pass through the place.
         rows = (
             jax.jacfwd(lambda x: _measured(form, places, x, near))(x) @ tangent.DFx[:, driven] if moved else found.rows
         )
@@ -686,7 +672,7 @@ def _moving(
     x: Float[Array, "n_x"],
     near: Float[Array, "n_e"],
 ) -> Moving:
-    """Velocities and accelerations along the trajectory. Source: THEORY.md 14, eq. (14.14)."""
+    """Velocities and accelerations along the trajectory, THEORY.md 14, eq. (14.14)."""
     none = jnp.zeros(form.topology.n_q)
     if not wanted:
         return carried(form, t, x, none, none, near)
@@ -731,11 +717,11 @@ def _output(form: CoordinatesForm, signal: Signal, moving: Moving) -> Float[Arra
 def _as_loads(
     model: Model, times: Float[Array, "n_t"], u0: Float[Array, "n_t n_u"], f0: Float[Array, "n_t n_q"]
 ) -> tuple[Driven, ...]:
-    """Inputs and what holds the rest, as loads that depend on time: their values at the times are exact."""
+    """Inputs and holding forces as loads over time, exact at the times."""
     top, found = model.topology, []
     if model.labels.inputs:
         constant: Any = _driven_by_inputs(model.without_names(), u0)
-        # At all times at the same places.
+        # Loads act at the same places at all times.
         for one in constant:
             found.append(Driven(one.quantity, computed(lambda _, at: at[0], one.at), Table(times, one.value.value)))
     n = top.x.dof.shape[0]
@@ -748,6 +734,6 @@ def _as_loads(
 
 @jit
 def _driven_by_inputs(model: Model, u0: Float[Array, "n_t n_u"]) -> tuple[Driven, ...]:
-    """What inputs drive, at all times: one program, where each operation was one."""
+    """Loads of the inputs at all times, in one program."""
     plain = coordinates_form(model.topology, model.parameters)
     return jax.vmap(lambda u: under_inputs(model, plain, u).driven)(u0)

@@ -1,7 +1,7 @@
-"""Laws of time: from rest to rest in any coordinate, through points, through samples, and shaped to leave no vibration.
+"""Laws of time: from rest to rest, through points, through samples, and shaped to leave no vibration.
 
-A law is a function f(t) of one number, with derivatives by the time and by its own numbers. It is at rest at its first
-value before it begins, and at its last value afterwards.
+A law is a function f(t) of one number, differentiable by time and by its own numbers. Before it begins it rests at its
+first value, afterwards at its last.
 """
 
 from __future__ import annotations
@@ -21,22 +21,21 @@ from ..compilation.record import Record
 from ..display import Result, Summary, short
 from ..errors import first_line
 
-# Peaks of velocity, acceleration and jerk of a move by one in one second.
+# Peaks of velocity, acceleration and jerk for a unit move in one second.
 PEAKS = {5: (15 / 8, 10 / math.sqrt(3), 60.0), 7: (35 / 16, 84 / (5 * math.sqrt(5)), 52.5)}
 # Coefficients of the polynomials 10 s^3 - 15 s^4 + 6 s^5 and 35 s^4 - 84 s^5 + 70 s^6 - 20 s^7, of ascending power.
 RISES = {5: (0, 0, 0, 10, -15, 6), 7: (0, 0, 0, 0, 35, -84, 70, -20)}
-# Signs of the jerk in the seven phases of an S-curve, and which of them last as long as the jerk, the rest and the
-# cruise.
+# Signs of the jerk in the seven phases of an S-curve.
 JERKS = (1, 0, -1, 0, -1, 0, 1)
 WORDS = ("value", "velocity", "acceleration", "jerk")
 
 
 class Law(Result, Record):
-    """Function of time in pieces, each a polynomial of the time since it began.
+    """Function of time in pieces, each a polynomial of the time since its begin.
 
     Attributes:
-        breaks: Where pieces begin, and where the last ends, ascending, (n + 1,) [s].
-        coefficients: Of each piece, of ascending power of the time, (n, degree + 1) [m/s^k, rad/s^k].
+        breaks: Begins of the pieces and the end of the last, ascending, (n + 1,) [s].
+        coefficients: For each piece, by ascending power of time, (n, degree + 1) [m/s^k, rad/s^k].
     """
 
     breaks: Float[Array, "n_breaks"]
@@ -52,11 +51,11 @@ class Law(Result, Record):
         Returns:
             () [m, rad].
         """
-        # Of concrete numbers by NumPy, for which nothing is compiled.
+        # Concrete numbers are evaluated by NumPy, without compiling.
         xp: Any = np if is_concrete((self, t)) else jnp
         breaks, coefficients, t = (xp.asarray(own, float) for own in (self.breaks, self.coefficients, t))
         piece = xp.clip(xp.searchsorted(breaks, t, side="right") - 1, 0, coefficients.shape[0] - 1)
-        # At the ends themselves the derivatives are those of the pieces; beyond there is no motion.
+        # At the ends themselves derivatives are those of the pieces; beyond them there is no motion.
         beyond = xp.where(t < breaks[0], breaks[0], breaks[-1])
         inside = (t >= breaks[0]) & (t <= breaks[-1])
         since = xp.where(inside, t, beyond) - breaks[piece]
@@ -64,20 +63,20 @@ class Law(Result, Record):
 
     @property
     def shape_of_value(self) -> tuple[int, ...]:
-        """That of one number, where coefficients are those of polynomials; whatever the time."""
+        """Shape of the value: that of the coefficients of one power."""
         return np.shape(self.coefficients)[2:]
 
     @property
     def duration(self) -> Float[Array, ""]:
-        """Time from its beginning to its end, () [s]."""
+        """Time from begin to end, () [s]."""
         return self.breaks[-1] - self.breaks[0]
 
     def peaks(self) -> tuple[float, float, float]:
-        """Largest velocity, acceleration and jerk, without sign [1/s, 1/s^2, 1/s^3]; of concrete numbers."""
+        """Largest absolute velocity, acceleration and jerk [1/s, 1/s^2, 1/s^3]; of concrete numbers."""
         return tuple(np.asarray(_peaks(self)).tolist())
 
     def summary(self) -> Summary:
-        """From where to where, when, and its peaks."""
+        """First and last value, times and peaks."""
         ends, peaks = [float(self(t)) for t in np.asarray(self.breaks)[[0, -1]]], self.peaks()
         rows = {"time": f"{short(self.breaks[0])} to {short(self.breaks[-1])} s", "pieces": str(len(self.breaks) - 1)}
         rows |= {f"largest {word}": short(peak) for word, peak in zip(WORDS[1:], peaks, strict=True)}
@@ -85,12 +84,12 @@ class Law(Result, Record):
 
 
 class Shaped(Record):
-    """A law that is given in several parts, one after the other.
+    """A law split into parts that follow each other.
 
     Attributes:
         law: The law.
-        shares: Part of each, (n,) [-].
-        delays: By how much each comes later, (n,) [s].
+        shares: Share of each part, (n,) [-].
+        delays: Delay of each part, (n,) [s].
     """
 
     law: Callable[..., Any]
@@ -135,13 +134,12 @@ def quintic(
     jerk: ArrayLike | None = None,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Law from rest to rest by a polynomial of degree five: velocity and acceleration are zero at both ends.
+    """Law from rest to rest by a polynomial of degree five, with zero velocity and acceleration at both ends.
 
     Args:
         start: Value before, () [m, rad].
         end: Value afterwards, () [m, rad].
-        duration: How long it takes, () [s]. Give this, or one or more of the limits: then it is the shortest
-            that keeps them.
+        duration: Duration, () [s]. Give it, or one or more limits: then the shortest duration within them is taken.
         velocity: Largest velocity, () [1/s].
         acceleration: Largest acceleration, () [1/s^2].
         jerk: Largest rate of the acceleration, () [1/s^3].
@@ -151,7 +149,7 @@ def quintic(
         Law.
 
     Raises:
-        TypeError, ValueError: What is no number, is not positive, or neither a duration nor a limit.
+        TypeError, ValueError: A number is missing or not positive, or neither duration nor limit is given.
 
     Source:
         THEORY.md 14, eq. (14.10).
@@ -169,13 +167,12 @@ def septic(
     jerk: ArrayLike | None = None,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Law from rest to rest by a polynomial of degree seven: the jerk too is zero at both ends.
+    """Law from rest to rest by a polynomial of degree seven: also the jerk is zero at both ends.
 
     Args:
         start: Value before, () [m, rad].
         end: Value afterwards, () [m, rad].
-        duration: How long it takes, () [s]. Give this, or one or more of the limits: then it is the shortest
-            that keeps them.
+        duration: Duration, () [s]. Give it, or one or more limits: then the shortest duration within them is taken.
         velocity: Largest velocity, () [1/s].
         acceleration: Largest acceleration, () [1/s^2].
         jerk: Largest rate of the acceleration, () [1/s^3].
@@ -185,7 +182,7 @@ def septic(
         Law.
 
     Raises:
-        TypeError, ValueError: What is no number, is not positive, or neither a duration nor a limit.
+        TypeError, ValueError: A number is missing or not positive, or neither duration nor limit is given.
 
     Source:
         THEORY.md 14, eq. (14.10).
@@ -202,9 +199,9 @@ def scurve(
     jerk: ArrayLike,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Shortest law from rest to rest within limits of velocity, acceleration and jerk: the S-curve of seven phases.
+    """Shortest law from rest to rest within limits of velocity, acceleration and jerk: an S-curve of seven phases.
 
-    Where the way is too short to reach a limit, the phases that would hold it have no length.
+    If the way is too short to reach a limit, the phase at this limit has no length.
 
     Args:
         start: Value before, () [m, rad].
@@ -218,7 +215,7 @@ def scurve(
         Law.
 
     Raises:
-        TypeError, ValueError: What is no number, or a limit that is not positive.
+        TypeError, ValueError: An argument is no number, or a limit is not positive.
 
     Source:
         THEORY.md 14, eq. (14.11).
@@ -227,12 +224,12 @@ def scurve(
         check_number(name, value)
     for name, value in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
         check_number(name, value, above=0)
-    xp: Any = np if is_concrete((start, end, velocity, acceleration, jerk, begin)) else jnp
-    own: Any = [xp.asarray(one, float) for one in (start, end, velocity, acceleration, jerk)]
-    x, last, v, a, j = own
+    numbers = (start, end, velocity, acceleration, jerk)
+    xp: Any = np if is_concrete((numbers, begin)) else jnp
+    x, last, v, a, j = (xp.asarray(number, float) for number in numbers)
     way = last - x
     far = _positive(xp, xp.abs(way))
-    # The acceleration that the velocity and the way allow to reach, and then the velocity that the way does.
+    # The acceleration that velocity limit and way permit, then the velocity that the way permits.
     a = xp.minimum(xp.minimum(a, xp.sqrt(v * j)), xp.cbrt(far * j**2 / 2))
     v = xp.minimum(v, a * (xp.sqrt(a**2 / j**2 / 4 + far / a) - a / j / 2))
     rising, steady = a / j, xp.maximum(v / a - a / j, 0.0)
@@ -256,16 +253,16 @@ def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
     """Law through points at given times, from rest to rest, with as many continuous derivatives as its degree allows.
 
     Args:
-        times: When, ascending, two or more concrete numbers, (n,) [s].
-        points: Where; differentiable, (n,) [m, rad].
-        degree: 3, continuous to the acceleration, with no velocity at the ends, or 5, continuous to the fourth
-            derivative, with no acceleration there either.
+        times: Ascending, two or more concrete numbers, (n,) [s].
+        points: Values at these times; differentiable, (n,) [m, rad].
+        degree: 3: continuous acceleration, zero velocity at the ends. 5: continuous fourth derivative, also zero
+            acceleration at the ends.
 
     Returns:
         Law.
 
     Raises:
-        TypeError, ValueError: Times that do not ascend, another number of points, another degree.
+        TypeError, ValueError: Times do not ascend, the number of points differs, or the degree is another.
 
     Source:
         ``scipy.interpolate.make_interp_spline``.
@@ -277,18 +274,18 @@ def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
 
 
 def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
-    """Law through samples of a motion that is known, such as one that was measured.
+    """Law through samples of a known motion, such as a measured one.
 
     Args:
-        times: When, ascending, concrete numbers, more than the degree, (n,) [s].
-        values: The samples; differentiable, (n,) [m, rad].
-        degree: Of the spline through them, 3 to 7; nothing is said of its ends. A motion needs 3 at least.
+        times: Ascending concrete numbers, more than the degree, (n,) [s].
+        values: Samples; differentiable, (n,) [m, rad].
+        degree: Degree of the spline, 3, 5 or 7, without conditions at its ends. A motion needs 3 at least.
 
     Returns:
-        Law, at rest beyond its ends, where its velocity jumps unless the samples end at rest.
+        Law at rest beyond its ends; its velocity jumps there unless the samples end at rest.
 
     Raises:
-        TypeError, ValueError: Times that do not ascend, another number of values, too few, another degree.
+        TypeError, ValueError: Times do not ascend, the number of values differs or is too small, or another degree.
 
     Source:
         ``scipy.interpolate.make_interp_spline``.
@@ -308,10 +305,10 @@ def stretched(
     acceleration: float | None = None,
     jerk: float | None = None,
 ) -> Law:
-    """The same law over the shortest time that keeps limits, such as a spline whose way is known and not its time.
+    """The same law over the shortest duration within limits, such as a spline with a known way and unknown duration.
 
     Args:
-        law: Law, of concrete breaks; of its coefficients derivatives are taken.
+        law: Law with concrete breaks; differentiable in its coefficients.
         velocity: Largest velocity [1/s].
         acceleration: Largest acceleration [1/s^2].
         jerk: Largest rate of the acceleration [1/s^3].
@@ -320,18 +317,18 @@ def stretched(
         Law that begins at the same time.
 
     Raises:
-        TypeError: It is no Law of pieces, or ``jax.jit`` traces it.
-        ValueError: No limit is given, or one that is not positive; or the law does not move.
+        TypeError: The argument is no Law of pieces, or ``jax.jit`` traces it.
+        ValueError: No limit is given, a limit is not positive, or the law does not move.
 
     Source:
-        A time longer by c divides the k-th derivative by c^k.
+        A duration longer by c divides the k-th derivative by c^k.
     """
     if not isinstance(law, Law):
-        raise TypeError(f"fm.trajectory.stretched takes a Law as fm.trajectory.spline gives it, not {shown(law)}.")
+        raise TypeError(f"fm.trajectory.stretched takes a Law, such as fm.trajectory.spline returns, not {shown(law)}.")
     limits = _limits((velocity, acceleration, jerk))
     peaks = _peaks(law)
     if is_concrete(law) and not float(np.asarray(peaks[0])) > 0:
-        raise ValueError("Argument `law` does not move: no time is the shortest.")
+        raise ValueError("Argument `law` does not move, so it has no shortest duration.")
     factors = [(peaks[k] / limit) ** (1 / (k + 1)) for k, limit in enumerate(limits) if limit is not None]
     factor = jnp.max(jnp.stack(factors))
     powers = jnp.arange(float(law.coefficients.shape[1]))
@@ -340,7 +337,7 @@ def stretched(
 
 
 def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
-    """Law in two steps, half a period of a vibration apart, which leaves none of it behind.
+    """Law in two steps, half a period of a vibration apart, so that none of the vibration remains.
 
     Args:
         law: Law to be shaped, a function of time.
@@ -348,10 +345,10 @@ def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
         damping: Its damping ratio, below 1, () [-].
 
     Returns:
-        Function of time, which ends half a damped period later than ``law``; unlike :class:`Law` it knows no duration.
+        Function of time that ends half a damped period later than ``law``; it has no ``duration``.
 
     Raises:
-        TypeError, ValueError: No function; a frequency that is not positive, a ratio that is negative or not below 1.
+        TypeError, ValueError: No function; a frequency that is not positive; a ratio that is negative or not below 1.
 
     Source:
         Singer, Seering (1990), as THEORY.md 14, eq. (14.12).
@@ -360,7 +357,7 @@ def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
 
 
 def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
-    """As :func:`zv`, in three steps: what an error of the frequency leaves is of second order in the error.
+    """As :func:`zv`, in three steps: an error in the frequency leaves a vibration of second order in this error.
 
     Args:
         law: Law to be shaped, a function of time.
@@ -368,10 +365,10 @@ def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped
         damping: Its damping ratio, below 1, () [-].
 
     Returns:
-        Function of time, which ends a damped period later than ``law``; unlike :class:`Law` it knows no duration.
+        Function of time that ends a damped period later than ``law``; it has no ``duration``.
 
     Raises:
-        TypeError, ValueError: No function; a frequency that is not positive, a ratio that is negative or not below 1.
+        TypeError, ValueError: No function; a frequency that is not positive; a ratio that is negative or not below 1.
 
     Source:
         Singer, Seering (1990), as THEORY.md 14, eq. (14.12).
@@ -380,11 +377,11 @@ def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped
 
 
 def as_law(what: str, law: Any) -> Callable[..., Any]:
-    """A function of time as it is now, which gives one number.
+    """A function of time with its present numbers, which returns one number.
 
     Raises:
-        TypeError: It is no function that ``jax.numpy`` can compute.
-        ValueError: It does not give one number.
+        TypeError: ``jax.numpy`` cannot compute it.
+        ValueError: It does not return one number.
     """
     if not callable(law):
         raise TypeError(
@@ -401,12 +398,12 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
 
 
 def _positive(xp: Any, number: Any) -> Any:
-    """A number that is not negative, kept from zero, where roots have no derivative."""
+    """A non-negative number, kept from zero, where roots have no derivative."""
     return xp.where(number > 0, number, 1e-300)
 
 
 def _limits(given: Sequence[Any]) -> list[Any]:
-    """Limits of velocity, acceleration and jerk, of which there is one at least."""
+    """Limits of velocity, acceleration and jerk, of which at least one is given."""
     for name, value in zip(WORDS[1:], given, strict=True):
         if value is not None:
             check_number(name, value, above=0)
@@ -424,13 +421,13 @@ def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any
     way = end - start
     if duration is not None:
         if any(limit is not None for limit in limits):
-            raise ValueError("Give `duration`, or the limits that it shall be found from, not both.")
+            raise ValueError("Give `duration` or limits to find it from, not both.")
         check_number("duration", duration, above=0)
         duration = xp.asarray(duration, float)
     else:
         if all(limit is None for limit in limits):
             raise ValueError("Give `duration`, or a limit to find it from: `velocity`, `acceleration` or `jerk`.")
-        # Where it goes nowhere, any time serves: it stays.
+        # A move by zero may take any time.
         far = xp.where(way == 0, 1.0, xp.abs(way))
         needed = [
             (peak * far / limit) ** (1 / (k + 1))
@@ -456,7 +453,7 @@ def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[i
     values = jnp.asarray(values, float)
     if values.shape != known.shape:
         raise ValueError(f"There must be one value for each of the {len(known)} times, but they have {values.shape}.")
-    # The coefficients are linear in the values, of which derivatives are taken where they are traced.
+    # Coefficients are linear in the values: a matrix keeps traced values differentiable.
     concrete = is_concrete(values)
     columns = np.asarray(values)[:, None] if concrete else np.eye(len(known))
     bounds = ends(columns.shape[1])
@@ -470,11 +467,11 @@ def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[i
 
 
 def _peaks(law: Law) -> Float[Array, "3"]:
-    """Largest velocity, acceleration and jerk; where they are is found by concrete numbers."""
+    """Largest velocity, acceleration and jerk, at places found from concrete numbers."""
     if not is_concrete(law.breaks):
         raise TypeError("The peaks of a law are found from concrete times.")
     xp: Any = np if is_concrete(law) else jnp
-    # Of concrete numbers by NumPy, for which nothing is compiled.
+    # Concrete numbers are evaluated by NumPy, without compiling.
     exact = np.asarray(law.coefficients) if xp is np else law.coefficients
     known = exact if xp is np else jax.lax.stop_gradient(exact)
     if not is_concrete(known):

@@ -1,4 +1,4 @@
-"""Linear equations along a motion: matrices that vary with time, between the times too."""
+"""Linear equations along a motion: matrices that vary with time, interpolated between the times."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 class TimeVarying(Result, Record):
     """Linear time-varying system z_dot = A(t) z + B(t) u, y = C(t) z + D(t) u along a motion.
 
-    z, u and y are deviations from the motion, that of the degrees of freedom and their rates first; the same states at
-    all times, so that what is between the times is a cubic spline through the matrices (SciPy's ``CubicSpline``).
+    z, u and y are deviations from the motion. Displacements of the degrees of freedom come first, then their rates.
+    States are the same at all times, so that a cubic spline (SciPy's ``CubicSpline``) interpolates the matrices.
 
     Attributes:
         t: Times, (n_t,) [s].
@@ -40,20 +40,20 @@ class TimeVarying(Result, Record):
         B: (n_t, n_z, n_u).
         C: (n_t, n_y, n_z).
         D: (n_t, n_y, n_u).
-        M: Mass of the motions whose amplitudes are the first n states, their rates the next n, (n_t, n, n).
-        u0: Inputs of the motion itself, (n_t, n_u) [N, N m; m, rad, and their rates, of what is held and moves].
-        y0: Its outputs, (n_t, n_y) [m, rad, ..].
-        z0: Its states at the first time, (n_z,).
-        sigma: Its stress resultants, (n_t, n_e) [N, N m].
-        basis: Shapes of the first n states in the degrees of freedom, (n_t, n_q, n); None where they are these.
-        error: Of a reduced system, the largest difference of its frequencies from those of the whole one at any of the
-            times, over these, (n,) [-]; None of a whole one or under a trace.
-        left_out: Of a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; None likewise.
+        M: Mass of the first n states, whose rates are the next n, (n_t, n, n).
+        u0: Inputs of the motion itself, (n_t, n_u) [N, N m; m, rad, and their rates, of held things that move].
+        y0: Outputs of the motion, (n_t, n_y) [m, rad, ..].
+        z0: States of the motion at the first time, (n_z,).
+        sigma: Stress resultants of the motion, (n_t, n_e) [N, N m].
+        basis: Shapes of the first n states in the degrees of freedom, (n_t, n_q, n); None if they are the same.
+        error: For a reduced system, the largest relative error of each frequency at any time, (n,) [-]; else, and under
+            a trace, None.
+        left_out: For a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; None likewise.
         state_labels: Names of the states.
         input_labels: Names of the inputs.
         output_labels: Names of the outputs.
-        origins: Of each output that is a displacement, the coordinate that it counts from, in the undeformed mechanism,
-            NaN of all others, (n_y,) [m]; None where that is not known.
+        origins: For outputs that are displacements, their start coordinates in the undeformed mechanism, else NaN,
+            (n_y,) [m]; None if unknown.
     """
 
     t: Float[Array, "n_t"]
@@ -82,7 +82,7 @@ class TimeVarying(Result, Record):
             t: Time, () [s], from the first to the last.
 
         Raises:
-            ValueError: It is outside of them.
+            ValueError: The time lies outside.
 
         Source:
             THEORY.md 14, eq. (14.20).
@@ -96,21 +96,21 @@ class TimeVarying(Result, Record):
         """Undamped frequencies at the times, ascending, (n_t, n) [Hz]; negative where the motion grows, NaN if complex.
 
         Raises:
-            TypeError: Its matrices are traced: they are found on the host.
+            TypeError: The matrices are traced: frequencies are computed on the host.
 
         Source:
             THEORY.md 7, eq. (7.2).
         """
         if not is_concrete(self.A):
             raise TypeError(
-                "Frequencies along a motion are found on the host: ask for them outside jax.jit, jax.grad and jax.vmap."
-                " The matrices A and M of the system have derivatives."
+                "Frequencies along a motion are computed on the host: ask for them outside jax.jit, jax.grad and"
+                " jax.vmap. The matrices A and M of the system have derivatives."
             )
         n = self.M.shape[1]
         return _frequencies_along(-self.M @ self.A[:, n : 2 * n, :n], self.M)
 
     def statespace(self, t: float) -> control.StateSpace:
-        """The system as it is at one time, as if its matrices stayed so.
+        """The system at one time, as if its matrices were constant.
 
         Args:
             t: Time, () [s].
@@ -137,21 +137,20 @@ class TimeVarying(Result, Record):
 
         Args:
             times: Ascending, within those of the system, (k,) [s].
-            u: Inputs at them, linear in between: (n_u, k), or (k,) of a single one, or a dictionary of names with (k,)
-                each, the others zero; None: all zero.
+            u: Inputs at these times, linear in between: (n_u, k), or (k,) for a single input, or a dictionary of (k,)
+                by name with all others zero; None: all zero.
             initial: States at the first time, (n_z,); None: zero.
-            rtol: Error that is aimed at, over the largest value of each output [-].
-            substeps: Steps of integration from each time to the next; None: as many as ``rtol`` asks for, or 4 under a
-                trace.
+            rtol: Aimed error over the largest value of each output [-].
+            substeps: Integration steps from each time to the next; None: as many as ``rtol`` needs, or 4 under a trace.
 
         Returns:
             Outputs, (n_y, k), and states, (n_z, k), as deviations from the motion.
 
         Raises:
-            ValueError: Times are outside of those of the system, or sizes do not agree.
+            ValueError: Times lie outside of those of the system, or sizes do not agree.
 
         Warns:
-            FlexmbWarning: The error is not reached.
+            FlexmbWarning: The error does not reach ``rtol``.
 
         Source:
             THEORY.md 14, eq. (14.21).
@@ -182,7 +181,7 @@ class TimeVarying(Result, Record):
         rtol: float = 1e-6,
         substeps: int | None = None,
     ) -> control.TimeResponseData:
-        """Response to inputs and an initial state, as ``control.forced_response`` gives it of a system that stays.
+        """Response to inputs and an initial state, as ``control.forced_response`` returns for a constant system.
 
         Args:
             times: See :meth:`solution`.
@@ -218,17 +217,16 @@ class TimeVarying(Result, Record):
         )
 
     def reduced(self, modes: int) -> TimeVarying:
-        """The same in a few motions that vary slowly, which all others follow at once.
+        """The system in the amplitudes of a few slowly varying modes; the rest responds quasi-statically.
 
         Args:
-            modes: How many to keep: what the lowest modes at nine instants have most in common, and what the rest adds
-                to that at rest.
+            modes: Number of modes to keep. Their shapes approximate the lowest modes at nine instants.
 
         Returns:
             TimeVarying with ``error`` and ``left_out``.
 
         Raises:
-            ValueError: There are not so many.
+            ValueError: There are fewer modes.
 
         Source:
             THEORY.md 14, eq. (14.24) and (14.25).
@@ -259,7 +257,7 @@ class TimeVarying(Result, Record):
         """Save as .npz or .mat, under the names of SPACAR's ltv file.
 
         Args:
-            path: Where; see :func:`flexmb.trajectory.ltv_file.save_time_varying`.
+            path: File; see :func:`flexmb.trajectory.ltv_file.save_time_varying`.
 
         Source:
             See there.
@@ -283,7 +281,7 @@ class TimeVarying(Result, Record):
         return Summary(f"{type(self).__name__}: linear system of {len(self.state_labels)} states along a motion", rows)
 
     def _plain_names(self) -> list[list[str]]:
-        """Names of states, inputs and outputs as control takes them, without dots."""
+        """Names of states, inputs and outputs without dots, as control requires."""
         labels = self.state_labels, self.input_labels, self.output_labels
         return [[name.replace(".", " ") for name in own] for own in labels]
 
@@ -364,7 +362,7 @@ def _solved(
     *,
     substeps: int | None = None,
 ):
-    """Outputs and states; z_dot = A z + B u is the equation of second order in the integral of z, without stiffness."""
+    """Outputs and states: z_dot = A z + B u as a second-order equation in the integral of z, without stiffness."""
     a, b, c, d = splines
     eye = jnp.eye(start.shape[0])
 
@@ -379,22 +377,22 @@ def _solved(
 
 
 def time_varying(along: Any) -> TimeVarying:
-    """Linear time-varying system along a motion, or along a nominal one.
+    """Linear time-varying system along a simulated or nominal motion.
 
     Args:
-        along: Motion of a simulation (SPACAR's mode 4), or nominal motion of inverse dynamics (mode 3) with the inputs
-            that belong to it. Its times should resolve how the matrices vary, not how anything vibrates.
+        along: Motion of a simulation (SPACAR's mode 4), or nominal motion of inverse dynamics (mode 3) with its inputs.
+            Its times should resolve changes of the matrices, not vibrations.
 
     Returns:
         TimeVarying from the named inputs to the named outputs of the model [SI].
 
     Raises:
-        TypeError: It is neither.
-        ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or it did not reach its end, or passes a
-            place where the degrees of freedom do not determine the configuration.
+        TypeError: The argument is neither.
+        ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or the motion did not reach its end, or the
+            degrees of freedom do not determine the configuration at some place.
 
     Warns:
-        FlexmbWarning: What one input moves, such as two supports, does not move together along the motion.
+        FlexmbWarning: Things that one input moves, such as two supports, do not move together along the motion.
 
     Source:
         THEORY.md 6, eq. (6.4) and (6.5), 7, eq. (7.7), and 14, eq. (14.20).
@@ -407,7 +405,7 @@ def time_varying(along: Any) -> TimeVarying:
     lin = motion.linearizations()
     (a, b, c, d), states = state_matrices(lin)
     orders = [signal.terms[0].order or 0 for signal in model.signals()[0]]
-    # Displacements of what inputs move stand behind the degrees of freedom, their rates behind these.
+    # State matrices order displacements moved by inputs after the degrees of freedom, their rates after these.
     moved, speeds = sum(order > 0 for order in orders), sum(order > 1 for order in orders)
     n = (a.shape[1] - moved - speeds) // 2
     order = np.concatenate(
@@ -440,7 +438,7 @@ def time_varying(along: Any) -> TimeVarying:
 
 @jit
 def _ordered(a: Any, b: Any, c: Any, mass: Any, freedoms: Any, order: Array, place: Array):
-    """Matrices of all times in the order of the states of :class:`TimeVarying`, and its first state."""
-    first = [of[0, place] for of in freedoms]
+    """Matrices in the order of the states of :class:`TimeVarying`, and its first state."""
+    first = [freedom[0, place] for freedom in freedoms]
     start = jnp.concatenate([*first, jnp.zeros(len(order) - 2 * len(place))])
     return a[:, order][:, :, order], b[:, order], c[:, :, order], mass[:, place][:, :, place], start

@@ -8,7 +8,7 @@ import numpy as np
 from .. import __version__
 from ..files import save_arrays
 
-SAID = {
+DESCRIPTIONS = {
     "NNOM": "number of nominal inputs, columns of U0",
     "NX": "number of states",
     "NU": "number of inputs",
@@ -28,27 +28,26 @@ SAID = {
     "Y0": "outputs along it",
 }
 LEFT_OUT = (
-    "G, NYS and NRBM are not here: the outputs are not expanded to second order, and what the two numbers count is not"
-    " documented."
+    "G, NYS and NRBM are missing: the outputs are not expanded to second order, and the two numbers are not documented."
 )
 
 
 def save_time_varying(system: Any, path: str | os.PathLike) -> None:
-    """Save a linear time-varying system as .npz or .mat.
+    """Save a linear time-varying system as .npz or .mat under SPACAR's names.
 
-    Beside what SPACAR's names stand for there are "states", "inputs" and "outputs" with their names, and "about", JSON
-    that says what each array is and what is left out: the output tensor G of second order, NYS and NRBM.
+    The file also contains the names "states", "inputs" and "outputs", and "about": JSON that describes each array and
+    what is left out (the second-order output tensor G, NYS and NRBM).
 
     Raises:
         ValueError: Another ending.
         OSError: The folder is missing or not writable.
     """
-    about = {"flexmb": __version__, "arrays": SAID, "left out": LEFT_OUT}
+    about = {"flexmb": __version__, "arrays": DESCRIPTIONS, "left out": LEFT_OUT}
     save_arrays(path, arrays_of(system), about)
 
 
 def arrays_of(system: Any) -> dict[str, np.ndarray]:
-    """What is in the file, by name."""
+    """Arrays of the file by name."""
     n = system.M.shape[1]
     a, b, c, d, mass = (np.asarray(getattr(system, name)) for name in "ABCDM")
     rows = {
@@ -68,7 +67,7 @@ def arrays_of(system: Any) -> dict[str, np.ndarray]:
         **{name: np.asarray(number) for name, number in numbers.items()},
         "X0": np.asarray(system.z0),
         "T": np.asarray(system.t),
-        # Column by column: the last axis turns slowest.
-        **{name: np.swapaxes(of, 1, -1).reshape(len(of), -1) for name, of in rows.items()},
+        # Column by column: the last axis varies slowest.
+        **{name: np.swapaxes(row, 1, -1).reshape(len(row), -1) for name, row in rows.items()},
         **{f"{name}s": np.array(getattr(system, f"{name}_labels"), dtype=str) for name in ("state", "input", "output")},
     }

@@ -1,4 +1,4 @@
-"""A few shapes that hold the slow vibrations along a whole motion, and what follows them at once."""
+"""A few shapes for the slow vibrations along a motion, with the quasi-static response of all others."""
 
 from typing import NamedTuple
 
@@ -13,23 +13,23 @@ from ..linear.spectrum import spectrum
 from ..math.linear import factorise
 from .cubic import spline
 
-# Modes are taken at so many instants of a motion.
+# Number of instants of a motion at which modes are computed.
 INSTANTS = 9
 
 
 def check_modes(modes: int, most: int) -> int:
-    """How many modes are kept, if there are so many."""
+    """Number of modes to keep, checked against their number."""
     return check_whole("modes", modes, 1, most)
 
 
 class SlowModes(NamedTuple):
-    """Shapes of a few motions along a motion, how they change with time, and what is flexible beside them.
+    """Shapes of a few vibrations along a motion, and the flexibility of all others.
 
     Attributes:
-        shapes: T, one shape a column, (n_t, n, count).
-        rates: Its rate, (n_t, n, count) [1/s].
-        second_rates: Its second rate, (n_t, n, count) [1/s^2].
-        rest: Displacements of all else by forces, at rest, (n_t, n, n).
+        shapes: T, one shape a column.
+        rates: Their rates [1/s].
+        second_rates: Their second rates [1/s^2].
+        rest: Static displacements of all else per force.
     """
 
     shapes: Float[Array, "n_t n count"]
@@ -41,15 +41,12 @@ class SlowModes(NamedTuple):
 def slow_modes(
     t: Float[Array, "n_t"], mass: Float[Array, "n_t n n"], stiffness: Float[Array, "n_t n n"], count: int
 ) -> SlowModes:
-    """Shapes close to the lowest modes, that change with time as slowly as the mechanism does.
+    """Shapes near the lowest modes that change with time as slowly as the mechanism.
 
-    A set of shapes is common to all times: those that have most in common with the lowest modes at several instants. To
-    them the rest adds at each time what it does at rest. So no mode has to be told from its neighbour, or its sign from
-    the opposite, and frequencies may cross. Derivatives take the common shapes as given.
+    One set of common shapes has most in common with the lowest modes at several instants. At each time the static
+    response of all others is added. So modes need no tracking, signs do not matter, and frequencies may cross.
+    Derivatives treat the common shapes, modes of the symmetric part of the stiffness, as constant.
     Source: THEORY.md 14, eq. (14.24).
-
-    Args:
-        stiffness: K, (n_t, n, n); the common shapes are taken of the symmetric part.
     """
     own = jax.lax.stop_gradient((mass, (stiffness + jnp.swapaxes(stiffness, 1, 2)) / 2))
     chosen = np.unique(np.linspace(0, mass.shape[0] - 1, INSTANTS).round().astype(int))
@@ -75,10 +72,9 @@ def projected(
     damping: Float[Array, "n_t n n"],
     stiffness: Float[Array, "n_t n n"],
 ) -> tuple[Float[Array, "n_t count count"], ...]:
-    """Mass, damping and stiffness of the amplitudes p of q = T p.
+    """Mass, damping and stiffness for amplitudes p, q = T p: T^T M T, T^T (C T + 2 M T_d), T^T (K T + C T_d + M T_dd).
 
-    Returns T^T M T, T^T (C T + 2 M T_d) and T^T (K T + C T_d + M T_dd), (n_t, count, count) each. Source: THEORY.md 14,
-    eq. (14.25).
+    Source: THEORY.md 14, eq. (14.25).
     """
     first, second, third, _ = modes
     left = jnp.swapaxes(first, 1, 2)
@@ -92,7 +88,7 @@ def projected(
 def amplitudes(
     modes: SlowModes, mass: Float[Array, "n_t n n"], q: Float[Array, "n"], qd: Float[Array, "n"]
 ) -> tuple[Float[Array, "count"], Float[Array, "count"]]:
-    """First amplitudes and their rates that come closest to given displacements in the norm of the mass."""
+    """First amplitudes and rates that are closest to given displacements and rates in the norm of the mass."""
     shapes = modes.shapes[0]
     momenta = shapes.T @ mass[0]
     factors = factorise(momenta @ shapes)
@@ -102,17 +98,14 @@ def amplitudes(
 
 @jit
 def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: int):
-    """A linear time-varying system in the amplitudes of a few motions, and their rates.
-
-    Source: THEORY.md 14, eq. (14.24) to (14.26).
+    """A linear time-varying system in amplitudes of a few slow modes; THEORY.md 14, eq. (14.24) to (14.26).
 
     Args:
-        system: A, B, C, D and the mass M with the times in front, and the state at the first time. The first n states
-            are displacements, the next n their rates, with n rows of M; others stay as they are.
+        system: A, B, C, D and the mass M at all times, and the first state. The first n states are displacements, the
+            next n their rates, with n rows of M; further states stay as they are.
 
     Returns:
-        The same of the amplitudes; shapes, (n_t, n, modes); and their stiffness as if shapes stayed as they are in each
-        moment, (n_t, modes, modes).
+        The same for the amplitudes; shapes, (n_t, n, modes); and their stiffness with shapes taken as constant.
     """
     whole_a, whole_b, whole_c, whole_d, mass, z0 = system
     n = mass.shape[1]
@@ -142,7 +135,7 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
         whole = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
         momenta, force = shapes.T @ mass, mass @ b[below]
         factors = factorise(own)
-        # Where inputs move what is held, states are shifted by them.
+        # States are shifted by inputs that move held things.
         pushed = jnp.concatenate([a[:n, 2 * n :], b[:n]], axis=1)
         pushed = factors.solve(momenta @ pushed)
         upper = jnp.eye(modes, 2 * modes, k=modes)
@@ -151,7 +144,7 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
             [-stiffness, -damping, momenta @ (a[below, 2 * n :] - rates @ pushed[:, :more])], axis=1
         )
         lower, drive = factors.solve(forces), factors.solve(momenta @ (b[below] - rates @ over))
-        # What is left out, at rest under inputs, damping and inertia of what is kept.
+        # Quasi-static response of the rest to inputs, damping and inertia of the kept amplitudes.
         acceleration = jnp.concatenate([second, 2 * rates, beside], axis=1) + shapes @ lower
         by_state = rest @ (mass @ (a[below, below] @ velocity - acceleration))
         by_input = rest @ (force - mass @ (shapes @ drive))

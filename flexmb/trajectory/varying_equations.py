@@ -1,4 +1,4 @@
-"""Linear equations of second order whose matrices vary with time: collocation in steps that are halved."""
+"""Linear second-order equations with time-dependent matrices: collocation, with steps that are halved."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ from ..errors import warn
 from ..math.linear import factorise
 
 ROOT = 6**0.5
-# Radau IIA of three stages: places of the stages in a step, and weights of their rates in the states there.
+# Radau IIA of three stages: places of the stages in a step, and weights of their rates.
 PLACES = np.array([(4 - ROOT) / 10, (4 + ROOT) / 10, 1.0])
 WEIGHTS = np.array(
     [
@@ -22,27 +22,24 @@ WEIGHTS = np.array(
         [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
     ]
 )
-# Of the method of order five the finer of two runs is off by this share of how far they are apart.
+# Error of the finer of two runs over their difference, for order five and halved steps.
 SHARE = 1 / 31
-# Steps from one time to the next: at most, and under a trace, where no error can be looked at.
+# Steps from one time to the next: at most, and under a trace, where errors are unknown.
 MOST_SUBSTEPS, TRACED = 2**12, 4
 
 
 def integrate_varying(
     equation: Callable, times: Float[Array, "n_t"], q: Float[Array, "n"], v: Float[Array, "n"], substeps: int | Array
 ) -> tuple[Float[Array, "n_t n"], Float[Array, "n_t n"]]:
-    """Solution of M qdd + C qd + K q = f, all of which depend on time.
+    """Solution q, qd at the times of M qdd + C qd + K q = f, all time-dependent.
 
-    The accelerations at the three stages of a step are one linear system; the mass may be singular. The method is of
-    order five and damps what vibrates much faster than the steps. Returns q and qd at the times, (n_t, n) each. Source:
-    THEORY.md 14, eq. (14.21): Hairer and Wanner (1996), Solving Ordinary Differential Equations II, table IV.5.6.
-
-    Args:
-        substeps: Equal steps from each time to the next; a whole number of Python's where derivatives are taken in
-            reverse.
+    The accelerations at the three stages of a step are one linear system; the mass may be singular. The method has
+    order five and damps vibrations that are much faster than the steps. Reverse mode needs a Python integer
+    ``substeps``, the number of equal steps from each time to the next. Source: THEORY.md 14, eq. (14.21): Hairer and
+    Wanner (1996), Solving Ordinary Differential Equations II, table IV.5.6.
     """
     n, stages = q.shape[0], len(PLACES)
-    # In q the weights act twice.
+    # Displacements integrate the weights twice.
     first, second = jnp.asarray(WEIGHTS), jnp.asarray(WEIGHTS @ WEIGHTS)
     eye = jnp.eye(stages)
 
@@ -75,16 +72,16 @@ def integrate_varying(
 def with_halved_steps(
     run: Callable[..., Any], apart: Callable[[Any, Any], float], substeps: Any, rtol: Any, traced: bool, what: str
 ) -> tuple[Any, float, int]:
-    """What a run of a method of order five gives, with twice as many steps until that hardly differs.
+    """Result of a run of order five, with twice as many steps until it hardly changes; its error; its number of steps.
 
-    Warns:
-        FlexmbWarning: The error is not reached.
-
-    Returns the run, its estimated error (NaN where steps are given or under a trace), and its number of steps.
+    The error is NaN if ``substeps`` is given or under a trace.
 
     Args:
-        run: Function of the number of steps from one time to the next; a whole number of Python's where it is given or
-            under a trace, else an array, so that one program serves all.
+        run: Function of the number of steps from one time to the next: a Python integer if given or under a trace, else
+            an array, so that one program serves all numbers.
+
+    Warns:
+        FlexmbWarning: The error does not reach ``rtol``.
     """
     check_number("rtol", rtol, above=0)
     if substeps is not None or traced:
@@ -100,7 +97,7 @@ def with_halved_steps(
         coarse = fine
     if not error <= rtol:
         warn(
-            f"{what} is off by {error:.1e}, more than rtol = {rtol:g}, with {MOST_SUBSTEPS} steps from each time to the"
-            " next. Give more times."
+            f"{what} has an error of {error:.1e}, more than rtol = {rtol:g}, with {MOST_SUBSTEPS} steps from each time"
+            " to the next. Give more times."
         )
     return fine, error, count

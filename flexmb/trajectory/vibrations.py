@@ -1,4 +1,4 @@
-"""The perturbation method: vibrations of small amplitude on top of a nominal motion."""
+"""Perturbation method: vibrations of small amplitude on top of a nominal motion."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ class Perturbation(Result, Record):
         t: Times, (n_t,) [s].
         q: Deviations of the degrees of freedom from the nominal motion, (n_t, n_q) [m, rad].
         qd: Their rates, (n_t, n_q) [1/s].
-        u: Inputs beside what the nominal motion has in its loads, (n_t, n_u), or (n_t, 0) for none [N, N m].
-        held: Force that holds each degree of freedom along the nominal motion and is let go, less that of a servo which
-            holds some meanwhile, (n_t, n_q) [N, N m].
+        u: Inputs beside the loads of the nominal motion, (n_t, n_u), or (n_t, 0) for none [N, N m].
+        held: Force that holds each degree of freedom along the nominal motion and is released, less the force of a
+            servo that still holds some, (n_t, n_q) [N, N m].
         nominal: The nominal motion.
-        error: Estimated error of the time steps: largest displacement by which ``q`` is off, over the largest by which
-            the vibrations move anything; NaN where the steps were given [-].
-        substeps: Time steps taken from each time to the next.
+        error: Estimated error of the time steps over the largest displacement of the vibrations; NaN with given steps
+            [-].
+        substeps: Time steps from each time to the next.
     """
 
     t: Float[Array, "n_t"]
@@ -70,12 +70,11 @@ class Perturbation(Result, Record):
         return self.nominal.labels
 
     def motion(self) -> Motion:
-        """Nominal motion and vibrations together, to be asked by name as any motion is.
+        """Nominal motion plus vibrations, to be asked by name as any motion.
 
-        The degrees of freedom are the sum of both; all else is placed there as the constraints want it, so that what
-        vibrations do to second order by the geometry, such as the shortening of a leaf spring that bends, is in it
-        where deformations are the degrees of freedom. Accelerations, stresses and forces that are asked of it are those
-        of the equations of motion in these states.
+        The degrees of freedom are the sum of both; constraints place everything else. If the degrees of freedom are
+        deformations, geometric effects of second order, such as the shortening of a bent leaf spring, are therefore
+        included. Accelerations, stresses and forces follow from the equations of motion in these states.
 
         Returns:
             Motion.
@@ -93,11 +92,11 @@ class Perturbation(Result, Record):
         return Motion(self.t, x, xd, near, self.u, taken, own.result, driven, model, "perturbation method", "Radau IIA")
 
     def states(self) -> States:
-        """The states over time, of nominal motion and vibrations together."""
+        """The states over time, nominal motion and vibrations together."""
         return self.motion().states()
 
     def summary(self) -> Summary:
-        """Times, how far the vibrations go, and the error of the time steps."""
+        """Times, extent of the vibrations, and error of the time steps."""
         t, q = np.asarray(self.t), np.asarray(self.q)
         extreme = q[np.argmax(np.abs(q), axis=0), np.arange(q.shape[1])]
         rows = {
@@ -120,7 +119,7 @@ def _placed(
     q: Float[Array, "n_t n_q"],
     qd: Float[Array, "n_t n_q"],
 ):
-    """Configurations, velocities and deformations at degrees of freedom that have changed along a motion."""
+    """Configurations, velocities and deformations at changed degrees of freedom along a motion."""
     form = coordinates_form(topology, parameters, driven)
     none, still = jnp.zeros(form.size), jnp.zeros(topology.n_q)
 
@@ -143,7 +142,7 @@ def _equations(
     *,
     modes: int | None,
 ):
-    """Spline of [M, C, K, f] and the start, in the freedoms that are kept or in modes; and the modes."""
+    """Spline of [M, C, K, f] and the start in the kept freedoms or in modes; and the modes."""
     mass, damping, stiffness, force = _kept(m, force, kept)
     parts, slow = (mass, damping, stiffness), None
     if modes is not None:
@@ -169,7 +168,7 @@ def _whole(
     p: Float[Array, "n_t k"],
     pd: Float[Array, "n_t k"],
 ):
-    """Deviations of all degrees of freedom and their rates, (n_t, n_q) each, from those that were integrated."""
+    """Deviations of all degrees of freedom and their rates from the integrated ones."""
     still = jnp.zeros((p.shape[0], m.M0.shape[1]))
     if slow is not None:
         mass, damping, _, force = _kept(m, force, kept)
@@ -221,31 +220,31 @@ def perturbation(
 ) -> Perturbation:
     """Vibrations of small amplitude on top of a nominal motion: SPACAR's modes 5 and 6.
 
-    What held the flexible deformations along the nominal motion is let go, and the deviations dq of the degrees of
-    freedom from it follow M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) dq = f0 + B0 du, with matrices along the nominal
-    motion and f0 the opposite of what held. The error is of second order in the vibration; what a step costs does not
+    Forces that held the flexible deformations along the nominal motion are released. The deviations dq of the degrees
+    of freedom follow M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) dq = f0 + B0 du, with matrices along the nominal motion
+    and f0 opposite to the holding forces. The error is of second order in the vibration. The cost of a step does not
     depend on the number of elements.
 
     Args:
-        nominal: Nominal of inverse dynamics, or the Motion of a simulation, along which nothing is held: then only the
-            start and ``u`` make it vibrate. Its times should resolve how it goes, not how anything vibrates; between
+        nominal: Nominal of inverse dynamics, or Motion of a simulation, along which nothing is held: then only the
+            start and ``u`` excite vibrations. Its times should resolve the nominal motion, not vibrations; between
             them matrices and forces are cubic splines.
         q: Deviation of the degrees of freedom at the first time, (n_q,) [m, rad]; None: zero.
         qd: Its rate, (n_q,) [1/s]; None: zero.
-        u: Inputs beside those of the nominal motion at its times, (n_t, n_u) [N, N m]; None: none.
-        held: Names of degrees of freedom that follow the nominal motion whatever that takes, as a stiff servo has it.
-        modes: How many amplitudes of slowly varying modes to integrate; None: all degrees of freedom. What is not in
-            them follows at once, as it does at rest.
-        rtol: Error of the time steps that is aimed at, over the largest displacement of the vibrations [-].
-        substeps: Time steps from each time to the next; None: as many as ``rtol`` asks for, or 4 under a trace.
+        u: Inputs beside those of the nominal motion, at its times, (n_t, n_u) [N, N m]; None: none.
+        held: Names of degrees of freedom that follow the nominal motion exactly, as with a stiff servo.
+        modes: Number of slowly varying modes to integrate; None: all degrees of freedom. The rest responds
+            quasi-statically.
+        rtol: Aimed error of the time steps over the largest displacement of the vibrations [-].
+        substeps: Time steps from each time to the next; None: as many as ``rtol`` needs, or 4 under a trace.
 
     Returns:
         Perturbation, whose ``motion()`` is the sum of both.
 
     Raises:
-        TypeError: Neither a Nominal nor a Motion.
-        ValueError: Sizes that do not agree; an unknown degree of freedom, or all are held; not so many modes.
-        AnalysisError: The degrees of freedom do not determine the configuration at one of the times, or between two.
+        TypeError: The argument is neither a Nominal nor a Motion.
+        ValueError: Sizes do not agree; a degree of freedom is unknown, or all are held; there are fewer modes.
+        AnalysisError: The degrees of freedom do not determine the configuration at a time, or between two times.
 
     Warns:
         FlexmbWarning: ``rtol`` is not reached.
@@ -325,8 +324,8 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
     moving = [s.name for s, moves in zip(lin.labels.inputs, form.moves, strict=True) if moves]
     if moving:
         raise ValueError(
-            f"Argument `u`: input '{moving[0]}' moves what is held, and is no small force. Let the nominal motion have"
-            " it."
+            f"Argument `u`: input '{moving[0]}' moves something that is held, so it is no small force. Put it into the"
+            " nominal motion."
         )
     return jnp.einsum("tij,tj->ti", form.B0, u)
 
@@ -335,11 +334,11 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
 def _of_servo(
     m: Matrices, force: Float[Array, "n_t n_q"], kept: Array, q: Float[Array, "n_t n_q"], qd: Float[Array, "n_t n_q"]
 ) -> Float[Array, "n_t n_q"]:
-    """Forces along the degrees of freedom by which those that are not kept follow the nominal motion."""
+    """Forces along the degrees of freedom that are not kept, which make them follow the nominal motion."""
     if len(kept) == force.shape[1]:
         return jnp.zeros_like(force)
     lacking = force - jnp.einsum("tij,tj->ti", m.C0 + m.D0, qd) - jnp.einsum("tij,tj->ti", m.K, q)
-    # What has no mass has no acceleration of its own.
+    # A motion without mass has no acceleration of its own.
     inverse = jnp.linalg.pinv(m.M0[:, kept][:, :, kept], hermitian=True)
     accelerated = jnp.einsum("tij,tj->ti", inverse, lacking[:, kept])
     needed = jnp.einsum("tij,tj->ti", m.M0[:, :, kept], accelerated) - lacking

@@ -538,7 +538,7 @@ def test_a_folder_of_programs_that_others_can_write_into_is_refused(tmp_path, se
     tmp_path.chmod(0o700)
     (tmp_path / "programs").mkdir()
     (tmp_path / "programs").chmod(0o777)
-    with pytest.raises(PermissionError, match=r"Others may write into '.*programs'"):
+    with pytest.raises(PermissionError, match=r"Others may write code into '.*programs'"):
         fm.enable_cache(tmp_path)
 
 
@@ -549,7 +549,7 @@ def test_the_folder_of_programs_is_the_users_alone(folder):
 
 def test_a_folder_of_another_user_is_refused(tmp_path, settings_restored, monkeypatch):
     monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1, raising=False)
-    with pytest.raises(PermissionError, match="is another user's"):
+    with pytest.raises(PermissionError, match="belongs to another user"):
         fm.enable_cache(tmp_path)
 
 

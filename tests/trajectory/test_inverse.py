@@ -240,7 +240,7 @@ def test_turns_that_are_too_many_are_told():
         (0.3, 1e8, "t = 0 and 0.00025"),
     ):
         model, law = meshing_wheels(start).build(), lambda t, start=start, rate=rate: start + rate * t
-        with pytest.raises(fm.AnalysisError, match=f"'p.phi' goes further .*{between}.* 1592 turns.*Give more times"):
+        with pytest.raises(fm.AnalysisError, match=f"'p.phi' goes too far .*{between}.* 1592 turns.*Give more times"):
             fm.trajectory.inverse_dynamics(model, {"p.phi": law}, TIMES[:3], inputs=["torque p"])
 
 
