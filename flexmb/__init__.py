@@ -1,7 +1,7 @@
 """Differentiable analysis of flexible multibody mechanisms.
 
-Names are loaded on first use, so that importing the package costs nothing; ``__init__.pyi`` is the list of them. What
-rooms offer, such as ``fm.design.monte_carlo``, answers as ``fm.monte_carlo`` too.
+Names are loaded on first use, so that the import is quick; ``__init__.pyi`` lists them. Names of rooms, such as
+``fm.design.monte_carlo``, are available as ``fm.monte_carlo`` too.
 """
 
 from .lazy import names

@@ -1,4 +1,4 @@
-"""What arguments of public functions must be: a fault names the argument and says what is right."""
+"""Checks of arguments of public functions: an error names the argument and says what is right."""
 
 import contextlib
 import functools
@@ -21,10 +21,10 @@ import numpy as np
 from .collecting import Collector
 from .errors import ModelError
 
-# Kinds of real numbers that NumPy has no type for.
+# Real numbers without a NumPy type.
 EXACT = (Fraction, Decimal)
 Function = TypeVar("Function", bound=Callable[..., Any])
-# Squares and cubes of what is larger are no finite numbers any more.
+# Squares and cubes of larger numbers overflow.
 LARGEST = 1e100
 
 
@@ -36,7 +36,7 @@ def is_concrete(tree: Any) -> bool:
 
 
 def undifferentiated(tree: Any) -> Any:
-    """A pytree whose numbers have no derivatives, so that those that ``jax.grad`` alone traces are known."""
+    """A pytree whose numbers have no derivatives: numbers that only ``jax.grad`` traces become known."""
 
     def known(leaf: Any) -> Any:
         return jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf
@@ -59,7 +59,7 @@ def library_of(numbers: Any) -> Any:
 
 
 def as_known(tree: Any) -> Any:
-    """Known arrays of JAX as arrays of the host: within a trace, what JAX computes from them would be traced."""
+    """Known arrays of JAX as arrays of NumPy: within a trace, JAX would trace operations on them."""
     leaves = jax.tree.leaves(tree)
     if not any(isinstance(leaf, jax.Array) for leaf in leaves) or not is_concrete(leaves):
         return tree
@@ -67,7 +67,7 @@ def as_known(tree: Any) -> Any:
 
 
 def by_library(function: Callable[..., Any], *given: Any) -> Any:
-    """Result of ``function(*given, library)``: NumPy for known numbers, also within a trace, jax.numpy for others."""
+    """Result of ``function(*given, library)``: NumPy for known numbers, also within a trace, else jax.numpy."""
     if not is_concrete(given):
         return function(*given, jax.numpy)
     with jax.core.eval_context():
@@ -75,9 +75,9 @@ def by_library(function: Callable[..., Any], *given: Any) -> Any:
 
 
 def copied(tree: Any) -> Any:
-    """Copy the arrays of NumPy in a pytree, into which its giver may write; fractions and decimals become floats.
+    """Copy a pytree's arrays of NumPy, into which the caller may write; fractions and decimals become floats.
 
-    A pytree without any is returned itself: elements that share a section are recognised by that.
+    A pytree without any is returned itself: elements that share a section are recognised by identity.
     """
     if not any(isinstance(leaf, (np.ndarray, *EXACT)) for leaf in jax.tree.leaves(tree)):
         return tree
@@ -89,23 +89,23 @@ def copied(tree: Any) -> Any:
 
 
 _NOTED = Collector("noted")
-# Collect conditions, () of bool each, that traced numbers must meet and that a check of concrete numbers would refuse.
+# Collect conditions on traced numbers that a check of concrete numbers would refuse, () of bool each.
 noting = _NOTED.collecting
 
 
 def note(condition: Any) -> None:
-    """Note a condition that a traced number must meet, () of bool, where :func:`noting` collects them."""
+    """Note a condition that a traced number must meet, () of bool, if :func:`noting` collects them."""
     if (noted := _NOTED.here()) is not None:
         noted.append(condition)
 
 
 def is_noting() -> bool:
-    """Whether conditions of traced numbers are collected here."""
+    """Whether conditions on traced numbers are collected here."""
     return _NOTED.here() is not None
 
 
 def holds(condition: Any) -> bool:
-    """Whether a condition holds everywhere, any shape of bool; a traced one is noted and counts as one that holds."""
+    """Whether a condition holds everywhere; a traced one is noted and counts as true."""
     if is_concrete(condition):
         return bool(np.all(np.asarray(condition)))
     note(jax.numpy.all(condition))
@@ -114,9 +114,9 @@ def holds(condition: Any) -> bool:
 
 @contextlib.contextmanager
 def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
-    """Yield a function that makes a pytree of floats NaN where a condition that was noted before does not hold.
+    """Yield a function that makes a pytree of floats NaN if a condition noted meanwhile is violated.
 
-    Nothing can be raised in a trace. Where conditions are noted further out, the numbers stay as they are.
+    Nothing can be raised in a trace. If conditions are already collected further out, numbers stay unchanged.
     """
     if is_noting():
         yield lambda tree: tree
@@ -126,7 +126,7 @@ def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
         def marked(tree: Any) -> Any:
             if not conditions:
                 return tree
-            # A factor, since derivatives of a selection would be zero.
+            # A factor, since a selection would have zero derivatives.
             factor = jax.numpy.where(jax.numpy.stack(conditions).all(), 1.0, jax.numpy.nan)
             return jax.tree.map(lambda leaf: leaf * factor, tree)
 
@@ -134,7 +134,7 @@ def nan_if_refused() -> Iterator[Callable[[Any], Any]]:
 
 
 def check_real(what: str, value: Any, fault: type = ValueError) -> None:
-    """Raise ``fault`` for complex numbers in a pytree: real arithmetic would leave out their imaginary part."""
+    """Raise ``fault`` for complex numbers in a pytree, whose imaginary part real arithmetic would drop."""
     if any(np.iscomplexobj(leaf) for leaf in jax.tree.leaves(value)):
         raise fault(f"{what} must be real, but is complex. Give its real part if that is meant.")
 
@@ -146,7 +146,7 @@ def as_reals(what: str, value: Any, fault: type = ValueError) -> jax.Array:
 
 
 def as_floats(value: Any) -> Any:
-    """Known numbers as floats on the host, where no program is compiled to convert them; traced ones stay so."""
+    """Numbers as floats: known ones by NumPy, without compiling, traced ones by JAX."""
     return np.asarray(value, float) if is_concrete(value) else jax.numpy.asarray(value, float)
 
 
@@ -160,10 +160,9 @@ def returned(what: str, value: Any) -> Any:
 
 
 def computed(function: Callable[..., Any], *arrays: Any) -> Any:
-    """Result of ``function(xp, *arrays)``: on the host for known arrays, where JAX would compile each operation.
+    """Result of ``function(xp, *arrays)``: by NumPy for known arrays, since JAX would compile each operation.
 
-    Returns:
-        Array of NumPy where all are, else of JAX.
+    The result is an array of NumPy if all arguments are, else of JAX.
     """
     if not is_concrete(arrays):
         return function(jax.numpy, *arrays)
@@ -172,7 +171,7 @@ def computed(function: Callable[..., Any], *arrays: Any) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A value as a message quotes it: in one line, shortened."""
+    """A value as a message quotes it: one shortened line."""
     if isinstance(value, np.ndarray | jax.Array) and is_concrete(value):
         value = np.asarray(value).tolist()
     return " ".join(reprlib.repr(value).split())
@@ -192,12 +191,12 @@ def numbers(value: Any) -> np.ndarray | None:
 def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, fault: type = ValueError) -> None:
     """Raise ``fault`` for anything but finite real numbers of sensible size and the given shape; traced ones pass."""
     if type(value) in (int, float) and shape in (None, ()) and abs(value) <= LARGEST:
-        # What nearly all are.
+        # The usual case.
         return
     check_real(what, value, fault)
     traced = not is_concrete(value)
     array = None if traced else numbers(value)
-    # Numbers by name that are traced as well.
+    # Dictionaries may hold traced numbers too.
     if isinstance(value, dict) or (not traced and (array is None or (not array.size and shape is None))):
         wanted = "a number" if shape == () else "numbers"
         raise fault(f"{what} must be {wanted}, not {shown(value)}.")
@@ -225,13 +224,7 @@ def checked_times(times: Any) -> Any:
 
 
 class Range(NamedTuple):
-    """Bounds of a number; None where there is none.
-
-    Attributes:
-        above: The number must be greater.
-        least: Smallest number.
-        most: Largest number.
-    """
+    """Bounds of a number; None for no bound. The number must exceed ``above``."""
 
     above: float | None = None
     least: float | None = None

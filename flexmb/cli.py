@@ -1,4 +1,4 @@
-"""The command line: arguments only. JAX is imported inside the commands, so that help is quick."""
+"""The command line: arguments only. Commands import JAX inside, so that help is quick."""
 
 import contextlib
 import functools
@@ -18,14 +18,14 @@ from typer.exceptions import TyperException
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
-# As a shell counts programs that a signal ended: Ctrl-C, and a reader who closed the pipe.
+# Exit codes of shells for programs that a signal ended: Ctrl-C, and a closed pipe.
 EXIT_INTERRUPTED, EXIT_NOBODY_READS = 130, 141
 MOST_STEPS = 100_000
 LONGEST_MESSAGE = 300
-# Files that this call has written, for who stops it from the keyboard.
+# Files that this call has written, to be listed after Ctrl-C.
 WRITTEN: list[Any] = []
 PICTURES = (".png", ".svg", ".pdf")
-# Modes whose answer is a unit for co-simulation.
+# Modes that export a co-simulation unit.
 OF_UNITS = {"9": "linear", "3": "time-varying", "4": "time-varying", "1": "nonlinear"}
 
 
@@ -42,7 +42,7 @@ class Once(TyperCommand):
 
 
 class Program(TyperGroup):
-    """The program: every fault of the call is one line on standard error and exit status 2."""
+    """The program: every fault of the call is one line on standard error, with exit status 2."""
 
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and end the process with the exit status."""
@@ -61,7 +61,7 @@ class Program(TyperGroup):
         sys.exit(code or 0)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command; where the keyboard stops it, say what is kept."""
+        """Run a command; after Ctrl-C, say what is kept."""
         WRITTEN.clear()
         try:
             return super().invoke(ctx)
@@ -106,7 +106,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an un
 
 
 def _prepare_streams() -> None:
-    """No letter is too rare for a stream, and a closed one is none for the first file that is opened."""
+    """Escape characters that a stream cannot encode, and open closed streams, whose numbers files would take."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -120,25 +120,25 @@ def _prepare_streams() -> None:
 
 
 def _complain(message: str) -> None:
-    """Say on standard error what is wrong, one line a fault."""
+    """Print faults on standard error, one per line."""
     with contextlib.suppress(OSError):
         print(message, file=sys.stderr, flush=True)
 
 
 def _refuse(message: str) -> NoReturn:
-    """End with one line on standard error for each fault of the file or the call."""
+    """End with exit status 2 after one line on standard error per fault."""
     _complain(message)
     raise typer.Exit(EXIT_WRONG_CALL)
 
 
 def _tell(text: str) -> None:
-    """Print on standard output; where nothing can be, end with what the reader deserves."""
+    """Print on standard output; exit if that fails."""
     if sys.stdout is None:
         _refuse("flexmb: cannot write to standard output: it is closed.")
     try:
         print(text, flush=True)
     except OSError as fault:
-        # What is left in the buffer would fail again when the process ends.
+        # The rest of the buffer would fail again at exit.
         with contextlib.suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(fault, BrokenPipeError):
@@ -156,7 +156,7 @@ def _writing(path: Any) -> Iterator[None]:
 
 
 def _store(path: Any, write: Callable[[Any], None]) -> None:
-    """Write a file, where one is asked for."""
+    """Write a file if its path is given."""
     if path not in (None, "-"):
         with _writing(path):
             write(path)
@@ -164,12 +164,12 @@ def _store(path: Any, write: Callable[[Any], None]) -> None:
 
 
 def _prepare_jax() -> None:
-    """Double precision, and the cache of compiled code."""
+    """Switch on double precision and the cache of compiled code."""
     from . import enable_cache, enable_x64
 
     enable_x64()
     with contextlib.suppress(OSError):
-        # Without a writable cache folder the program is slower and otherwise the same.
+        # Without a writable cache folder the program is only slower.
         enable_cache()
 
 
@@ -180,7 +180,7 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
     if wanted is None or (mode is not None and analysis is not None):
         _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
     text = str(wanted)
-    # SPACAR draws nothing for a negative number; the analysis is the same.
+    # For a negative mode SPACAR draws nothing; the analysis is the same.
     if re.fullmatch(r"-?\d{1,9}", text, re.ASCII):
         with contextlib.suppress(KeyError):
             return mode_of(int(text.removeprefix("-"))).number
@@ -194,13 +194,13 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
 def _check_files(
     source: Path | None = None, about: str = "flexmb", plots: Iterable[str] = PICTURES, **files: Any
 ) -> None:
-    """Refuse wrong endings, and files that cannot be written, before anything is computed.
+    """Refuse wrong endings and files that cannot be written, before anything is computed.
 
     Args:
-        source: The input file, which nothing may write over.
-        about: What stands before a wrong ending.
+        source: Input file, which must not be overwritten.
+        about: Beginning of the message on a wrong ending.
         plots: Endings of pictures.
-        files: Paths by the options that give them.
+        files: Paths by option.
     """
     from .files import check_writable
 
@@ -232,12 +232,12 @@ def _check_release(release: str) -> None:
 
 @contextlib.contextmanager
 def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[None]:
-    """Refuse what a file says wrongly.
+    """Refuse faults of a file.
 
     Args:
-        name: What stands before each line of a fault of the model, which passes without.
-        path: File that is read and may be missing; other faults of files pass without.
-        how: What is done to it.
+        name: Beginning of each line of a model fault; without it such faults pass.
+        path: File that is read; without it other faults of files pass.
+        how: Verb for what is done with the file.
     """
     try:
         yield
@@ -257,7 +257,7 @@ def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[N
 
 
 def _number(about: str, word: str) -> float:
-    """A number of an option; ``about`` is what stands before a fault of it."""
+    """Number of an option; ``about`` begins the message on a fault."""
     from .spacar.lines import Fault, parse
 
     try:
@@ -267,7 +267,7 @@ def _number(about: str, word: str) -> float:
 
 
 def _numbers(option: str, such_as: str, given: list[str] | None) -> dict[str, float]:
-    """Numbers by name, of texts such as "t=0.5e-3"."""
+    """Numbers by name from texts such as "t=0.5e-3"."""
     found: dict[str, float] = {}
     for text in given or ():
         name, _, word = (part.strip() for part in text.rpartition("="))
@@ -280,7 +280,7 @@ def _numbers(option: str, such_as: str, given: list[str] | None) -> dict[str, fl
 
 
 def _read(model: Path, given: list[str] | None) -> tuple[Any, dict[str, float]]:
-    """What the input file says, and the values of its parameters."""
+    """Content of the input file, and the values of its parameters."""
     from . import read_spacar
 
     numbers = _numbers("--set", "t=0.5e-3", given)
@@ -304,13 +304,13 @@ def _tell_answer(
     found: Any = None,
     picture: str = "",
 ) -> None:
-    """Write, draw and tell an answer with its warnings; end with exit status 1 where its status is not "ok".
+    """Write, draw and print an answer with its warnings; exit with status 1 if its status is not "ok".
 
     Args:
-        of: Name of the file that was asked about.
-        text: What the terminal shows; None where there is no answer.
-        found: Result that is drawn; None where there is none.
-        picture: Function of :mod:`flexmb.plot` that draws it, in place of its own.
+        of: Name of the input file.
+        text: Text for the terminal; None without an answer.
+        found: Result to draw; None without one.
+        picture: Function of :mod:`flexmb.plot` instead of the usual one.
     """
     from .answers.answer_files import to_json
     from .files import write_whole
@@ -339,7 +339,7 @@ def _run(
     ask: list[str] | None = None,
     **options: Any,
 ) -> None:
-    """Answer a mode; ``options`` are those of its answer."""
+    """Answer a mode with the options of its answer."""
     from .answers.also_asked import QuestionError, also_asked
     from .answers.answer_files import save as save_answer
     from .answers.answer_files import to_json
@@ -351,9 +351,9 @@ def _run(
     _check_files(model, plots=(*PICTURES, ".html"), json=json_path, save=save, log=log, plot=plot)
     _prepare_jax()
     read, _ = _read(model, given)
-    # As letters that any reader of JSON takes, also of a name that is none in UTF-8.
+    # A file name that is not valid UTF-8 is escaped, so that any JSON reader takes it.
     name = os.fsencode(model.name).decode(errors="backslashreplace")
-    # A fault of the model that is raised: not even a description of a mechanism.
+    # A model fault that is raised: the file does not even describe a mechanism.
     with _refusing(read.name):
         found = answer(read.builder, name, number, list(read.warnings), settings=read.settings, **options)
     try:
@@ -372,7 +372,7 @@ def _run(
 
 
 def _draw(found: Any, path: Path) -> None:
-    """Draw an answer in a file; where there is none, the mechanism."""
+    """Draw an answer in a file; without an answer, the mechanism."""
     from .files import write_whole
 
     if path.suffix == ".html":
@@ -387,7 +387,7 @@ def _draw(found: Any, path: Path) -> None:
 
 @contextlib.contextmanager
 def _foreseen(debug: bool) -> Iterator[None]:
-    """Turn a fault nobody foresaw into one line, unless a traceback is asked for."""
+    """Turn an unexpected fault into one line, unless a traceback is asked for."""
     try:
         yield
     except typer.Exit:
@@ -418,7 +418,7 @@ def program(
 
 
 def command(function: Callable[..., None]) -> Callable[..., None]:
-    """Enter a command, which takes no option twice and shows a traceback of what nobody foresaw with --debug alone."""
+    """Add a command that refuses repeated options, and shows tracebacks only with --debug."""
 
     @functools.wraps(function)
     def call(debug: bool = False, **options: Any) -> None:
@@ -481,7 +481,7 @@ def verdict(
     json_path: Json = None,
     plot: PagePlot = None,
 ) -> None:
-    """Tell on one page what a stroke takes and what limits it; with --set also which of these numbers moves that."""
+    """Show on one page the forces and limits of a stroke; with --set also the effect of these numbers."""
     from . import __version__, read_spacar
     from . import verdict as judge
     from .design.stroke import StrokeError
@@ -550,7 +550,7 @@ def fmu(
 
 
 def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
-    """What saves the unit of a mode: its analysis done, as the mode of that number does it."""
+    """Function that saves the unit of a mode, after its analysis."""
     import dataclasses
 
     import jax.numpy as jnp
@@ -585,7 +585,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
             raise ModelError("INPUTX, INPUTE: every motion is prescribed; an FMU of mode 9 needs a degree of freedom")
         return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
     system = trajectory.time_varying(found.found)
-    # The motion has nominal inputs as loads among others; which they are, the answer says.
+    # The nominal inputs are among the loads of the motion; the answer has them.
     system = dataclasses.replace(system, u0=jnp.asarray(found.data["u0"], float))
     units = units_of(found.model, system.state_labels)
     return lambda to, fmi: save_fmu(system, to, fmi=fmi, units=units)
@@ -620,7 +620,7 @@ def demo(
 
 
 def _copy(path: Path, to: Path) -> None:
-    """Copy a shipped mechanism to a folder, but over no file that is another."""
+    """Copy a shipped mechanism to a folder, unless another file of that name is there."""
     from .files import write_whole
 
     if not to.is_dir():
@@ -634,7 +634,7 @@ def _copy(path: Path, to: Path) -> None:
 
 
 def _demo_picture(name: str) -> Path:
-    """Where the demo leaves its picture: here, or among temporary files where this folder takes none."""
+    """Path of the demo's picture: here, or a temporary folder if this folder is not writable."""
     import tempfile
 
     from .files import check_writable
@@ -648,7 +648,7 @@ def _demo_picture(name: str) -> Path:
 
 
 def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
-    """Run a design study and write its answer; ``work`` returns data, table, what saves it, and the result."""
+    """Run a design study and write its answer; ``work`` returns data, table, saving function and result."""
     from . import __version__
     from .design.study_file import read_study
 
@@ -661,7 +661,7 @@ def _study(command: str, path: Path, json_path: str | None, save: Path | None, p
                 read = read_study(path)
                 data, text, saved, found = work(read)
         except (AnalysisError, ModelError) as fault:
-            # What was asked of it has no answer: the JSON says so too.
+            # The JSON reports the failure too.
             why = (str(fault).splitlines() or [""])[0]
             data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
         else:
@@ -749,6 +749,6 @@ def edit(
 
 def main() -> None:
     """Run the command line."""
-    # Each library of LAPACK would begin threads that wait for work at full speed, which took a sixth of a short run.
+    # Threads of LAPACK would wait at full speed, which takes a sixth of a short run.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     app()

@@ -1,4 +1,4 @@
-"""Values that are collected while a function is traced: conditions of numbers, codes of analyses."""
+"""Values collected while a function is traced: conditions on numbers, codes of analyses."""
 
 import contextlib
 import contextvars
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Collector:
-    """Collects values of one trace. Those of a transformation within it are left out: they do not live outside."""
+    """Collects values of one trace, but not of transformations within it, whose values do not exist outside."""
 
     def __init__(self, name: str):
         self._current: contextvars.ContextVar[tuple[Any, list[Any]] | None] = contextvars.ContextVar(name, default=None)
@@ -25,7 +25,7 @@ class Collector:
             self._current.reset(token)
 
     def here(self) -> list[Any] | None:
-        """The values so far; None where nothing is collected."""
+        """The values so far; None if nothing is collected."""
         current = self._current.get()
         if current is None:
             return None

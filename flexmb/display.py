@@ -1,6 +1,6 @@
-"""What a result says of itself: a summary in words and numbers, and the states of the mechanism that it holds.
+"""How a result presents itself: a summary in words and numbers, and states of its mechanism.
 
-The terminal, notebooks, pictures and the viewer ask for these two, and know no class of results.
+Terminal, notebooks, pictures and the viewer use these two and know no class of results.
 """
 
 import difflib
@@ -15,27 +15,28 @@ import jax
 import jax.core
 import numpy as np
 
-# Entries of a list in a summary; lines of a result on the terminal, and their length.
+from .numerical_limits import OUTER_MOTION, POWER_OF_TEN
+
+# Most entries of a list in a summary.
 AT_MOST = 6
-# An error message shows so many, since one of them is needed.
+# Most names in an error message.
 NAMED = 24
-# What moves no more than this share of the largest motion of a mode is at rest in it.
-STILL = 1e-6
+# Most lines of a result on the terminal, and their width.
 LINES, WIDTH = 12, 120
 
 
 class States(NamedTuple):
-    """Where a mechanism is: in one state, in several one after the other, or in one that it moves about.
+    """States of a mechanism: one, several in a row, or one with motions about it.
 
     Attributes:
         model: The mechanism.
-        x: Nodal coordinates, (n_x,), or (states, n_x) where several follow one another [m, rad, -].
+        x: Nodal coordinates, (n_x,), or (states, n_x) for several states [m, rad, -].
         kind: How the viewer plays them: "state", "path", "motion", "modes" or "self-stress".
         along: Load factor or time of each of several states, (states,) [-, s].
-        label: What that is, with its unit.
-        moves: Modes about the state, one a column, (n_x, modes); None where the result has none by its nature.
-        shares: Part of each element in each state of self-stress, by its name, the largest 1; None likewise.
-        titles: Of each mode or state of self-stress.
+        label: Name of ``along``, with its unit.
+        moves: Modes about the state, one a column, (n_x, modes); None if the result has none.
+        shares: Share of each element in each state of self-stress, by name, the largest 1; None likewise.
+        titles: Title of each mode or state of self-stress.
     """
 
     model: Any
@@ -48,7 +49,7 @@ class States(NamedTuple):
     titles: Sequence[str] = ()
 
     def most_moving(self) -> int:
-        """Index of the position that moves most; where none does, of another coordinate or a degree of freedom."""
+        """Index of the position that moves most; without one, of another coordinate or a degree of freedom."""
         moved = np.ptp(np.asarray(self.x), axis=0)
         positions = np.array([entry.kind == "position" for entry in self.model.labels.x])
         if np.any(moved[positions] > 0):
@@ -61,10 +62,10 @@ class Summary(NamedTuple):
     """A result in a few lines.
 
     Attributes:
-        title: What it is, of what size.
-        rows: What is to be known about it, by name.
-        picture: Name of the function of :mod:`flexmb.plot` that draws it; None where none does.
-        small: What that function is given for a small picture beside the rows; None where it would show nothing.
+        title: What the result is, with its size.
+        rows: Facts by name.
+        picture: Name of the function of :mod:`flexmb.plot` that draws the result; None without one.
+        small: Arguments of that function for a small picture beside the rows; None for no picture.
     """
 
     title: str
@@ -104,21 +105,21 @@ class Quantities(NamedTuple):
 
 
 class Result:
-    """Base class of what an analysis returns. A subclass has a summary of its own, and states where it holds some.
+    """Base class of what analyses return. A subclass has its own summary, and states if it holds some.
 
     Attributes:
-        one_axis: Name of an array that has one axis where the result is that of one mechanism. Of several mechanisms at
-            once, as ``jax.vmap`` gives them, only the shapes are told.
+        one_axis: Name of an array with one axis for a single mechanism. For batches, as ``jax.vmap`` returns them, only
+            shapes are shown.
     """
 
     one_axis: ClassVar[str] = ""
 
     def summary(self) -> Summary:
-        """A few lines about it; of concrete numbers of one mechanism."""
+        """A few lines about the result; of concrete numbers of one mechanism."""
         return Summary(f"{type(self).__name__}: {', '.join(_shapes(self))}", {})
 
     def states(self) -> States | None:
-        """Where the mechanism is; None where the result does not say."""
+        """States of the mechanism; None if the result has none."""
         return None
 
     def __repr__(self) -> str:
@@ -127,14 +128,14 @@ class Result:
         left = len(lines) - LINES + 1
         lines = [*lines[: LINES - 1], f"  … and {left} more"] if left > 1 else lines
         long = {"width": WIDTH, "subsequent_indent": "    ", "break_on_hyphens": False, "placeholder": " …"}
-        # What went wrong, and what to try, is told whole.
+        # Outcome and advice are shown in full.
         whole = [len(lines) == 1 or line.startswith("  result: ") for line in lines]
         told = zip(lines, whole, strict=True)
         return "\n".join(textwrap.fill(line, max_lines=LINES if all_of else 1, **long) for line, all_of in told)
 
     def _repr_html_(self) -> str | None:
-        """Table and picture in a notebook; None, for which a notebook shows the text, where it has no one number."""
-        # Upwards, and by name, as below: whoever computes without a notebook needs no pictures.
+        """Table and picture in a notebook; None for batches and traced numbers, which are shown as text."""
+        # An upward reference by name, as below, so that computing without a notebook loads no pictures.
         return importlib.import_module("flexmb.viewer.notebook").card(self) if is_single(self) else None
 
 
@@ -173,7 +174,7 @@ class Labelled(Result):
 
 
 def is_single(found: Result) -> bool:
-    """Whether the numbers of a result are concrete, and of one mechanism."""
+    """Whether the numbers of a result are concrete and belong to one mechanism."""
     leaves = jax.tree.leaves(found)
     if not (len(leaves) == 1 and leaves[0] is found):
         kinds = (np.ndarray, np.generic, jax.Array, int, float, str)
@@ -186,7 +187,7 @@ def is_single(found: Result) -> bool:
 
 
 def _shapes(found: Any) -> Iterator[str]:
-    """Shapes of all arrays by their names; a result within that has a summary of its own is only named."""
+    """Shapes of all arrays by name; results within that have their own summary are only named."""
     fields = getattr(found, "_fields", None) or tuple(getattr(found, "__dataclass_fields__", ()))
     for name in fields:
         value: Any = getattr(found, name)
@@ -213,14 +214,14 @@ def short(value: Any) -> str:
 
 
 def listed(values: Any, unit: str = "") -> str:
-    """The first of some numbers or names, (n,), with their unit."""
+    """The first of some numbers or names, with their unit."""
     found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
     return f"{', '.join(found)}{more} {unit}".strip() if found else "none"
 
 
 def among(names: Iterable[str], asked: str = "") -> str:
-    """Names for an error message, those most like a wrong one first where they are many, and how many are left out."""
+    """Names for an error message, at most NAMED, those most like ``asked`` first, and the number left out."""
     known = list(dict.fromkeys(map(str, names)))
     if asked and len(known) > NAMED:
         matcher = difflib.SequenceMatcher(b=str(asked), autojunk=False)
@@ -235,30 +236,30 @@ def among(names: Iterable[str], asked: str = "") -> str:
 
 
 def span(values: Any, unit: str = "") -> str:
-    """From the smallest to the largest of some numbers, of the finite ones among them."""
+    """Range of the finite numbers among some."""
     values = np.asarray(values, float)
     finite = values[np.isfinite(values)]
     return f"{short(finite.min())} to {short(finite.max())} {unit}".strip() if finite.size else "none"
 
 
 def largest(values: Any, names: Sequence[Any], unit: str | Callable[[Any], str] = "", word: str = "at") -> str:
-    """The finite number of largest size in (n,), with its unit and, after a word, its name."""
+    """The finite number of largest size, with its unit and, after a word, its name."""
     values = np.asarray(values)
     sizes = np.where(np.isfinite(values), np.abs(values), -1.0)
     if np.max(sizes, initial=-1.0) < 0:
         return "none"
     index = int(np.argmax(sizes))
     named = len(names) == len(values)
-    of = f" {word} {names[index]}" if values[index] and named else ""
-    told = unit if isinstance(unit, str) else unit(names[index]) if named else ""
-    return f"{short(values[index])} {told}".strip() + of
+    place = f" {word} {names[index]}" if values[index] and named else ""
+    said_unit = unit if isinstance(unit, str) else unit(names[index]) if named else ""
+    return f"{short(values[index])} {said_unit}".strip() + place
 
 
 def prefix_of(value: float) -> tuple[float, str]:
-    """The prefix of a unit that keeps a number short: what to divide by, and its letter."""
+    """Factor and letter of the unit prefix that keeps a number short."""
     size = abs(value) if np.isfinite(value) and value else 1.0
-    # Powers of ten themselves are not to lie below their prefix by round-off.
-    thousands = int(np.clip(np.floor(np.log10(size) / 3 + 1e-9), -5, 4))
+    # Round-off must not put a power of ten below its prefix.
+    thousands = int(np.clip(np.floor(np.log10(size) / 3 + POWER_OF_TEN), -5, 4))
     return 1000.0**thousands, "fpnµm kMGT"[thousands + 5].strip()
 
 
@@ -279,7 +280,7 @@ def unit_of(entry: Any) -> str:
 
 
 def unit_of_force(entry: Any) -> str:
-    """Unit of what is dual to a coordinate."""
+    """Unit of the force dual to a coordinate."""
     return "N" if entry.kind == "position" else "N m" if entry.symbol == "phi" else ""
 
 
@@ -296,7 +297,7 @@ def numbered_quantities(axis: str, values: Mapping[str, tuple[Any, str]]) -> Qua
 
 
 def course(states: States) -> str:
-    """How many states there are, which coordinate moves most along them, and between which values."""
+    """Number of states, the coordinate that moves most along them, and its range."""
     x, names = np.asarray(states.x), states.model.labels.x
     if not len(x) or len(names) != x.shape[1] or not np.any(np.ptp(x, axis=0)):
         return counted(len(x), "state")
@@ -305,13 +306,13 @@ def course(states: States) -> str:
 
 
 def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[str, str]) -> Summary:
-    """Summary of modes, with a value of each mode and rows on all; the first modes stand in a small picture."""
+    """Summary of modes with a value for each and rows for all; a small picture shows the first modes."""
     moves, names = np.asarray(found.moves), found.model.labels.x
     count = moves.shape[1]
-    # What lies within an element says nothing to a reader, but where nothing else moves.
+    # Inner coordinates of elements mean nothing to a reader, unless nothing else moves.
     inner = np.array([entry.kind == "internal" for entry in names], bool)
     if inner.any() and not inner.all():
-        outer = np.max(np.abs(moves[~inner]), axis=0) > STILL * np.max(np.abs(moves), axis=0)
+        outer = np.max(np.abs(moves[~inner]), axis=0) > OUTER_MOTION * np.max(np.abs(moves), axis=0)
         moves = np.where(inner[:, None] & outer, 0.0, moves)
     own = {}
     for i, value in enumerate(values[:AT_MOST]):
@@ -319,7 +320,7 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
         own[f"mode {i + 1}"] = f"{value}{moving}"
     if count > AT_MOST:
         own["more"] = listed(list(values[AT_MOST:]))
-    of = found.model.topology.n_q
-    title = f"{what}: {count} of {of}" if of else f"{what}: the lowest {count}"
+    of_all = found.model.topology.n_q
+    title = f"{what}: {count} of {of_all}" if of_all else f"{what}: the lowest {count}"
     rows = {**own, **rows}
     return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})

@@ -1,4 +1,4 @@
-"""What flexmb raises and warns of. Every message names the culprit and says what is right."""
+"""Exceptions and warnings of flexmb. Each message names the culprit and says what is right."""
 
 import contextlib
 import contextvars
@@ -8,27 +8,27 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-# Files of the package, which a warning does not point at, nor at what calls its decorated functions.
+# Files of the package and of its context managers, which warnings do not point at.
 _OWN = str(Path(__file__).parent)
-# A name longer than this says nothing more to a reader; a file may hold a word of megabytes.
+# Longest name in a message; a file may contain a word of megabytes.
 LONGEST = 80
 
 
 def clean(text: Any) -> str:
-    """A user's text as a message may show it: one line, printable, cut in its middle where it is long.
+    """A user's text for a message: one line, printable, long texts cut in the middle.
 
-    The end stays, since a path ends with the name of its file. Escapes stand for what a terminal would act on.
+    The end stays, as paths end with the file name. Escapes replace control characters.
     """
     try:
         text = str(text)
-    except Exception:  # Whatever a user's own class does, or an integer of thousands of digits.
+    except Exception:  # A user's class may raise anything; so may an integer of thousands of digits.
         text = f"<{type(text).__name__}>"
     cut = text if len(text) <= LONGEST else f"{text[: LONGEST // 2]}...{text[-LONGEST // 2 :]} ({len(text)} characters)"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
 
 
 def first_line(fault: BaseException) -> str:
-    """First line of what an exception says, without space around it; the name of its class where it says nothing."""
+    """First line of an exception's text; the name of its class if it has none."""
     return (str(fault).strip().splitlines() or [type(fault).__name__])[0]
 
 
@@ -37,7 +37,7 @@ class ModelError(ValueError):
 
 
 class MechanismError(ModelError):
-    """A mechanism is not valid: the counts or the rank of its constraints.
+    """A mechanism is not valid: numbers or rank of its constraints are wrong.
 
     Attributes:
         code: Short name of the fault: "overconstrained", "underconstrained", "both", "dof" or "too_large".
@@ -53,7 +53,7 @@ class AnalysisError(RuntimeError):
 
     Attributes:
         code: Name of the member of RESULTS, such as "not_converged".
-        path: Of a path that did not reach its end, the :class:`flexmb.paths.Path` up to there; otherwise None.
+        path: The :class:`flexmb.paths.Path` so far, if a path did not reach its end; otherwise None.
     """
 
     path: Any = None
@@ -64,7 +64,7 @@ class AnalysisError(RuntimeError):
 
 
 class SpacarError(ValueError):
-    """An input file is wrong; the message has one line a fault, with file, line and keyword."""
+    """An input file is wrong; the message has one line per fault, with file, line and keyword."""
 
 
 class StudyError(ValueError):
@@ -72,23 +72,23 @@ class StudyError(ValueError):
 
 
 class FlexmbWarning(UserWarning):
-    """What is asked for is legal and answered, but likely not what was meant."""
+    """A request is legal and answered, but probably not what was meant."""
 
 
 class BeamTheoryWarning(FlexmbWarning):
-    """A leaf spring is modelled by plain beams, which leave out what would change a stiffness."""
+    """A leaf spring is modelled by plain beams, which neglect effects on its stiffness."""
 
 
 class CoarseWarning(FlexmbWarning):
-    """A beam is bent or twisted further than one beam is right for, or stretched further than cubic beams are."""
+    """A beam is bent or twisted too far for one beam, or stretched too far for cubic beams."""
 
 
 class IdleWarning(FlexmbWarning):
-    """A stress or a strain is given that does nothing, since its deformation is held or has no stiffness."""
+    """A given stress or strain has no effect, since its deformation is held or has no stiffness."""
 
 
 def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
-    """Warn at the line outside of the package that led here; a category can be ignored."""
+    """Warn at the line outside of the package that led here; users may ignore a category."""
     listening = _HEARD.get()
     if listening is not None:
         said, but = listening
@@ -107,7 +107,7 @@ _HEARD: contextvars.ContextVar[_Heard | None] = contextvars.ContextVar("heard", 
 
 @contextlib.contextmanager
 def heard(*but: type[FlexmbWarning]) -> Iterator[list[str]]:
-    """Collect what the package warns of in this thread, but for some categories; other warnings pass."""
+    """Collect warnings of the package in this thread, except some categories; other warnings pass."""
     said: list[str] = []
     token = _HEARD.set((said, but))
     try:

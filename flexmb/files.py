@@ -1,4 +1,4 @@
-"""Files that are read without waiting and within a limit, that appear whole or not at all; named arrays in them."""
+"""Reading files without waiting and within a limit, writing them whole or not at all, and named arrays in them."""
 
 import contextlib
 import errno
@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-# A file may unpack to so many times its size: numbers that are alike compress well. What is written here is not packed.
+# Largest ratio of unpacked to packed size: similar numbers compress well. Files written here are not packed.
 LARGEST_RATIO = 100
-# Kind of a compressed variable in a .mat, as MATLAB's format of level 5 has it, and bytes that are unpacked at once.
+# Kind of a compressed variable in a .mat file of level 5, and bytes that are unpacked at once.
 COMPRESSED, PIECE = 15, 1 << 20
-# A file of 100 000 beams has 12 MiB.
+# Most bytes of an input file; one of 100 000 beams has 12 MiB.
 LARGEST_FILE = 64 * 2**20
-# What a shell hands over: read as it is, whatever stands behind it.
+# Streams from a shell, which are read as they are.
 STREAMS = ("/dev/stdin", "/dev/fd/")
 
 
@@ -48,9 +48,9 @@ def read_whole(path: str | os.PathLike, largest: int = LARGEST_FILE) -> bytes:
     A pipe would wait for its writer, and a device such as /dev/zero has no end.
 
     Raises:
-        OSError: It cannot be read, is no regular file, or is larger (errno EFBIG).
+        OSError: The file cannot be read, is not regular, or is larger (errno EFBIG).
     """
-    # Opened so, a pipe waits for nobody.
+    # Opened without blocking, so that a pipe does not wait for a writer.
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     with open(handle, "rb") as file:
         state = os.fstat(handle)
@@ -67,12 +67,12 @@ def read_whole(path: str | os.PathLike, largest: int = LARGEST_FILE) -> bytes:
 
 
 def write_whole(path: str | os.PathLike, content: bytes) -> None:
-    """Write a file in one piece: a reader sees the old one or the new one, never half of it.
+    """Write a file in one piece: a reader sees the old content or the new one, never half of it.
 
-    What is no file on a disk, such as /dev/stdout or a pipe, is written to as it is; a link stays one.
+    Anything that is not a file on a disk, such as /dev/stdout or a pipe, is written directly. Links stay links.
 
     Raises:
-        OSError: The folder is missing, not writable or full, or the path is that of a folder.
+        OSError: The folder is missing, not writable or full, or the path is a folder.
     """
     path = _target(path)
     if path.exists() and not path.is_file():
@@ -87,7 +87,7 @@ def write_whole(path: str | os.PathLike, content: bytes) -> None:
 
 @contextlib.contextmanager
 def naming(path: str | os.PathLike) -> Iterator[None]:
-    """Name this file in every OSError within: that of a full disk has no name, that of a temporary file another."""
+    """Name this file in every OSError within: on a full disk the name is missing, for temporary files it is another."""
     try:
         yield
     except OSError as fault:
@@ -110,10 +110,10 @@ def _replace(path: Path, content: bytes) -> None:
 
 
 def check_writable(path: str | os.PathLike) -> None:
-    """Try whether a file can be written, and leave nothing behind.
+    """Test whether a file can be written, leaving nothing behind.
 
     Raises:
-        OSError: The folder is missing or not writable, the path is that of a folder, or the file is write-protected.
+        OSError: The folder is missing or not writable, the path is a folder, or the file is write-protected.
     """
     path = _target(path)
     if path.is_dir():
@@ -127,16 +127,16 @@ def check_writable(path: str | os.PathLike) -> None:
 
 
 def _target(path: str | os.PathLike) -> Path:
-    """The file that a link leads to; /dev/stdout and the like as they are."""
+    """Target of a link to a file; other paths unchanged."""
     path = Path(path)
     return path.resolve() if path.is_symlink() and (path.is_file() or not path.exists()) else path
 
 
 def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
-    """Write arrays by name as .npz or .mat, as the ending of the path says; raise ValueError for another ending."""
+    """Write arrays by name as .npz or .mat; raise ValueError for another ending."""
     content = io.BytesIO()
     if path.suffix == ".npz":
-        # As numpy.savez, which has arguments whose names no array can bear.
+        # Unlike numpy.savez, whose argument names no array may have.
         with zipfile.ZipFile(content, "w") as archive:
             for name, value in arrays.items():
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
@@ -151,21 +151,17 @@ def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
 
 
 def save_arrays(path: str | os.PathLike, arrays: dict[str, Any], about: dict[str, Any]) -> None:
-    """Write arrays by name as .npz or .mat, and texts as JSON under "about", which no array may be called."""
+    """Write arrays by name as .npz or .mat, with texts as JSON under the reserved name "about"."""
     if "about" in arrays:
-        raise ValueError("An array named 'about' cannot be saved beside what is said about all of them: rename it.")
+        raise ValueError("An array is named 'about', which is reserved for the description of all arrays: rename it.")
     write_arrays(Path(path), {**arrays, "about": np.asarray(json.dumps(about))})
 
 
 def check_unpacked(content: bytes) -> None:
-    """Refuse an .npz or a .mat that unpacks to more than so many times its size, before it does.
-
-    Raises:
-        ValueError: It does; or it is damaged.
-    """
+    """Raise ValueError for an .npz or .mat file that is damaged or would unpack to more than LARGEST_RATIO its size."""
     most = LARGEST_RATIO * len(content)
     if content[:2] == b"PK":
-        # No member gives more than its entry in the directory says.
+        # Members unpack to no more than their entries in the directory state.
         size = sum(member.file_size for member in zipfile.ZipFile(io.BytesIO(content)).infolist())
     else:
         size = _size_of_compressed(content, most)
@@ -174,7 +170,7 @@ def check_unpacked(content: bytes) -> None:
 
 
 def _size_of_compressed(content: bytes, most: int) -> int:
-    """Bytes that the compressed variables of a .mat unpack to, counted piece by piece up to a limit."""
+    """Unpacked size of the compressed variables of a .mat file, counted piece by piece up to a limit."""
     order, at, size = ">" if content[126:128] == b"MI" else "<", 128, 0
     while at + 8 <= len(content) and size <= most:
         kind, count = struct.unpack_from(f"{order}II", content, at)
@@ -188,7 +184,7 @@ def _size_of_compressed(content: bytes, most: int) -> int:
 
 
 def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:
-    """The same under names that MATLAB takes, no two alike; where some differ, "names_of_arrays" says so as JSON."""
+    """Arrays under names that MATLAB permits; "names_of_arrays" lists changed names as JSON."""
     of_names = "names_of_arrays"
     while of_names in arrays:
         of_names += "_"
@@ -199,7 +195,7 @@ def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:
 
 
 def _matlab_names(names: list[str]) -> dict[str, str]:
-    """Letters, digits and underscores, a letter first, at most 63: a name that is so already stays."""
+    """Distinct MATLAB names: a letter, then letters, digits and underscores, at most 63; valid names stay."""
     found = {name: name for name in names if re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII)}
     taken = set(found)
     for name in names:

@@ -1,4 +1,4 @@
-"""Names that a package offers, loaded on first use (PEP 562): the stub beside its ``__init__.py`` is the one list."""
+"""Lazy loading of a package's names on first use (PEP 562), from the stub beside its ``__init__.py``."""
 
 import ast
 import functools
@@ -22,7 +22,7 @@ def offered(package: str) -> dict[str, str]:
 
 
 def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package; names of some rooms answer too, though they are not listed."""
+    """``__getattr__`` and ``__dir__`` of a package; names of ``rooms`` are found too, but not listed."""
 
     def load(name: str) -> Any:
         if name == "__all__":
@@ -32,7 +32,7 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
             where = where or offered(f"{package}.{room}".rstrip(".")).get(name)
         if where is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
-        # A package that does not hold the name has a module of that name.
+        # Without such a name, the package has a module of that name.
         found = None if where == package else getattr(importlib.import_module(where), name, None)
         found = found or importlib.import_module(f"{where}.{name}")
         setattr(sys.modules[package], name, found)

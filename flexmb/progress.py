@@ -1,4 +1,4 @@
-"""How far a long computation is: a bar on the error output, or a function of the user's own."""
+"""Progress of a long computation: a bar on the error output, or a user's function."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -6,14 +6,14 @@ from typing import Any
 
 
 class Stopped(KeyboardInterrupt):
-    """Raised by a ``progress`` function to stop what it watches, as Ctrl-C does: what there is so far is kept."""
+    """Raised by a ``progress`` function to stop a computation as Ctrl-C does; results so far are kept."""
 
 
 @contextlib.contextmanager
 def reporting(
     progress: Callable[..., None] | bool | None, what: str, total: int | None = None
 ) -> Iterator[Callable[..., None] | None]:
-    """Yield what to call with the number done and more: the given function, a bar with words and a total, or None."""
+    """Yield a function of the number done and more: the given one, a progress bar (True), or None."""
     if progress is not True:
         yield progress or None
         return
@@ -25,7 +25,7 @@ def reporting(
         task = bar.add_task(what, total=total, more="")
 
         def report(done: int, *more: Any) -> None:
-            # A whole sweep says how many there are, a search how good it is.
+            # A sweep knows its total; a search shows its objective.
             text = "" if total is not None else "  ".join(f"{value:.4g}" for value in more)
             bar.update(task, completed=done, more=text)
 

@@ -1,8 +1,7 @@
-"""Why a solve succeeded or failed.
+"""Codes of success and failure of an analysis.
 
-Compiled kernels return the integer; the wrapper in Python turns it into a member or raises its text. An
-``equinox.Enumeration`` would do the same, but comparing its members runs array operations on the host, which a fresh
-process pays for.
+Compiled kernels return the integer; Python turns it into a member or raises its message. ``equinox.Enumeration`` would
+do the same, but its comparisons run array operations on the host, which slows a new process.
 """
 
 import enum
@@ -15,11 +14,7 @@ from .errors import AnalysisError
 
 
 class RESULTS(enum.IntEnum):
-    """Outcome of an analysis; each message says what to try.
-
-    Attributes:
-        message: The text for a person.
-    """
+    """Outcome of an analysis; ``message`` says what to try."""
 
     message: str
 
@@ -54,9 +49,9 @@ class RESULTS(enum.IntEnum):
     )
     singular_mass = (
         5,
-        "The mass matrix is singular: some motion carries no mass, or a negative one. Add mass or inertia to its nodes,"
-        ' or make that degree of freedom dependent; in a simulation form="reduced" asks for mass of the degrees of'
-        " freedom alone.",
+        "The mass matrix is singular: some motion carries no mass, or negative mass. Add mass or inertia to its nodes,"
+        ' or make that degree of freedom dependent. A simulation with form="reduced" needs mass only along the degrees'
+        " of freedom.",
     )
     singular_stiffness = (
         6,
@@ -106,15 +101,15 @@ class RESULTS(enum.IntEnum):
     )
     ran_away = (
         15,
-        "The motion runs away: something has moved a hundred million times the size of the mechanism, or radians. The"
-        " loop of a controller is unstable, as fm.control.closed_loop(model, controller) tells, a stiffness or damping"
-        " is negative, or a load grows without bound; the results up to there are kept.",
+        "The motion runs away: something has moved a hundred million radians or times the size of the mechanism. The"
+        " loop of a controller is unstable (see fm.control.closed_loop(model, controller)), a stiffness or damping"
+        " is negative, or a load grows without bound. The results up to there are kept.",
     )
     lost_in_round_off = (
         16,
         "Stiffnesses are so far apart that round-off of the largest hides the softest motions, and the answer would be"
-        " wrong. Make rigid what is that stiff, such as a very short beam: leave out its section, or join its nodes. Of"
-        " thousands of beams in a row take fewer. Degrees of freedom that are deformations, as build() finds them, lose"
+        " wrong. Make very stiff parts rigid, such as very short beams: leave out their sections, or join their nodes."
+        " Use fewer beams if thousands are in a row. Deformations as degrees of freedom, as build() finds them, lose"
         " fewer digits than positions.",
     )
     unstable_state = (
@@ -126,13 +121,13 @@ class RESULTS(enum.IntEnum):
     other_clamps = (
         18,
         "Ends of leaf springs are clamped otherwise in this design than in the first one, whose structure all designs"
-        " have: a part beside one is three times as thick and was not, or is no more, or a fold passed 5 degrees. Say"
-        " with `clamped` what holds for all, or begin with a design on the same side.",
+        " share: a neighbouring part became three times as thick or no longer is, or a fold passed 5 degrees. Set"
+        " `clamped` for all designs, or begin with a design on the same side.",
     )
     forces_jump = (
         19,
-        "The force of a law or of a controller jumps as the mechanism moves. A derivative leaves out that the instant"
-        " of the jump moves, and is wrong: make the force steep in place of a jump, such as by jnp.tanh.",
+        "The force of a law or of a controller jumps as the mechanism moves. The derivative neglects the moving instant"
+        " of the jump, and is wrong: replace the jump by a steep function, such as jnp.tanh.",
     )
     impossible_design = (
         20,
@@ -178,43 +173,43 @@ class RESULTS(enum.IntEnum):
     )
     singular_plant = (
         31,
-        "The inputs cannot give the forces along what is driven: their effects on it depend on one another, or one has"
+        "The inputs cannot give the forces along the driven motions: their effects depend on one another, or one has"
         " none. Let them act elsewhere, or name other inputs.",
     )
     out_of_memory = (
         32,
-        "The memory does not suffice for the factors of the equations. Use fewer elements, such as spectral beams in"
-        " place of many short ones, or a machine with more memory.",
+        "The memory does not suffice for the factors of the equations. Use fewer elements, such as spectral beams"
+        " instead of many short ones, or a machine with more memory.",
     )
     neutral_branch = (
         33,
         "Two motions lose their stiffness at once, and on the branch one of them meets none: a round or square bar may"
-        " buckle to any side, so that where the path goes is not determined. Say where: by an imperfection, such as"
-        " imperfection={1: 1e-3}, or a small load to one side.",
+        " buckle to any side, so the path is not determined. Choose a side by an imperfection, such as"
+        " imperfection={1: 1e-3}, or by a small load.",
     )
 
 
-# Outcomes that have an answer, from the best on: at a critical state and where forces jump that has no derivative, in
-# an unstable one no mechanism stays.
+# Outcomes with an answer, best first. A critical state and jumping forces have no derivative; a mechanism does not stay
+# in an unstable state.
 NO_DERIVATIVE = (RESULTS.critical_state, RESULTS.forces_jump)
 ANSWERED = (RESULTS.successful, *NO_DERIVATIVE, RESULTS.unstable_state)
 
 
 def told(result: Any) -> str:
-    """An outcome for a person, by its code: its name, and of a failure what to try."""
+    """Name of an outcome by its code, and for a failure its message."""
     member = RESULTS(int(result))
     return f"{member.name}. {member.message}" if member.message else member.name
 
 
 _CODES = Collector("codes")
-# Collect the codes that analyses would raise outside a trace, while a function of designs is traced.
+# Collect codes that analyses would raise outside a trace, while a function of designs is traced.
 collected = _CODES.collecting
 
 
 def check(result: Any, throw: bool, about: str = "") -> None:
-    """Raise AnalysisError for a code, () or a batch of them, that is a failure; a traced one is collected.
+    """Raise AnalysisError for a failure among codes, () or a batch; traced codes are collected.
 
-    Codes among ``ANSWERED`` are successes. With ``throw=False`` nothing happens. ``about`` is added to the message.
+    Codes in ``ANSWERED`` are successes. ``throw=False`` does nothing. ``about`` is added to the message.
     """
     import jax.core
     import numpy as np
@@ -229,7 +224,7 @@ def check(result: Any, throw: bool, about: str = "") -> None:
         collect(result)
         return
     codes = np.asarray(result)
-    # One code is what nearly all are, and takes no operations on arrays.
+    # A single code is the usual case, and needs no array operations.
     batch = codes.ndim > 0
     worst = int(np.max(np.where(np.isin(codes, ANSWERED), RESULTS.successful, codes)) if batch else codes)
     if worst not in ANSWERED:
@@ -238,10 +233,10 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 
 def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
-    """A traced answer, NaN with its derivatives by the numbers ``of`` where it failed: nothing can be raised there.
+    """A traced answer that is NaN on failure, with NaN derivatives by the numbers ``of``, since a trace cannot raise.
 
-    The answer stays as it is where codes are collected, and with ``throw=False``. Of a batch of codes, each array has
-    the batch as its first axis.
+    The answer is unchanged if codes are collected or with ``throw=False``. For a batch of codes, each array has the
+    batch as its first axis.
     """
     import jax.core
     import jax.numpy as jnp
@@ -249,8 +244,8 @@ def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
     if not throw or not isinstance(result, jax.core.Tracer) or collects():
         return answer
     failed = functools.reduce(operator.and_, [result != int(code) for code in ANSWERED])
-    # By sums and products: where it failed the derivatives are no numbers either, and not zero. A product with what
-    # varies would have none where some of the answer is no number of itself, as after the event that ends a motion.
+    # Sums and products make derivatives NaN too, not zero. A product with varying numbers would lose them where part of
+    # the answer is NaN by itself, as after the event that ends a motion.
     factor, lost = jnp.where(failed, jnp.nan, 1.0), 0.0
     for number in jax.tree.leaves(of):
         if isinstance(number, jax.core.Tracer) and jnp.issubdtype(number.dtype, jnp.floating):
@@ -274,13 +269,13 @@ def collects() -> bool:
 
 
 def collect(result: Any) -> None:
-    """Add a code, () or a batch of them, which may be traced, where codes are collected."""
+    """Collect a code, () or a batch, possibly traced, if codes are collected here."""
     if (codes := _CODES.here()) is not None:
         codes.append(result)
 
 
 def worst_of(codes: list[Any]) -> Any:
-    """The first failure among codes, each () or a batch, or the worst outcome that has an answer; () [-], int32."""
+    """The first failure among codes, each () or a batch; without one, the worst outcome with an answer."""
     import jax.numpy as jnp
 
     found: Any = jnp.zeros((), jnp.int32)
