@@ -305,6 +305,12 @@ def course(states: States) -> str:
     return f"{counted(len(x), 'state')}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
 
 
+def _moving(entry: Any) -> str:
+    """What a coordinate does, without the name of an Euler parameter."""
+    turns = entry.kind == "rotation" and entry.symbol != "phi"
+    return f"turns {entry.of.removesuffix('.rotation')}" if turns else f"moves {entry}"
+
+
 def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[str, str]) -> Summary:
     """Summary of modes with a value for each and rows for all; a small picture shows the first modes."""
     moves, names = np.asarray(found.moves), found.model.labels.x
@@ -316,7 +322,7 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
         moves = np.where(inner[:, None] & outer, 0.0, moves)
     own = {}
     for i, value in enumerate(values[:AT_MOST]):
-        moving = f", moves {names[int(np.argmax(np.abs(moves[:, i])))]} most" if names else ""
+        moving = f", {_moving(names[int(np.argmax(np.abs(moves[:, i])))])} most" if names else ""
         own[f"mode {i + 1}"] = f"{value}{moving}"
     if count > AT_MOST:
         own["more"] = listed(list(values[AT_MOST:]))

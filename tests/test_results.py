@@ -9,7 +9,7 @@ import pytest
 from cases.mechanisms import planar_guide
 
 import flexmb as fm
-from flexmb import paths, planar
+from flexmb import paths, planar, spatial
 from flexmb.mechanisms import mechanism_path
 
 
@@ -155,6 +155,17 @@ def test_matrices_are_attributes_of_what_is_linearised():
     assert along.moving is along.matrices.moving
     with pytest.raises(AttributeError, match="M1"):
         lin.M1  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_a_mode_turns_a_node_and_no_euler_parameter():
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0, 0.0))
+    b.node("tip", (0.1, 0.0, 0.0))
+    section = fm.Rigidity(EA=1e5, GIt=0.1, EIy=0.1, EIz=0.1)
+    b.add(spatial.beam, "foot", "tip", section=section, y=(0, 1, 0), released=(2,))
+    b.fix("foot")
+    b.inertia("tip", (1e-3, 0, 0, 1e-3, 0, 1e-3))
+    assert "turns tip most" in repr(fm.modes(b.build()))
 
 
 def test_modes_are_told_by_nodes_and_not_by_what_lies_within_an_element():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import itertools
 import os
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -13,7 +14,7 @@ from jaxtyping import Array
 
 from ..arguments import is_concrete, require_double_precision
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, among, kind_of, listed, unit_of, unit_of_force
+from ..display import AT_MOST, Result, States, Summary, among, kind_of, listed, unit_of, unit_of_force
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
 from .by_name import TURNS, turn_of
@@ -324,10 +325,13 @@ class Model(Result, Record):
         x_roles, e_roles = self.roles()
         lines.append(f"degrees of freedom named: {self.topology.n_q}")
         for title, entries, roles in (("node", self.labels.x, x_roles), ("element", self.labels.e, e_roles)):
+            own = [pair for pair in zip(entries, roles, strict=True) if pair[0].kind != "norm"]
             grouped: dict[str, list[str]] = {}
-            for entry, role in zip(entries, roles, strict=True):
-                if entry.kind != "norm":
-                    grouped.setdefault(entry.of, []).append(f"{entry.symbol} {role.value}")
+            for (of, role), run in itertools.groupby(own, key=lambda pair: (pair[0].of, pair[1])):
+                symbols = [entry.symbol for entry, _ in run]
+                # A leaf spring has dozens within it.
+                told = [f"{symbols[0]} to {symbols[-1]}"] if len(symbols) > AT_MOST else symbols
+                grouped.setdefault(of, []).extend(f"{symbol} {role.value}" for symbol in told)
             wide = max([16, *(len(name) + 1 for name in grouped)])  # a long name keeps off its components
             lines.append(f"{title:<{wide}}" + "components")
             lines += [f"{name:<{wide}}" + ", ".join(parts) for name, parts in grouped.items()]

@@ -16,6 +16,7 @@ from ..arguments import as_reals, check_number, check_real, is_concrete, returne
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
+from ..display import kind_of
 from ..errors import ModelError, first_line, warn
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
@@ -103,6 +104,11 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
     if hasattr(control, "D") or hasattr(control, "num"):
         check_sizes(control, inputs, outputs)
     if reference is not None:
+        if not callable(reference):
+            raise TypeError(
+                "Argument `reference` must be a function of time that returns a number for each output that the"
+                f" controller reads, such as lambda t: 1e-3, not {kind_of(reference)}."
+            )
         given = reference
         reference = captured(
             lambda t: returned("Argument `reference`", given(t)), jax.ShapeDtypeStruct((), jnp.float64)

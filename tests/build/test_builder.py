@@ -366,6 +366,18 @@ def test_overview_lists_every_entry():
     assert "left 1          e1 fixed, e2 dependent, e3 dependent" in text
 
 
+def test_overview_joins_what_is_alike_within_a_leaf_spring():
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (0.1, 0))
+    b.add(planar.leaf_spring(order=6), "foot", "tip", name="leaf", section=mechanisms.leaf())
+    b.fix("foot")
+    lines = b.build().overview().splitlines()
+    (inner,) = [line for line in lines if line.startswith("leaf.internal")]
+    assert inner.split(maxsplit=1)[1].startswith("c1 to c")
+    assert all(len(line) < 120 for line in lines)
+
+
 def test_overview_keeps_a_long_name_off_its_components():
     b = fm.Builder()
     b.node("foot", (0, 0))

@@ -176,6 +176,11 @@ def test_a_reference_that_gives_no_number_is_named():
         )
 
 
+def test_a_reference_that_is_no_function_is_refused():
+    with pytest.raises(TypeError, match=r"Argument `reference` must be a function of time .* not a dict"):
+        fm.simulate(controlled(), TIMES, control=feedback, reference={"x": 1e-3})  # type: ignore[arg-type]
+
+
 def shaken():
     """A mass of 0.4 kg on a damped spring to a wall, pushed by an actuator of two forces; all that is felt there."""
     b = sprung_mass(stiffness=STIFFNESS, damping=1.2, mass=MASS)
