@@ -134,7 +134,9 @@ def test_a_path_goes_through_netcdf(model, tmp_path):
 def test_rotations_in_space_stand_about_the_axes():
     path = fm.path(spatial_guide(force=(0, 1.0, 0), extra=(5,)).build())
     data = path.to_xarray()
-    np.testing.assert_array_equal(data["left1.rx"], path.rotation("left1", "rx"))
+    for axis in ("rx", "ry", "rz"):
+        np.testing.assert_array_equal(data[f"left1.{axis}"], path.rotation("left1", axis))
+    assert np.ptp([data[f"left1.{axis}"][-1] for axis in ("rx", "ry", "rz")]) > 0
     assert data["left1.rx"].attrs["units"] == "rad"
     assert not [name for name in data.data_vars if "l0" in str(name) or "rotation" in str(name)]
 
