@@ -1,8 +1,8 @@
 """Leaf springs beside solid finite elements: error and time of one leaf spring, a spectral beam, cubic beams.
 
-``python benchmarks/solid.py`` solves the cases of ``solid_cases.py`` by CalculiX (Debian's ``calculix-ccx``) on two
-meshes each, some half an hour, and compares. It writes results/solid.json and results/solid.png. Without CalculiX, or
-with ``--committed``, the solid results that are there are used; with names of cases, only those.
+``python benchmarks/solid.py`` solves the cases of ``solid_cases.py`` and ``solid_shapes.py`` by CalculiX (Debian's
+``calculix-ccx``) on two meshes each, some hour, and compares. It writes results/solid.json and results/solid.png.
+Without CalculiX, or with ``--committed``, the solid results that are there are used; with names of cases, only those.
 """
 
 import json
@@ -17,11 +17,33 @@ RESULTS = HERE / "results" / "solid.json"
 RUNS = 7
 
 
+def solids() -> dict:
+    """Solid models by name, in their order."""
+    from solid_cases import CASES
+    from solid_shapes import SHAPES
+
+    return CASES | SHAPES
+
+
+def beams() -> tuple[dict, dict]:
+    """Builders by case and kind of element, and why the cases left out are not compared."""
+    import solid_beams
+    import solid_shape_beams
+
+    shapes = {
+        name: {kind: (build, solid_beams.KINDS[kind]) for kind in solid_shape_beams.KINDS}
+        for name, build in solid_shape_beams.CASES.items()
+    }
+    cases = {
+        name: {kind: (build, element) for kind, element in solid_beams.KINDS.items()}
+        for name, build in solid_beams.CASES.items()
+    }
+    return cases | shapes, solid_shape_beams.NOT_YET
+
+
 def solve(name: str) -> dict:
     """A case on both meshes: numbers of the fine one with units and the difference of the coarse, and times [s]."""
-    from solid_cases import CASES
-
-    (coarse, first), (fine, second) = (CASES[name](mesh) for mesh in ("coarse", "fine"))
+    (coarse, first), (fine, second) = (solids()[name](mesh) for mesh in ("coarse", "fine"))
     numbers = {k: {"unit": unit, "coarse": coarse[k][0], "fine": value} for k, (value, unit) in fine.items()}
     return {"quantities": numbers, "seconds": {"coarse": first, "fine": second}}
 
@@ -37,12 +59,11 @@ def compare(name: str, case: dict) -> dict:
         By kind: errors by quantity, time of the questions compiled [s] and of the first time they are asked.
     """
     from record import interleaved
-    from solid_beams import CASES, KINDS
 
     found, run = {}, {}
-    for kind, element in KINDS.items():
+    for kind, (build, element) in beams()[0][name].items():
         try:
-            ask = CASES[name](element)
+            ask = build(element)
             begin = time.perf_counter()
             numbers = ask()
         except (fm.AnalysisError, fm.ModelError) as fault:
@@ -104,15 +125,15 @@ def draw(cases: dict, compared: dict) -> None:
 def main() -> None:
     """Solve, compare, print, save and draw."""
     from record import save
-    from solid_cases import CASES
     from solid_models import installed
 
     fm.enable_x64()
     fm.enable_cache()
+    every, not_yet = solids(), beams()[1]
     given = [a for a in sys.argv[1:] if a != "--committed"]
-    if unknown := [name for name in given if name not in CASES]:
-        sys.exit(f"There is no case '{unknown[0]}'. There are: {', '.join(CASES)}.")
-    names = given or list(CASES)
+    if unknown := [name for name in given if name not in every]:
+        sys.exit(f"There is no case '{unknown[0]}'. There are: {', '.join(every)}.")
+    names = given or list(every)
     solving = installed() and "--committed" not in sys.argv
     if not solving:
         why = "they were asked for" if installed() else "CalculiX (ccx) is not installed"
@@ -125,13 +146,16 @@ def main() -> None:
         elif name not in cases:
             print(f"{name}: no solid results are there.")
             continue
-        if found := compare(name, cases[name]):
+        found = {} if name in not_yet else compare(name, cases[name])
+        if found:
             compared[name] = found
+        else:
+            print(f"{name}: not compared, {not_yet.get(name, 'no element solved it')}.")
         table(name, cases[name], found)
         sys.stdout.flush()
         # In the order of the cases, after each, so that what took long is kept.
         parts = {"solid": cases, "flexmb": compared}
-        save("solid", {part: {k: some[k] for k in CASES if k in some} for part, some in parts.items()})
+        save("solid", {part: {k: some[k] for k in every if k in some} for part, some in parts.items()})
     draw(cases, compared)
 
 

@@ -23,23 +23,24 @@ class Leaf:
     """A leaf spring.
 
     Attributes:
-        width: [m].
-        thickness: [m], or a function of the place from 0 to 1.
+        width: [m], or a function of the place from 0 to 1.
+        thickness: The same.
         breaks: Where it jumps or has a corner, in order; a chain of beams has nodes at the first and the last.
     """
 
-    width: float = WIDTH
+    width: Any = WIDTH
     thickness: Any = THICKNESS
     breaks: tuple[float, ...] = ()
 
     def at(self, place, shear: bool = False) -> fm.Rectangle:
         """Section at a place."""
+        width: Any = self.width(place) if callable(self.width) else self.width
         thickness: Any = self.thickness(place) if callable(self.thickness) else self.thickness
-        return fm.Rectangle(self.width, thickness, material(), shear=shear)
+        return fm.Rectangle(width, thickness, material(), shear=shear)
 
     def section(self, shear: bool = False):
         """Section of the whole, for an element that takes one that varies."""
-        if not callable(self.thickness):
+        if not callable(self.width) and not callable(self.thickness):
             return self.at(0.0, shear)
         return fm.sections.Profile(lambda place: self.at(place, shear), self.breaks)
 
@@ -181,18 +182,30 @@ def notch(kind):
     return tip_of(b, "middle", guided=False)
 
 
-def fold(kind):
-    """Folded leaf spring."""
-    b = fm.Builder()
-    b.node("foot", (0, 0, 0))
-    b.node("corner", (LENGTH, 0, 0))
-    b.node("tip", (LENGTH, 0, LENGTH))
-    b.node("beyond", (LENGTH, 0, LENGTH + 0.01))
-    kind(b, Leaf(), "foot", "corner")
-    kind(b, Leaf(), "corner", "tip")
-    rigid(b, "tip", "beyond")
-    b.fix("foot")
-    return tip_of(b)
+def fold(kind, sizes=(LENGTH, WIDTH, THICKNESS), strokes=()):
+    """Folded leaf spring at rest, and with its tip moved along x, rotations held, at strokes."""
+    leg, width, thickness = sizes
+
+    def at(stroke):
+        b = fm.Builder()
+        b.node("foot", (0, 0, 0))
+        b.node("corner", (leg, 0, 0))
+        b.node("tip", (leg, 0, leg))
+        kind(b, Leaf(width, thickness), "foot", "corner")
+        kind(b, Leaf(width, thickness), "corner", "tip")
+        b.fix("foot")
+        if stroke:
+            b.prescribe("tip", "x", stroke)
+            b.fix("tip", "rotation")
+        else:
+            b.node("beyond", (leg, 0, leg + 0.01))
+            rigid(b, "tip", "beyond")
+        return b
+
+    rest, models = tip_of(at(0.0)), {s: at(s).build() for s in strokes}
+    if not strokes:
+        return rest
+    return lambda: {f"0 mm, {k}": v for k, v in rest().items()} | at_strokes(models, "tip", ("y", "z"), 0)
 
 
 def two(kind, leaf, places) -> tuple[fm.Builder, list[list[str]]]:
@@ -241,7 +254,7 @@ def guide(kind, leaf=None):
     return lambda: along(fm.compliance(rest, "stage"), "0 mm, ") | at_strokes(models, "stage", axes)
 
 
-def guided_leaf(kind):
+def guided_leaf(kind, strokes=STROKES):
     """Wide leaf spring whose tip moves without turning."""
 
     def at(stroke):
@@ -250,7 +263,7 @@ def guided_leaf(kind):
         b.fix("tip", "rotation")
         return b.build()
 
-    models = {s: at(s) for s in STROKES}
+    models = {s: at(s) for s in strokes}
     return lambda: at_strokes(models, "tip", ("x", "y"))
 
 

@@ -103,9 +103,9 @@ def moved(found: dict[int, np.ndarray], body: tuple[int, ...]) -> np.ndarray:
     return np.concatenate([found[body[0]], found[body[1]]])
 
 
-def compliances(mesh: Mesh, body: tuple[int, ...]) -> tuple[np.ndarray, Printed]:
+def compliances(mesh: Mesh, body: tuple[int, ...], material=MATERIAL) -> tuple[np.ndarray, Printed]:
     """(6, 6) compliance of a rigid body at rest."""
-    done = run(mesh, MATERIAL, [step(loads=[(n, d, 1.0)]) for n in body[:2] for d in (1, 2, 3)])
+    done = run(mesh, material, [step(loads=[(n, d, 1.0)]) for n in body[:2] for d in (1, 2, 3)])
     return np.array([moved(u, body) for u in done.u]).T, done
 
 
@@ -173,7 +173,9 @@ def fold(fine: Fineness):
     return tip(fine, build, (LENGTH, 0.0, LENGTH))
 
 
-def about(mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, axes, name, twist=None, held=()):
+def about(
+    mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, axes, name, twist=None, held=(), small=SMALL
+):
     """Force of a drive that is held at strokes, and stiffnesses there with it held, by small loads.
 
     Args:
@@ -185,6 +187,7 @@ def about(mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, ax
         name: Of a stroke, as text.
         twist: Distance between the two more nodes [m].
         held: What else is held.
+        small: Loads by direction [N, N m].
     """
     node_of = {a: (body[0] if i < 3 else body[1], i % 3 + 1) for i, a in enumerate(AXES)}
 
@@ -209,7 +212,7 @@ def about(mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, ax
         order.append((stroke, None, 0))
         for axis in axes:
             for sign in (1, -1) if axis in UNEVEN or twist else (1,):
-                at = loads(axis, sign * SMALL[axis])
+                at = loads(axis, sign * small[axis])
                 steps.append(step(loads=at, held=[(*drive, stroke), *held], nlgeom=True, increments="1.,1."))
                 order.append((stroke, axis, sign))
         before = stroke
@@ -225,7 +228,7 @@ def about(mesh: Mesh, body: tuple[int, ...], drive: tuple[int, int], strokes, ax
         for axis in axes:
             up = states[stroke, axis, 1][0]
             down, span = (states[stroke, axis, -1][0], 2) if (stroke, axis, -1) in states else (rest, 1)
-            slope = (read(up, axis) - read(down, axis)) / (span * SMALL[axis])
+            slope = (read(up, axis) - read(down, axis)) / (span * small[axis])
             found[f"{name(stroke)}, stiffness {axis}"] = (1 / slope, UNITS[axis])
     return found, done
 

@@ -89,12 +89,15 @@ class Mesh:
             self._known[key] = len(self.points)
         return len(self.points)
 
-    def box(self, xs, ys, zs, shape: Callable | None = None) -> None:
+    def box(self, xs, ys, zs, shape: Callable | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Add bricks between planes.
 
         Args:
             xs, ys, zs: Places of the planes between elements [m].
-            shape: Where a point of the box lies, of arrays x, y, z; as it is if None.
+            shape: Where a point of the box lies, of x, y, z; as it is if None.
+
+        Returns:
+            Numbers of the nodes on its first face along x and on its last.
         """
         halves = [np.interp(np.arange(2 * len(p) - 1) / 2, np.arange(len(p)), p) for p in (xs, ys, zs)]
         numbers: dict[tuple[int, int, int], int] = {}
@@ -110,6 +113,9 @@ class Mesh:
                 for k in range(len(zs) - 1):
                     at = BRICK + 2 * np.array([i, j, k])
                     self.bricks.append(np.array([number(tuple(int(a) for a in one)) for one in at]))
+        ends = (0, 2 * len(xs) - 2)
+        first, last = (np.array(sorted(n for at, n in numbers.items() if at[0] == end)) for end in ends)
+        return first, last
 
     def pick(self, name: str, where: Callable) -> np.ndarray:
         """Name the nodes at which a condition holds.

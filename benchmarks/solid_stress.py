@@ -1,15 +1,17 @@
 """Stress of a leaf spring by solid finite elements: the numbers of A14-stress in tests/REFERENCES.md, on two meshes.
 
 Of nodes on the surface, averaged over the elements that meet there, as CalculiX extrapolates it. Takes ten minutes, and
-prints.
+prints. With ``wide`` it prints instead the stress of both faces near the clamp, at the edge and in the middle, of a
+leaf spring half as wide as long at a stroke of a tenth of its length.
 """
 
 import os
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from solid_cases import LENGTH, MATERIAL, THICKNESS, WIDTH, Fineness, ends, leaf
+from solid_cases import LENGTH, MATERIAL, THICKNESS, WIDE, WIDTH, Fineness, ends, leaf
 from solid_models import Mesh, installed, run, step
 
 CORNER, MIDDLE = (WIDTH / 2, THICKNESS / 2), (0.0, THICKNESS / 2)
@@ -39,10 +41,10 @@ def read(path: Path) -> tuple[np.ndarray, list[np.ndarray]]:
     return np.array([points[n] for n in nodes]), [np.array([one[n] for n in nodes]) for one in stresses]
 
 
-def solved(fine: Fineness, steps):
+def solved(fine: Fineness, steps, width=WIDTH):
     """Places and stress of a strip with a clamped foot and a rigid tip; ``steps(reference node, rotation node)``."""
     mesh = Mesh()
-    leaf(mesh, fine, WIDTH)
+    leaf(mesh, fine, width)
     ends(mesh)
     body = mesh.make_rigid("TIP", (LENGTH, 0, 0))
     with tempfile.TemporaryDirectory() as folder:
@@ -51,11 +53,11 @@ def solved(fine: Fineness, steps):
         return read(Path(folder) / "case.frd")
 
 
-def along(points, values, at, widths):
+def along(points, values, at, widths, width=WIDTH):
     """Values of a line of nodes at y and z, at distances from the clamp in widths."""
     chosen = np.flatnonzero(np.max(np.abs(points[:, 1:] - at), axis=1) < 1e-9)
     chosen = chosen[np.argsort(points[chosen, 0])]
-    return np.interp(np.asarray(widths) * WIDTH, points[chosen, 0], values[chosen])
+    return np.interp(np.asarray(widths) * width, points[chosen, 0], values[chosen])
 
 
 def von_mises(s):
@@ -64,8 +66,42 @@ def von_mises(s):
     return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (xy**2 + yz**2 + zx**2))
 
 
+def near_clamp(fine: Fineness, width: float, places=(0.1, 0.2, 0.5)) -> dict[str, np.ndarray]:
+    """Stress at a stroke [MPa] along the strip and across it, of both faces, at the edge and in the middle.
+
+    Args:
+        fine: Sizes.
+        width: [m].
+        places: Distances from the clamp in widths.
+
+    Returns:
+        By name; tension is positive, and the face at +z is the one towards which the tip moves.
+    """
+    far = {"nlgeom": True, "increments": "0.25,1.", "more": STRESS}
+
+    def steps(a, b):
+        held = [(a, 3, STROKE), (a, 2, 0.0), *((b, d, 0.0) for d in (1, 2, 3))]
+        return [step(held=held, **far)]
+
+    points, found = solved(fine, steps, width)
+    # The faces are free, so that what is along the strip is the sum in the plane in which it bends.
+    lengthwise, across = (found[-1][:, 0] + found[-1][:, 2]) / 1e6, found[-1][:, 1] / 1e6
+    return {
+        f"{where}, {face}, {name}": along(points, values, (y, z), places, width)
+        for where, y in (("edge", width / 2), ("middle", 0.0))
+        for face, z in (("+z", THICKNESS / 2), ("-z", -THICKNESS / 2))
+        for name, values in (("along", lengthwise), ("across", across))
+    }
+
+
 def main() -> None:
     """Print all numbers."""
+    if "wide" in sys.argv[1:]:
+        for fine in FAR:
+            print("At 0.1, 0.2 and 0.5 widths from the clamp [MPa]:")
+            for name, values in near_clamp(fine, WIDE).items():
+                print(f"  {name:<24}" + "".join(f"{v:10.2f}" for v in values), flush=True)
+        return
     near, places = (0.1, 0.15, 0.3), (0.2, 0.5, 1.0)
     for fine in MESHES:
         points, (bent, turned) = solved(fine, lambda _, b: [step(loads=[(b, d, 1.0)], more=STRESS) for d in (2, 1)])

@@ -1,0 +1,324 @@
+"""Solid models of leaf springs of other shapes: short, thick, arched, twisted, tapered, stepped, slotted, skew.
+
+As in ``solid_cases.py``: a leaf spring begins along x with its width along y; the foot is clamped whole, and a rigid
+body is on the face of the tip. Sizes are in metres and stand here once, for the solid models and for the beams.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from solid_cases import (
+    AT_STROKE,
+    MATERIAL,
+    MESHES,
+    SMALL,
+    THICKNESS,
+    Fineness,
+    about,
+    compliances,
+    millimetres,
+    stiffnesses,
+)
+from solid_models import Mesh, graded
+
+# Length, width, thickness of plain strips.
+SHORT, THICK, BROAD = (0.030, 0.030, 0.0003), (0.030, 0.012, 0.002), (0.025, 0.050, 0.0005)
+GUIDED, GUIDED_STROKES = (0.1, 0.05, 0.0005), (0.010, 0.020)
+# Of strips whose width varies: length, and the widths at foot, middle and tip.
+TRAPEZOID, TRIANGLE, WAIST = (0.080, 0.030, 0.012), (0.080, 0.040, 0.004), (0.080, 0.030, 0.012)
+TWISTED, TWIST = (0.1, 0.018, 0.0005), np.radians(30)
+SKEW, SKEWNESS = (0.1, 0.030, 0.0005), np.radians((15, 30, 45))
+# Arc: radius, angle, width, thickness. Arch: span, height, width, thickness.
+ARC, ARC_STROKES = (0.060, np.radians(90), 0.020, 0.0004), {"apart": (0.0045,), "together": (0.0045, 0.009)}
+ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005, 0.007)
+# Length of a part, wide and narrow. Of the slot: the whole, then length and width of the slot.
+STEPS, SLOT = (0.030, 0.036, 0.012), ((0.1, 0.030), (0.040, 0.010))
+# Parts in thickness: lengths and thicknesses.
+STIFFENED = (0.018, (0.020, 0.060, 0.020))
+# Leg, width and thickness of the fold, and its strokes along x.
+FOLDED, FOLD_STROKES = (0.06, 0.03, 0.0005), (0.003, 0.006, 0.012)
+# Sizes where the singular edges of clamps and skew corners count, and for a leaf spring that is thick.
+SHARP = {"coarse": MESHES["fine"], "fine": Fineness(0.3, 1 / 9, 1.5, 2)}
+# Of curved ones: with one element through the thickness their large displacements do not converge.
+BENT = {"coarse": Fineness(1, 1 / 4, 2, 2), "fine": Fineness(0.6, 1 / 6, 1.8, 2)}
+THROUGH = {"coarse": Fineness(0.25, 1 / 10, 1.5, 3), "fine": Fineness(0.12, 1 / 14, 1.4, 5)}
+
+
+def strip(mesh: Mesh, fine: Fineness, length, width, thickness=THICKNESS, place: Callable | None = None) -> None:
+    """Add one strip from x = 0 to its length, and name its ends.
+
+    Args:
+        mesh: Bricks, added to.
+        fine: Sizes.
+        length: Along x [m].
+        width: Along y [m].
+        thickness: Along z [m].
+        place: Where its points lie, of x, y, z.
+    """
+    xs, ys = fine.along(0, length, width, thickness), fine.across(width, thickness)
+    mesh.sets["FOOT"], mesh.sets["TIP"] = mesh.box(xs, ys, fine.thick(thickness), place)
+
+
+def named(compliance: np.ndarray, guided: bool = True) -> dict[str, tuple[float, str]]:
+    """Stiffnesses of a tip by name, each with all else free; with all else held along y and z where guided."""
+    found = stiffnesses(compliance)
+    if guided:
+        stiffness = np.linalg.inv(compliance)
+        found |= {f"rotations held, stiffness {a}": (stiffness[i, i], "N/m") for i, a in ((1, "y"), (2, "z"))}
+    return found
+
+
+def at_rest(fine: Fineness, build: Callable[[Mesh, Fineness], None], centre, guided: bool = True, material=MATERIAL):
+    """Stiffnesses of the tip's body at rest.
+
+    Args:
+        fine: Sizes.
+        build: Adds bricks and names the ends.
+        centre: Of the tip's body [m].
+        guided: Whether stiffnesses with all else held are wanted.
+        material: Of all.
+    """
+    mesh = Mesh()
+    build(mesh, fine)
+    compliance, done = compliances(mesh, mesh.make_rigid("TIP", centre), material)
+    return named(compliance, guided), done.seconds
+
+
+def plain(fine: Fineness, sizes, place: Callable | None = None, centre=None, guided: bool = True, material=MATERIAL):
+    """Stiffnesses of one strip whose points are placed elsewhere; of the tip's body at the end of the x axis."""
+    length, width, thickness = sizes
+
+    def build(mesh, fine):
+        strip(mesh, fine, length, width, thickness, place)
+
+    return at_rest(fine, build, centre or (length, 0, 0), guided, material)
+
+
+def tapered(fine: Fineness, sizes):
+    """Strip whose width varies linearly from foot to tip."""
+    length, foot, tip = sizes
+    return plain(fine, (length, foot, THICKNESS), lambda x, y, z: (x, y * (1 + (tip / foot - 1) * x / length), z))
+
+
+def waist(place, sizes=WAIST):
+    """Width of a waisted leaf spring at places from 0 to 1, of any array's kind."""
+    _, wide, narrow = sizes
+    return wide + (narrow - wide) * np.sin(np.pi * place) ** 2
+
+
+def waisted(fine: Fineness):
+    """Strip whose width narrows to its middle as a cosine."""
+    length, wide, _ = WAIST
+    return plain(fine, (length, wide, THICKNESS), lambda x, y, z: (x, y * waist(x / length) / wide, z))
+
+
+def twisted(fine: Fineness):
+    """Strip that is twisted about x before any load, evenly."""
+
+    def place(x, y, z):
+        angle = TWIST * x / TWISTED[0]
+        return x, y * np.cos(angle) - z * np.sin(angle), y * np.sin(angle) + z * np.cos(angle)
+
+    return plain(fine, TWISTED, place)
+
+
+def skew(fine: Fineness, foot: float, tip: float, sizes=SKEW, material=MATERIAL):
+    """Strip whose ends are cut at angles; its middle line keeps its length."""
+    length = sizes[0]
+
+    def place(x, y, z):
+        return x + y * (np.tan(foot) * (1 - x / length) + np.tan(tip) * x / length), y, z
+
+    return plain(fine, sizes, place, material=material)
+
+
+def arc(chord: bool) -> Callable:
+    """Where the points of the arc lie: from the foot at the origin, tangent to x, towards +z; or its chord along x."""
+    radius, angle, *_ = ARC
+    back = angle / 2 if chord else 0.0
+
+    def place(x, y, z):
+        turned = x / radius
+        ahead, up = (radius - z) * np.sin(turned), radius - (radius - z) * np.cos(turned)
+        return ahead * np.cos(back) + up * np.sin(back), y, up * np.cos(back) - ahead * np.sin(back)
+
+    return place
+
+
+def curved(fine: Fineness):
+    """Arc at rest, and its tip pulled apart and pushed together along its chord, its rotations held."""
+    radius, angle, width, thickness = ARC
+    sizes = radius * angle, width, thickness
+    place = arc(chord=True)
+    centre = tuple(place(sizes[0], 0.0, 0.0))
+    found, seconds = plain(fine, sizes, place, centre)
+    found = {f"0 mm, {k}": v for k, v in found.items()}
+    for sign, name in ((1, "apart"), (-1, "together")):
+        strokes = [sign * s for s in ARC_STROKES[name]]
+        mesh = Mesh()
+        strip(mesh, fine, *sizes, place)
+        body = mesh.make_rigid("TIP", centre)
+        held = [(body[1], d, 0.0) for d in (1, 2, 3)]
+        here, done = about(
+            mesh, body, (body[0], 1), strokes, ("y",), lambda s, n=name: f"{n} {1e3 * abs(s):.1f} mm", held=held
+        )
+        found |= here
+        seconds += done.seconds
+    return found, seconds
+
+
+def arched(fine: Fineness):
+    """Half of a cosine arch that is clamped at its foot; the rigid part in its middle moves down without turning.
+
+    It moves from the height of the arch towards its mirror image. The force of a whole arch is twice that.
+    """
+    span, height, width, thickness = ARCH
+    half = span / 2
+
+    def place(x, y, z):
+        # By the place along the span, with the thickness along the normal.
+        up, slope = height / 2 * (1 - np.cos(np.pi * x / half)), height / 2 * np.pi / half * np.sin(np.pi * x / half)
+        size = np.hypot(1, slope)
+        return x - z * slope / size, y, up + z / size
+
+    def build():
+        mesh = Mesh()
+        strip(mesh, fine, half, width, thickness, place)
+        return mesh, mesh.make_rigid("TIP", (half, 0, height))
+
+    found, seconds = plain(fine, (half, width, thickness), place, (half, 0, height))
+    mesh, body = build()
+    held = [(body[1], d, 0.0) for d in (1, 2, 3)] + [(body[0], d, 0.0) for d in (1, 2)]
+    here, done = about(
+        mesh, body, (body[0], 3), [-s for s in ARCH_STROKES], (), lambda s: f"down {1e3 * abs(s):.1f} mm", held=held
+    )
+    return found | here, seconds + done.seconds
+
+
+def parts(mesh: Mesh, fine: Fineness, lengths, widths, thickness=THICKNESS) -> None:
+    """Strips in line that share their middle line, of widths of their own."""
+    ys_of = {}
+    inner, outer = min(widths), max(widths)
+    ys_of[inner] = fine.across(inner, thickness)
+    # The wide parts have the narrow one's planes, and further ones that grow away from its edge.
+    for w in sorted(set(widths) - {inner}):
+        out = graded(inner / 2, w / 2, fine.first * thickness, fine.first * thickness, fine.most * outer, fine.growth)
+        ys_of[w] = np.concatenate([-out[:0:-1], ys_of[inner], out[1:]])
+    start, faces = 0.0, []
+    for length, w in zip(lengths, widths, strict=True):
+        # Fine at the steps as at the clamps; coarser than the narrow part nowhere by much.
+        xs = fine.along(start, start + length, min(w, 1.5 * inner), thickness)
+        faces.append(mesh.box(xs, ys_of[w], fine.thick(thickness)))
+        start += length
+    mesh.sets["FOOT"], mesh.sets["TIP"] = faces[0][0], faces[-1][1]
+
+
+def stepped(fine: Fineness, lengths, widths, thickness=THICKNESS, material=MATERIAL):
+    """Leaf spring whose width steps."""
+
+    def build(mesh, fine):
+        parts(mesh, fine, lengths, widths, thickness)
+
+    return at_rest(fine, build, (sum(lengths), 0, 0), material=material)
+
+
+def slotted(fine: Fineness):
+    """Leaf spring with a rectangular slot in its middle."""
+    (length, width), (long, open_) = SLOT
+    start, end = (length - long) / 2, (length + long) / 2
+    rail = (width - open_) / 2
+
+    def build(mesh, fine):
+        first = fine.first * THICKNESS
+        ys_rail = graded(open_ / 2, width / 2, first, first, fine.most * rail, fine.growth)
+        ys_slot = graded(0, open_ / 2, fine.most * rail, first, fine.most * rail, fine.growth)
+        zs = fine.thick()
+        right = np.concatenate([ys_slot, ys_rail[1:]])
+        whole = np.concatenate([-right[:0:-1], right])
+        foot, _ = mesh.box(fine.along(0, start, rail * 1.5), whole, zs)
+        for ys in (ys_rail, -ys_rail[::-1]):
+            mesh.box(fine.along(start, end, rail), ys, zs)
+        _, tip = mesh.box(fine.along(end, length, rail * 1.5), whole, zs)
+        mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
+
+    return at_rest(fine, build, (length, 0, 0))
+
+
+def stiffened(fine: Fineness, thick: float, sizes=STIFFENED):
+    """Leaf spring whose middle part is thicker, by the same on both faces."""
+    width, lengths = sizes
+
+    def build(mesh, fine):
+        ys, zs = fine.across(width), fine.thick()
+        ends = np.cumsum([0.0, *lengths])
+        up = graded(THICKNESS / 2, thick / 2, fine.first * THICKNESS, THICKNESS, THICKNESS, fine.growth)[1:]
+        foot, _ = mesh.box(fine.along(ends[0], ends[1], width), ys, zs)
+        mesh.box(fine.along(ends[1], ends[2], width), ys, np.concatenate([-up[::-1], zs, up]))
+        _, tip = mesh.box(fine.along(ends[2], ends[3], width), ys, zs)
+        mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
+
+    return at_rest(fine, build, (sum(lengths), 0, 0))
+
+
+def guided(fine: Fineness, sizes, strokes, axes=("x", "y"), small=SMALL):
+    """Clamped strip whose tip is moved along z, its rotations held."""
+    mesh = Mesh()
+    strip(mesh, fine, *sizes)
+    body = mesh.make_rigid("TIP", (sizes[0], 0.0, 0.0))
+    held = [(body[1], d, 0.0) for d in (1, 2, 3)]
+    found, done = about(mesh, body, (body[0], 3), strokes, axes, millimetres, held=held, small=small)
+    return found, done.seconds
+
+
+def folded(rest: Fineness, fine: Fineness, strokes=FOLD_STROKES):
+    """Wide fold by 90 degrees, one leg along x and one along z, whose tip is moved along x, rotations held."""
+    leg, width, thickness = FOLDED
+
+    def build(mesh, fine):
+        ys, zs = fine.across(width, thickness), fine.thick(thickness)
+        foot, _ = mesh.box(fine.along(0, leg - thickness / 2, width, thickness), ys, zs)
+        mesh.box(leg + zs, ys, zs)
+        mesh.box(leg + zs, ys, fine.along(thickness / 2, leg, width, thickness))
+        mesh.sets["FOOT"] = foot
+        mesh.pick("TIP", lambda p: p[:, 2] > leg - 1e-9)
+
+    found, seconds = at_rest(rest, build, (leg, 0, leg))
+    found = {f"0 mm, {k}": v for k, v in found.items()}
+    mesh = Mesh()
+    build(mesh, fine)
+    body = mesh.make_rigid("TIP", (leg, 0, leg))
+    held = [(body[1], d, 0.0) for d in (1, 2, 3)]
+    here, done = about(mesh, body, (body[0], 1), strokes, ("y", "z"), millimetres, held=held)
+    return found | here, seconds + done.seconds
+
+
+def _angles(foot: bool, tip: bool):
+    sizes = {a: SHARP if a > np.radians(40) else MESHES for a in SKEWNESS}
+    return {
+        f"skew {np.degrees(a):.0f} degrees, {'both ends' if tip else 'foot alone'}": (
+            lambda mesh, a=a: skew(sizes[a][mesh], a if foot else 0.0, a if tip else 0.0)
+        )
+        for a in SKEWNESS
+    }
+
+
+# Cases by name, as those of ``solid_cases.py``.
+SHAPES: dict[str, Callable] = {
+    "short leaf spring": lambda mesh: plain(SHARP[mesh], SHORT),
+    "broad leaf spring": lambda mesh: plain(SHARP[mesh], BROAD),
+    "thick leaf spring": lambda mesh: plain(THROUGH[mesh], THICK),
+    "arc": lambda mesh: curved(BENT[mesh]),
+    "cosine arch": lambda mesh: arched(BENT[mesh]),
+    "twisted leaf spring": lambda mesh: twisted(MESHES[mesh]),
+    "trapezoid": lambda mesh: tapered(MESHES[mesh], TRAPEZOID),
+    "triangle": lambda mesh: tapered(SHARP[mesh], TRIANGLE),
+    "waist": lambda mesh: waisted(MESHES[mesh]),
+    "steps in width": lambda mesh: stepped(MESHES[mesh], (STEPS[0],) * 3, (STEPS[1], STEPS[2], STEPS[1])),
+    "slot": lambda mesh: slotted(MESHES[mesh]),
+    "steps in thickness, 1.75 mm": lambda mesh: stiffened(MESHES[mesh], 0.00175),
+    "steps in thickness, 5 mm": lambda mesh: stiffened(MESHES[mesh], 0.005),
+    **_angles(True, True),
+    **_angles(True, False),
+    "wide fold": lambda mesh: folded(MESHES[mesh], AT_STROKE[mesh]),
+    "guided leaf spring 50 mm wide, far": lambda mesh: guided(AT_STROKE[mesh], GUIDED, GUIDED_STROKES),
+}
