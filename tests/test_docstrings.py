@@ -26,7 +26,7 @@ METHODS = {
 }
 # They set up a process, wrap a user's function or read what a user wrote; nothing in them is an equation.
 WITHOUT_EQUATION = {"save_motion", "enable_x64", "enable_cache", "jit", "read_spacar", "write_spacar"}
-WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model", "edit", "measured", "read_response"}
+WITHOUT_EQUATION |= {"spacar_light", "spacar_light_model", "edit", "measured"}
 # Pictures show what has been computed.
 WITHOUT_EQUATION |= {*PLOTS, "view", "edit"}
 

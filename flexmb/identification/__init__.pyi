@@ -6,5 +6,4 @@ from .measurement import Measured as Measured
 from .measurement import measured as measured
 from .mode_pairing import measured_modes as measured_modes
 from .response_data import measured_response as measured_response
-from .response_data import read_response as read_response
 from .undetermined import Undetermined as Undetermined

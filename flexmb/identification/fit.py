@@ -182,7 +182,6 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     slopes = weighted_slopes(rows, slopes, problem.loss)
     known = all(item.scatter is not None for item in problem.items)
     noise = 1.0 if known else float(np.sqrt(np.sum(rows**2) / max(len(rows) - len(unit), 1)))
-    exact = noise == 0
     undetermined = combinations_of(problem, unit, slopes, noise or np.finfo(float).tiny)
     freedom = len(rows) - len(unit) + len(undetermined)
     finite, infinite = scaled_covariance(slopes, noise or np.finfo(float).tiny)
@@ -199,7 +198,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
         if min(u, 1 - u) < AT_BOUND
     )
     minima = _minima(problem, solutions)
-    result, reason = _outcome(best, probability, minima, len(solutions), exact)
+    result, reason = _outcome(best, probability, minima, len(solutions), freedom)
     return Fit(
         layout.split(flat),
         start,
@@ -234,16 +233,19 @@ def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[
 
 
 def _outcome(
-    best: Solution, probability: float, minima: Sequence[Any], starts: int, exact: bool
+    best: Solution, probability: float, minima: Sequence[Any], starts: int, freedom: int
 ) -> tuple[RESULTS, str]:
     if not best.converged:
         return RESULTS.not_optimal, "the search did not converge from any start"
     others = f"; {len(minima)} different minima from {starts} starts" if len(minima) > 1 else ""
     if probability < IMPLAUSIBLE:
         why = "another start may fit better (starts)" if starts == 1 else f"the best of {starts} starts"
-        return RESULTS.poor_fit, f"chi-squared is this large by scatter with a probability of {probability:.1g}; {why}"
-    text = "the values are met exactly" if exact else "the values are met within their scatter"
-    return RESULTS.successful, (text if np.isfinite(probability) or exact else "least squares converged") + others
+        chance = f"by scatter alone chi-squared is as large with a probability of {probability:.1g}"
+        return RESULTS.poor_fit, f"{chance}; {why}"
+    if freedom < 1:
+        return RESULTS.successful, "there are as many values as parameters, so that nothing tests the model" + others
+    text = "the values are met within their scatter" if np.isfinite(probability) else "least squares converged"
+    return RESULTS.successful, text + others
 
 
 def _warn(found: Fit) -> None:

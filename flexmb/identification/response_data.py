@@ -1,8 +1,7 @@
-"""Measured frequency responses: complex values, from arrays and from files."""
+"""Measured frequency responses as complex values."""
 
-import csv
-from pathlib import Path
-from typing import Any, NamedTuple
+import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,18 +11,6 @@ from jaxtyping import Array, Float
 from ..control.frequency_response import frequency_response
 from ..design.designs import numbers
 from .measurement import Measured, measured
-
-
-class MeasuredResponse(NamedTuple):
-    """A frequency response as a file has it.
-
-    Attributes:
-        hertz: Frequencies, (n_f,) [Hz].
-        values: Complex response, (n_f,) [unit of the output over the unit of the input].
-    """
-
-    hertz: np.ndarray
-    values: np.ndarray
 
 
 def measured_response(
@@ -40,6 +27,8 @@ def measured_response(
     name: str = "response",
 ) -> Measured:
     """Measured response of an output to a harmonic input.
+
+    ``control.FrequencyResponse.load`` reads a universal file (data set 58), ``numpy.loadtxt`` a table.
 
     Args:
         hertz: Frequencies, (n_f,) [Hz].
@@ -97,60 +86,4 @@ def measured_response(
     if logarithmic:
         wanted = np.zeros_like(wanted)
     single = measured(answer, wanted, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
-    return Measured(
-        single.name, answer, single.values, single.scatter, tuple(dict.fromkeys(fitted)), single.over, single.label
-    )
-
-
-def read_response(path: str | Path, *, number: int | None = None) -> MeasuredResponse:
-    """Read a measured frequency response from a file.
-
-    Args:
-        path: ``.csv`` with columns of frequency [Hz], real part and imaginary part, a heading allowed; ``.uff`` or
-            ``.unv`` with datasets of universal format 58 (extra ``io``).
-        number: Which dataset of several, from 1.
-
-    Returns:
-        MeasuredResponse.
-
-    Raises:
-        ValueError: The file has another ending, a row without three numbers, no response, or several and no number.
-        ModuleNotFoundError: A universal file, and pyuff is not installed.
-    """
-    file = Path(path)
-    if file.suffix.lower() == ".csv":
-        return _from_csv(file)
-    if file.suffix.lower() not in (".uff", ".unv"):
-        raise ValueError(f"A measured response is read from .csv, .uff or .unv, but the file is {file.name}.")
-    try:
-        import pyuff
-    except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            "Universal files are read by pyuff, which is not installed: pip install 'flexmb[io]'."
-        ) from None
-    sets = [one for one in np.atleast_1d(pyuff.UFF(str(file)).read_sets()) if one.get("type") == 58]
-    if not sets or (number is None and len(sets) > 1) or (number is not None and not 1 <= number <= len(sets)):
-        raise ValueError(f"File {file.name} has {len(sets)} datasets of format 58: say which by `number`, from 1.")
-    one = sets[(number or 1) - 1]
-    return MeasuredResponse(np.asarray(one["x"], float), np.asarray(one["data"], complex))
-
-
-def _from_csv(file: Path) -> MeasuredResponse:
-    rows = []
-    with file.open(newline="", encoding="utf-8") as text:
-        for line, row in enumerate(csv.reader(text), 1):
-            if not "".join(row).strip():
-                continue
-            try:
-                hertz, real, imaginary = map(float, row)
-            except ValueError:
-                if line == 1:
-                    continue
-                raise ValueError(
-                    f"Line {line} of {file.name} must have frequency, real part and imaginary part, but is {row}."
-                ) from None
-            rows.append((hertz, real, imaginary))
-    if not rows:
-        raise ValueError(f"File {file.name} has no rows of frequency, real part and imaginary part.")
-    table = np.array(rows)
-    return MeasuredResponse(table[:, 0], table[:, 1] + 1j * table[:, 2])
+    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)))

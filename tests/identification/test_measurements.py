@@ -96,19 +96,6 @@ def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
         assert found.deviation[name] < 0.02 * value + 1e-4
 
 
-def test_a_response_is_read_from_a_table(tmp_path):
-    file = tmp_path / "guide.csv"
-    file.write_text("frequency [Hz],real,imaginary\n1.0,2.0,-3.0\n2.0,4.0,5.0\n", encoding="utf-8")
-    found = fm.read_response(file)
-    assert found.hertz == pytest.approx([1.0, 2.0])
-    assert found.values == pytest.approx([2 - 3j, 4 + 5j])
-    file.write_text("1.0,2.0,-3.0\n2.0,four,5.0\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"Line 2 of guide\.csv"):
-        fm.read_response(file)
-    with pytest.raises(ValueError, match=r"read from \.csv"):
-        fm.read_response(tmp_path / "guide.mat")
-
-
 def test_bad_responses_are_refused_by_name():
     with pytest.raises(ValueError, match="3 frequencies and 2 values"):
         fm.measured_response([1.0, 2.0, 3.0], [1.0, 2.0])
