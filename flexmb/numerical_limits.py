@@ -419,6 +419,115 @@ STILL_MODE = 1e-7
 IDLE_RESPONSE = 1e-9
 """A response is round-off below this share of the effects of a force along the output and of the input along itself."""
 
+# --- paths ------------------------------------------------------------------------------------------------------------
+
+LARGEST_ALIKE = 1e-6
+"""Of entries that agree within this share of the largest, the first decides a sign: round-off must not choose."""
+
+SOFT_SIGN = 1e-8
+"""A flexibility shows the sign of a motion above this share of the largest. The stiffness shows that of others."""
+
+NO_FLEXIBILITY = 1e-13
+"""A motion meets no stiffness below this share of the largest stiffness, at the begin of a path."""
+
+SMALL_MOTION = 1e-4
+"""Displacements of points are measured by a motion of this share of the extent, forth and back."""
+
+ALLOWED_STATE = 1e-13
+"""Last change of coordinates of an allowed state, over their sizes."""
+
+STATIONARY_LOAD = 1e-13
+"""The load is stationary if its rate along the path, at most one, is below this. The load has all its digits long
+before; the error of its derivative is that of the place."""
+
+TURNED_LOAD = 1e-6
+"""A path whose rate of the load is nowhere below this between the nearest states jumps there."""
+
+SETTLED_LIMIT = 1e-12
+"""The place of a limit point is known if it changes by less than this share of the step."""
+
+SMALL_IMPERFECTION = 1e-4
+"""A small imperfection that a message proposes, over the extent."""
+
+CRITICAL_RESIDUAL = 1e-7
+"""Residual of a motion of a critical value; the error of the value is its square."""
+
+REGULAR_TANGENT = 1e-13
+"""Shift that makes an exactly singular tangent regular, over its largest entry."""
+
+SETTLED_MOTION = 1e-5
+"""Flexibility times residual of a motion over the motion. The error of the value is its square."""
+
+LOST_MOTION = 1e-3
+"""Above this, after the first correction, which finds missed copies of a value, round-off hides the path at a critical
+point."""
+
+DOUBTED_SIGN = 100
+"""Pivots may miss the sign of a value up to this times the difference of factors and better products."""
+
+SMALLEST_COSINE = 0.9
+"""Cosine of the largest turn of the tangent in a step: 25 degrees."""
+
+NO_LOAD = 1e-12
+"""A path that gets no further than this share of its load has met no stiffness but round-off."""
+
+LARGEST_MOTION = 0.2
+"""Largest motion in a step (extents of the mechanism, radians)."""
+
+SHORTEST_PATH_STEP = 1e-6
+"""Steps shorter than this share of the first are not tried."""
+
+STRAIGHT_PATH = 0.98
+"""Cosine of the turn of the tangent in a step (11 degrees) up to which the next step is twice as long."""
+
+SMALLEST_SCALE = 0.05
+"""Smallest motion that weighs as much as the whole load in the length of a path (extents, radians)."""
+
+REUSED_CORRECTION = 0.1
+"""Factors of a correction are reused if the next correction then leaves less than this share of the tolerance."""
+
+ZERO_ON_STEP = 1e-12
+"""A value is zero below this share of those at the ends of its step."""
+
+NEAR_STATES = 1e-6
+"""A zero is found between states this near to each other: the path is straight there to 1e-12."""
+
+WIDEST_GAP = 1e-3
+"""States on both sides of a zero are at most this share of the step apart, and joined by a smooth curve: a path that
+bends away beside another seems to continue on that. Otherwise the step is shortened."""
+
+WIDEST_GAP_AT_LEAST = 1e-5
+"""Distance of such states that always suffices."""
+
+VANISHED_VALUE = 1e-4
+"""A critical value that changes its sign on a step is zero where the load turns back if it is below this share of those
+at the ends of the step: a second search would find the same point."""
+
+NEUTRAL_VALUE = 1e-13
+"""A critical value below this share of the next one has no sign: a column that may buckle to any side moves between
+sides without force."""
+
+NO_STIFFNESS = 1e-12
+"""A motion meets no stiffness if its critical value is below this share of the largest."""
+
+SAME_STATE = 1e-7
+"""States of a closed path agree to this (extents, radians, load factor): Newton's tolerance."""
+
+NEUTRAL_ON_BRANCH = 1e-5
+"""If two motions lose their stiffness at once, one meets none on the branch if its critical value there is below this
+share of the next one; otherwise both grow alike."""
+
+NULL_VECTOR_SHIFT = 1e-9
+"""Shift that makes a singular stiffness regular for its null vector, over the critical value at the begin of the
+step."""
+
+HOLD_ON_BRANCH = 1e-3
+"""Stiffness that holds a motion without any on a branch, over the critical values at the ends of the step. It is far
+below other stiffnesses, so that the corrector converges, and far above round-off."""
+
+FIRST_ON_BRANCH = 0.02
+"""Motion of the first step on another branch (extents, radians)."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

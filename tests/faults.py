@@ -2209,8 +2209,8 @@ FAULTS = [
     ),
     Fault(
         "paths/imperfection.py",
-        "loads=Loads(), increment=own.loads",
-        "loads=own.loads",
+        "loads=Loads(), increment=parameters.loads",
+        "loads=parameters.loads",
         "paths/test_stops.py -k limit_point",
         slow=True,
     ),
@@ -2850,8 +2850,8 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_path.py",
-        "[chosen]) for own in at)",
-        "[0]) for own in at)",
+        "[chosen]) for rows in at)",
+        "[0]) for rows in at)",
         "paths/test_sparse_states.py::test_answers_about_a_state_are_those_of_the_dense_path",
     ),
     Fault(
@@ -3186,7 +3186,7 @@ FAULTS = [
     ),
     Fault(
         "paths/sparse_critical.py",
-        "if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST:",
+        "if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST_MOTION:",
         "if False:",
         "paths/test_sparse_critical.py",
     ),

@@ -1,4 +1,4 @@
-"""Stability along a path, and its critical points."""
+"""Critical values, null vectors and critical points along a path."""
 
 from typing import NamedTuple
 
@@ -14,6 +14,7 @@ from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import LARGEST_ALIKE, NO_FLEXIBILITY, SOFT_SIGN
 from ..results import RESULTS
 from ..statics.solve import solve_state
 from .stepper import (
@@ -33,15 +34,15 @@ from .stepper import (
 
 
 class CriticalPoint(NamedTuple):
-    """A state at which the stiffness is singular.
+    """A state with a singular stiffness.
 
     Attributes:
-        load_factor: Load factor there, () [-].
+        load_factor: Load factor, () [-].
         kind: "limit": the load turns back; "bifurcation": another branch crosses.
         x: Nodal coordinates, (n_x,) [m, rad, -].
-        phi: Motion that meets no stiffness, in the coordinates, its largest entry 1 (extents, radians), (n_x,).
-        uncertainty: By how much the load factor may be off at most, () [-]: zero where the state itself was found;
-            otherwise half of what it changes between the states on either side, the nearest that were found.
+        phi: Motion without stiffness, in the coordinates, its largest entry 1 (extents, radians), (n_x,).
+        uncertainty: Largest error of the load factor, () [-]: zero if the state itself was found; otherwise half of its
+            change between the nearest states found on either side.
     """
 
     load_factor: float
@@ -56,20 +57,11 @@ class CriticalPoint(NamedTuple):
 
 
 def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -> Float[Array, "n_q"]:
-    """Values that change sign, one at a time, where the stiffness is singular, and are continuous along a path.
+    """Values, ascending if symmetric [N m], that change sign one at a time where the stiffness is singular.
 
-    Symmetric: all eigenvalues of (K, Z^T Z) with Z = DFx in extents and radians, the lowest solved from the side of the
-    flexibility, which knows them to full relative accuracy. Unsymmetric: the smallest modulus with the
-    sign of the determinant; the rest is infinite.
-
-    Args:
-        sizes: What changes of x are measured against, (n_x,) [m, rad].
-
-    Returns:
-        (n_q,) [N m], ascending if symmetric.
-
-    Source:
-        Sylvester's law of inertia; det K as the product of its eigenvalues.
+    Symmetric: all eigenvalues of (K, Z^T Z) with Z = DFx in extents and radians, continuous along a path (Sylvester's
+    law of inertia); the lowest are solved from the flexibility, with full relative accuracy. Unsymmetric: the smallest
+    modulus with the sign of the determinant; the rest is infinite.
     """
     z = at.transfer.DFx / sizes[:, None]
     k = at.K0 + at.G0
@@ -86,8 +78,8 @@ def critical_values(topology: Topology, at: State, sizes: Float[Array, "n_x"]) -
     soft = jnp.linalg.eigvalsh(jnp.where(regular, (flexibility + flexibility.T) / 2, jnp.eye(topology.n_q)))
     stiff = jnp.linalg.eigvalsh((stiffness + stiffness.T) / 2)
     soft, stiff = soft[jnp.argsort(-jnp.abs(soft))], stiff[jnp.argsort(jnp.abs(stiff))]
-    # Beside a nearly singular motion the flexibility no longer knows the sign of the stiff ones.
-    known = regular & (jnp.abs(soft) > 1e-8 * jnp.max(jnp.abs(soft), initial=0.0))
+    # Beside a nearly singular motion the flexibility does not show the sign of stiff motions.
+    known = regular & (jnp.abs(soft) > SOFT_SIGN * jnp.max(jnp.abs(soft), initial=0.0))
     return jnp.sort(jnp.where(known, 1 / jnp.where(known, soft, 1.0), stiff))
 
 
@@ -98,19 +90,10 @@ def null_vectors(
     shift: Float[Array, ""],
     beside: Float[Array, "n_q"] | None = None,
 ) -> tuple[Float[Array, "n_q"], Float[Array, "n_q"]]:
-    """Right and left null vector of a nearly singular stiffness, by inverse iteration.
+    """Right and left null vector phi, psi of a nearly singular stiffness, by inverse iteration with (K + shift Z^T Z).
 
-    Args:
-        at: State near a critical point.
-        sizes: What changes of x are measured against, (n_x,) [m, rad].
-        shift: Small beside the other eigenvalues of (K, Z^T Z), so that an exact zero does no harm, () [N m].
-        beside: Another null vector, to which these are normal, or zero, (n_q,) [m, rad].
-
-    Returns:
-        phi and psi, (n_q,) [m, rad], the largest entry of DFx phi 1 in extents and radians, positive if first.
-
-    Source:
-        Inverse iteration with (K + shift Z^T Z).
+    The largest entry of DFx phi is 1 in extents and radians. ``shift`` is small beside other eigenvalues, so that an
+    exact zero does no harm. The vectors are normal to another null vector ``beside``.
     """
     z = at.transfer.DFx / sizes[:, None]
     metric = z.T @ z
@@ -123,7 +106,7 @@ def null_vectors(
             v = v - beside * (beside @ metric @ v) / jnp.where(square > 0, square, 1.0)
         motion = z @ v
         largest = jnp.max(jnp.abs(motion), initial=0.0)
-        first = jnp.argmax(jnp.abs(motion) > (1 - 1e-6) * largest)
+        first = jnp.argmax(jnp.abs(motion) > (1 - LARGEST_ALIKE) * largest)
         return v / motion[first]
 
     def turn(_: Array, pair: tuple[Array, Array]):
@@ -137,11 +120,7 @@ def null_vectors(
 def begin_path(
     topology: Topology, parameters: Parameters
 ) -> tuple[Ramp, Point, Direction, Scale, State, Int[Array, ""]]:
-    """State at load factor zero and the direction in which the path leaves it.
-
-    Returns:
-        Ramp, point, unit tangent with rising load, scale, state, code of RESULTS.
-    """
+    """Ramp, point, unit tangent with rising load, scale and state at load factor zero, and a code of RESULTS."""
     ramp = ramp_of(topology, parameters)
     zero = jnp.array(0.0)
     if not begins_undeformed(topology, parameters):
@@ -155,9 +134,9 @@ def begin_path(
     result = jnp.where((result == RESULTS.successful) & ~regular, RESULTS.singular_configuration, result)
     rising = Plane(jnp.zeros(topology.n_x), jnp.array(1.0))
     tangent = tangent_at(topology, parameters, ramp, at, rising)
-    # Without stress a hanging body has no stiffness: what meets none is taken not to move at first.
+    # A hanging body has no stiffness without stress: motions without stiffness do not move at first.
     onto, by_load = load_response(topology, parameters, ramp, at)
-    dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=1e-13) @ by_load
+    dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=NO_FLEXIBILITY) @ by_load
     resting = direction_of(at, onto + at.transfer.DFx @ dq, jnp.array(1.0))
     finite = jnp.all(jnp.isfinite(tangent.x))
     tangent = jax.tree.map(lambda a, b: jnp.where(finite, a, b), tangent, resting)

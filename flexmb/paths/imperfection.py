@@ -1,4 +1,4 @@
-"""Mechanisms that are made a little bent: by their buckling modes, and without stress."""
+"""Mechanisms bent by their buckling modes, free of stress."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -22,18 +22,16 @@ from ..mechanics.loads import LoadFactors
 from ..model.model import Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
+from ..numerical_limits import ALLOWED_STATE, LARGEST_ALIKE, SMALL_MOTION
 from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure
 from ..statics.tangent import at_state, unknowns
 from .stepper import scales_increment
 
-# Displacements of points are measured by a motion of this share of the extent, forth and back.
-SMALL = 1e-4
-# Along an element; quarters and halves are among them.
+# Places along an element, quarters and halves included.
 PLACES = np.linspace(0.0, 1.0, 33)
-# Newton's method for the state next to one that constraints do not allow.
+# Newton iterations to the allowed state next to a given one.
 CORRECTIONS = 20
-TOLERANCE = 1e-13
 
 
 @jit
@@ -44,7 +42,7 @@ def _deformations(
     e: Float[Array, "n_e"],
     motion: Float[Array, "n_x"],
 ):
-    """Deformations and degrees of freedom where the undeformed mechanism is moved along a motion of x, and a code."""
+    """Deformations, degrees of freedom and code after a motion of x from the undeformed mechanism."""
     _, jacobian = deformation_jacobian(topology, parameters, x, e)
     q = jnp.concatenate([motion[topology.x.dof], (jacobian @ motion)[topology.e.dof]])
     _, _, bent, result = configure(topology, parameters, q, jnp.zeros_like(q))
@@ -52,42 +50,27 @@ def _deformations(
 
 
 def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Array, "n_x"]) -> float:
-    """Largest displacement of a point of the mechanism in a small motion, along its elements too, () [m].
+    """Largest displacement of a point of the mechanism, also along its elements, in a small motion [m].
 
-    Args:
-        x: State that the motion is about, (n_x,) [m, rad, -].
-        motion: Change of the coordinates, (n_x,) [m, rad, -].
-
-    Source:
-        Central difference, whose error is the square of the step.
+    By a central difference, whose error is the square of the step.
     """
     at, reference = np.asarray(x), np.asarray(model.parameters.reference)
     size = np.max(np.abs(motion) / sizes_of(model.topology, model.parameters), initial=0.0)
     if not size > 0:
         return 0.0
-    step = np.asarray(motion) * (SMALL / size)
+    step = np.asarray(motion) * (SMALL_MOTION / size)
     largest = 0.0
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         ends = [curves_of(block, properties, reference, state, PLACES) for state in (at + step, at - step)]
         moved = np.linalg.norm(ends[0] - ends[1], axis=-1)
         largest = max(largest, float(np.max(moved, initial=0.0)) / 2)
-    return largest * size / SMALL
+    return largest * size / SMALL_MOTION
 
 
 def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The allowed state next to one given, distances in extents and radians, by sparse factors.
+    """Coordinates and deformations of the allowed state next to x, by sparse factors; or out_of_reach.
 
-    Args:
-        x: State in which constraints need not hold, (n_x,) [m, rad, -].
-
-    Returns:
-        Coordinates, (n_x,) [m, rad, -], and deformations, (n_e,) [m, rad].
-
-    Raises:
-        AnalysisError: out_of_reach, or singular_configuration.
-
-    Source:
-        Newton's method on dx / sizes^2 + D^T m = 0, D(x + dx) = 0.
+    Newton's method on dx / sizes^2 + D^T m = 0, D(x + dx) = 0: distances in extents and radians.
     """
     import scipy.sparse
 
@@ -105,7 +88,7 @@ def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
             raise AnalysisError(RESULTS.singular_configuration.name, RESULTS.singular_configuration.message)
         change = factors.solve(np.concatenate([nothing, -e[held]]))[: len(free)]
         x[free] += change
-        if np.max(np.abs(change) / sizes[free]) < TOLERANCE:
+        if np.max(np.abs(change) / sizes[free]) < ALLOWED_STATE:
             return x, e
     raise AnalysisError(RESULTS.out_of_reach.name, RESULTS.out_of_reach.message)
 
@@ -113,20 +96,15 @@ def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool = False) -> Model:
     """The mechanism bent by its buckling modes, free of stress.
 
-    The modes are those of linear buckling about the state at which a path begins, under the loads that grow along it.
-    Stress is that of deformations less those of the bent shape, which are found where the constraints hold. They do not
-    grow with the load. Start values are counted from the bent shape, in which a motion starts without any; by sparse
-    factors the mechanism is given none, and a motion that is not told where to begin says so.
+    The modes are those of linear buckling about the state at which a path begins, under the growing loads. Stress
+    follows from deformations minus those of the bent shape, which are computed where the constraints hold and do not
+    grow with the load. Start values are counted from the bent shape, where a motion starts by default; with sparse
+    factors there is no start, and a motion without ``initial`` raises.
 
     Args:
-        imperfection: Largest displacement of each mode, by its number from 1 [m]; where it is positive, the position
-            that changes most in the mode grows.
-        sparse: Whether by sparse factors, of a mechanism that needs no degrees of freedom.
-
-    Raises:
-        TypeError: It is no mapping of numbers to lengths.
-        ValueError: There are not so many modes; a mode moves no point.
-        AnalysisError: As for ``buckling``; out_of_reach where there is no such shape.
+        imperfection: Largest displacement of each mode, by its number from 1 [m]; if positive, the position that
+            changes most in the mode grows.
+        sparse: Whether to use sparse factors, without degrees of freedom.
     """
     if not isinstance(imperfection, Mapping):
         raise TypeError(
@@ -138,36 +116,36 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     if not imperfection:
         return model
     growing = _growing_from_zero(model)
-    found = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
-    motion = sum(length * _unit_motion(found, int(number)) for number, length in imperfection.items())
+    buckled = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
+    motion = sum(length * _unit_motion(buckled, int(number)) for number, length in imperfection.items())
     start = model.parameters.start
     topology = model.topology
     if sparse:
         x, bent = _allowed_state(model, np.asarray(model.parameters.reference + motion))
         moved = x - np.asarray(model.parameters.reference)
         q = np.concatenate([moved[np.asarray(topology.x.dof)], bent[np.asarray(topology.e.dof)]])
-        # Where nothing else is said, a large mechanism may have none.
+        # A large mechanism has a start only if the builder names one.
         start = None if start is None else (q + start[0], start[1])
     else:
         unloaded = dataclasses.replace(model.parameters, loads=Loads(), increment=None, strain=None)
-        bent, q, result = _deformations(model.topology, unloaded, found.lin.x, found.lin.e, motion)
+        bent, q, result = _deformations(model.topology, unloaded, buckled.lin.x, buckled.lin.e, motion)
         check(result, True)
         bent = or_nan(bent, result)
         start = (q, jnp.zeros_like(q)) if start is None else (q + start[0], start[1])
-    # What is held is no strain but by round-off.
+    # Held deformations are no strain, but for round-off.
     bent, before = put(jnp.asarray(bent), topology.e.held, 0.0), model.parameters.strain
     strain = bent if before is None else bent + before
     return dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, strain=strain, start=start))
 
 
 def _growing_from_zero(model: Model) -> Model:
-    """The same where all loads grow, as incremental ones: its modes are those of the unloaded mechanism.
+    """The model with all loads incremental: its modes are those of the unloaded mechanism.
 
-    What a path is asked about often bears no load factor of 1, and so has no modes there. Where some loads are
-    incremental, the others are there from the begin.
+    A path often cannot reach a load factor of 1, and has no modes there. If some loads are incremental, the others act
+    from the begin.
     """
-    own, top = model.parameters, model.topology
-    if scales_increment(top, own):
+    parameters, top = model.parameters, model.topology
+    if scales_increment(top, parameters):
         return model
     blocks = tuple(
         block
@@ -178,24 +156,24 @@ def _growing_from_zero(model: Model) -> Model:
     return dataclasses.replace(
         model,
         topology=dataclasses.replace(top, blocks=blocks),
-        parameters=dataclasses.replace(own, loads=Loads(), increment=own.loads),
+        parameters=dataclasses.replace(parameters, loads=Loads(), increment=parameters.loads),
     )
 
 
-def _unit_motion(found: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
-    """A buckling mode whose largest displacement is 1 m, and in which the position that changes most grows."""
-    count = found.shapes.shape[1]
+def _unit_motion(buckled: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
+    """A buckling mode with a largest displacement of 1 m, in which the position that changes most grows."""
+    count = buckled.shapes.shape[1]
     if number > count:
-        raise ValueError(f"Argument `imperfection` asks for buckling mode {number}, but under these loads are {count}.")
-    shape = np.asarray(found.shapes)[:, number - 1]
-    largest = largest_displacement(found.lin.model, found.lin.x, found.shapes[:, number - 1])
+        raise ValueError(f"Argument `imperfection` names buckling mode {number}, but under these loads are {count}.")
+    shape = np.asarray(buckled.shapes)[:, number - 1]
+    largest = largest_displacement(buckled.lin.model, buckled.lin.x, buckled.shapes[:, number - 1])
     if not largest > 0:
         raise ValueError(f"Argument `imperfection` is a length, but buckling mode {number} moves no point.")
-    model = found.lin.model
+    model = buckled.lin.model
     sizes = np.abs(shape) / np.asarray(sizes_of(model.topology, model.parameters))
     positions = np.zeros(len(shape))
     positions[np.asarray(model.topology.axes)] = 1.0
-    moved = sizes * positions if np.any(sizes * positions > SMALL * sizes.max()) else sizes
+    moved = sizes * positions if np.any(sizes * positions > SMALL_MOTION * sizes.max()) else sizes
     # The first of several that change alike, as both ends of a column turn.
-    first = int(np.argmax(moved > (1 - 1e-6) * moved.max()))
+    first = int(np.argmax(moved > (1 - LARGEST_ALIKE) * moved.max()))
     return shape / (largest * np.sign(shape[first]))

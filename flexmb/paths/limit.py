@@ -1,4 +1,4 @@
-"""Limit load: the first limit point of a path alone, with the derivative of its load."""
+"""Limit load: the first limit point of a path, with the derivative of its load."""
 
 import functools
 from typing import Any, Literal, NamedTuple
@@ -17,6 +17,7 @@ from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
 from ..results import RESULTS
 from ..statics.choice import by_sparse, named
 from ..statics.equilibrium import check_stiffness
@@ -26,10 +27,7 @@ from .critical import begin_path, null_vectors
 from .sparse_walk import SPARSE_PATH, left_null_vector
 from .stepper import (
     DENSE_PATH,
-    LARGEST_MOTION,
-    NO_LOAD,
     SHORTER,
-    SMALLEST_STEP,
     Direction,
     PathForm,
     Plane,
@@ -46,14 +44,7 @@ from .stepper import (
     unit,
 )
 
-# Of the load's rate along the path, at most one, so much is none: the load is stationary there, and has all its digits
-# long before, while its derivative is off by as much as the place is.
-STATIONARY = 1e-13
-# A path whose rate of the load is no smaller than this between the states that are nearest to each other jumps there.
-TURNED = 1e-6
-# The place is known where it changes by no more than this share of the step.
-SETTLED = 1e-12
-# Turns of a superlinear method between two states on either side.
+# Largest number of iterations between two states on either side.
 TURNS = 20
 
 
@@ -84,7 +75,7 @@ def _walk_past_limit(
     first: Float[Array, ""],
     max_steps: Int[Array, ""],
 ) -> _Approach:
-    """Steps until the next one passes a limit point; ``step`` of the result is that one."""
+    """Steps until the next one, ``step`` of the result, passes a limit point."""
 
     def turn(w: _Approach) -> _Approach:
         motion = jnp.max(jnp.abs(w.tangent.x) / scale.sizes, initial=0.0)
@@ -101,7 +92,7 @@ def _walk_past_limit(
             jnp.where(passed, step, jnp.where(good, longer, step / SHORTER)),
             w.steps + 1,
             passed,
-            ~good & (step < SMALLEST_STEP * first),
+            ~good & (step < SHORTEST_PATH_STEP * first),
         )
 
     no = jnp.array(False)
@@ -110,7 +101,7 @@ def _walk_past_limit(
 
 
 def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
-    """Ramp, point, unit tangent, scale and code of RESULTS where a path begins."""
+    """Ramp, point, unit tangent, scale and code of RESULTS at the begin of a path."""
     if not in_coordinates:
         ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
         return ramp, point, tangent, scale, result
@@ -145,7 +136,7 @@ def _find_limit(
 
     def unfinished(bracket: tuple[Any, ...]):
         *_, rate, _, moved, turn, _ = bracket
-        near = (jnp.abs(rate) <= STATIONARY) | (moved <= SETTLED * walk.step)
+        near = (jnp.abs(rate) <= STATIONARY_LOAD) | (moved <= SETTLED_LIMIT * walk.step)
         return walk.passed & (turn < TURNS) & ~near
 
     def narrower(bracket: tuple[Any, ...]):
@@ -155,7 +146,7 @@ def _find_limit(
         new = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
         rate = new.tangent.load
         rising = rate > 0
-        # The value of an end that stays once more is halved, so that both ends approach (Illinois).
+        # Illinois method: halve the value of an end that stays twice, so that both ends approach.
         again = jnp.where((rate * last > 0) & (turn > 0), 0.5, 1.0)
         return (
             jnp.where(rising, middle, low),
@@ -173,8 +164,8 @@ def _find_limit(
     rate, zero, none = end.tangent.load, jnp.array(0.0), jnp.zeros((), jnp.int32)
     bracket = (zero, walk.tangent.load, walk.step, rate, rate, walk.step, jnp.array(jnp.inf), none, end.point)
     *_, rate, _, _, _, found = jax.lax.while_loop(unfinished, narrower, bracket)
-    # Where no state is found between, the path jumps.
-    passed = jnp.where(jnp.abs(rate) < TURNED, RESULTS.successful, RESULTS.not_converged)
+    # Without a state between, the path jumps.
+    passed = jnp.where(jnp.abs(rate) < TURNED_LOAD, RESULTS.successful, RESULTS.not_converged)
     why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, passed, RESULTS.max_steps))
     why = jnp.where(jnp.abs(found.load) < NO_LOAD, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
@@ -186,7 +177,7 @@ _find_limit_once = jax.custom_jvp(_find_limit, nondiff_argnums=(4,))
 
 @_find_limit_once.defjvp
 def _no_second_derivative(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    raise NotImplementedError("The limit load can be differentiated once; its second derivative is not there.")
+    raise NotImplementedError("The limit load has a first derivative, and no second one.")
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
@@ -196,7 +187,7 @@ def _limit_load(given: tuple[Any, Any, Any, Any], in_coordinates: bool):
 
 
 def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with psi the left null vector of K: no state changes in it."""
+    """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with the left null vector psi of K, without a change of state."""
     ((topology, parameters, first, most),), ((_, changes, *_),) = primals, tangents
     found = _find_limit_once(topology, parameters, first, most, in_coordinates)
     changed = _change_in_coordinates if in_coordinates else _change_in_freedoms
@@ -218,7 +209,7 @@ def _change_in_freedoms(topology: Topology, parameters: Parameters, found: _Limi
 
 
 def _change_in_coordinates(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
-    """As above; of the equations bordered by the plane of the last step the left vector has psi^T dr/d(load) = 1."""
+    """:func:`_change_in_freedoms` in coordinates; the left vector has psi^T dr/d(load) = 1."""
     ramp, point = ramp_of(topology, parameters), found.point
     zero: Any = jnp.zeros((), jnp.int32)
     at = Balanced(point.x, point.multipliers, point.near, zero, zero)
@@ -248,30 +239,30 @@ def limit_load(
     solver: Literal["dense", "sparse"] | None = None,
     throw: bool = True,
 ) -> Float[Array, ""]:
-    """Load factor at the first limit point of the path from the unloaded mechanism.
+    """Return the load factor at the first limit point of the path from the unloaded mechanism.
 
-    The path is followed through bifurcations, also beyond factor 1; ``path`` tells which critical points come before.
+    The path is followed through bifurcations, also beyond factor 1; ``path`` shows which critical points come before.
 
     Args:
         model: Mechanism with loads; differentiable once in ``model.parameters``.
         step: First step of the load factor, () [-].
-        max_steps: Steps to try.
+        max_steps: Largest number of steps.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
-        solver: "sparse" for sparse factors in all coordinates, of a model that needs no degrees of freedom, or "dense";
-            None: by size.
-        throw: Raise where no limit point is found; otherwise the answer is NaN.
+        solver: "sparse" for sparse factors in all coordinates, for a model that needs no degrees of freedom, or
+            "dense"; None: by size.
+        throw: Raise if no limit point is found; otherwise the result is NaN.
 
     Returns:
         () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda), finite where that of the displacement is not.
 
     Raises:
         AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration;
-            singular_stiffness, where it begins without stiffness.
-        NotImplementedError: A second derivative is asked for.
+            singular_stiffness, no stiffness at the begin.
+        NotImplementedError: A second derivative.
         ValueError: ``sparse`` contradicts ``solver``.
 
     Source:
-        At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium holds no displacement.
+        At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium contains no displacement.
     """
     model = as_model(model, "limit_load")
     large = by_sparse(model, sparse, named(solver))

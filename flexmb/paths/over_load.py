@@ -1,4 +1,4 @@
-"""What every path tells of itself, whichever equations it was found by."""
+"""Base class of paths: states, factors and summary, whichever equations found them."""
 
 from typing import Any
 
@@ -13,16 +13,12 @@ from ..results import told
 
 
 def factors_of(model: Model, load: Any) -> LoadFactors:
-    """Load factors of a state: a path scales the incremental loads, or all where there are none.
-
-    Args:
-        load: Load factor of the path, () [-].
-    """
+    """Load factors of a state: a path scales the incremental loads, or all without any."""
     return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
 
 
 class OverLoad:
-    """Base class of results that hold equilibria over a load factor."""
+    """Base class of results with equilibria over a load factor."""
 
     @property
     def labels(self: Any):
@@ -30,29 +26,20 @@ class OverLoad:
         return self.model.labels
 
     def step_of(self: Any, step: int | None, time: float | None) -> int:
-        """Number of a step, from 0 or from the end; the last unless given.
-
-        Raises:
-            IndexError: There are not so many steps.
-            ValueError: A time is given.
-        """
+        """Number of a step, from 0 or from the end; by default the last."""
         if time is not None:
-            raise ValueError("A path has no times: say which state by step=, such as step=-1 for the last.")
+            raise ValueError("A path has no times. Choose a state by step=, such as step=-1 for the last.")
         count, chosen = len(self.load_factor), -1 if step is None else check_whole("step", step)
         if not -count <= chosen < count:
-            raise IndexError(f"The path has {count} steps, numbered from 0, and {chosen} is none of them.")
+            raise IndexError(f"The path has {count} steps, numbered from 0. Number {chosen} is none of them.")
         return chosen
 
     def factors(self: Any, step: int) -> LoadFactors:
-        """Load factors of the constant and of the incremental loads at one step.
-
-        Args:
-            step: Which, from 0.
-        """
+        """Load factors of the constant and of the incremental loads at one step."""
         return factors_of(self.model, self.load_factor[step])
 
     def stressed(self: Any) -> Stressed:
-        """What the stress of all steps is computed from."""
+        """What stress of all steps is computed from."""
         return Stressed(self.x, self.sigma, self.felt, self.e)
 
     def states(self: Any) -> States:
@@ -60,15 +47,11 @@ class OverLoad:
         return States(self.model, self.x, "path", self.load_factor, "load factor [-]")
 
     def check_critical(self: Any) -> None:
-        """Refuse to answer about critical points where there are none.
-
-        Raises:
-            ValueError: The path has met no critical point.
-        """
+        """Raise ValueError for a path without critical points."""
         if not self.critical_points:
             raise ValueError(
-                "This path has no critical points: follow it further, with more load or a `stop` that is met later,"
-                " until path.critical_points has some."
+                "This path has no critical points. Follow it further, with more load or a later `stop`, until"
+                " path.critical_points has some."
             )
 
     def summary(self: Any) -> Summary:

@@ -29,6 +29,7 @@ from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import NO_LOAD, SMALL_IMPERFECTION
 from ..progress import reporting
 from ..questions.frequency import frequencies_along
 from ..questions.over_states import Along
@@ -41,35 +42,33 @@ from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of
 from .sparse_path import SparsePath, path_of
 from .sparse_walk import SparseEquations
-from .stepper import NO_LOAD, Ramp
+from .stepper import Ramp
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
-# Results of a branch that led nowhere.
+# Results of a branch that leads nowhere.
 LOST = (RESULTS.closed_path, RESULTS.max_steps)
-# An imperfection that changes little, as a share of the extent.
-SMALL = 1e-4
+# A small imperfection, as a share of the extent.
 
 
 class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
-    """Equilibria along a path, steps first. The arrays of ``matrices`` are attributes of this object too.
+    """Equilibria along a path, steps as first axis. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
         load_factor: Load factor, (steps,) [-].
         matrices: Coordinates ``x`` (steps, n_x), deformations ``e`` and stress resultants ``sigma`` (steps, n_e),
             ``reactions`` (steps, n_x), and the linearisation M0, C0, D0, K0, N0, G0 (steps, n_q, n_q) at each step.
-        eigenvalues: Of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts where they are complex;
-            infinite where a motion has no mass.
-        multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite where
-            unbounded, (steps, n_q) [-]: of all loads at that step, or with incremental loads, of what more of those.
+        eigenvalues: Of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts of complex ones; infinite for
+            a motion without mass.
+        multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite if
+            unbounded, (steps, n_q) [-]: of all loads at that step, or of additional incremental loads.
         stable: Whether all eigenvalues are positive, and without a potential real, or with damping too no pole grows,
             (steps,).
-        critical_points: Limit and bifurcation points in the order of the path, with the uncertainty of those whose
-            state could not be found itself.
+        critical_points: Limit and bifurcation points in the order of the path, with an uncertainty if the state itself
+            was not found.
         result: Code of RESULTS.
         model: The mechanism, with its imperfections.
-        stopped_by: Name of the condition of ``stop`` that ended the path, which its last step meets; None where none
-            did.
+        stopped_by: Name of the condition of ``stop`` that ended the path at its last step, or None.
     """
 
     load_factor: Float[Array, "steps"]
@@ -90,29 +89,29 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         return to_frequency(self.eigenvalues)
 
     def linearization(self, step: int | None = None, time: float | None = None) -> Linearization:
-        """Linearised equations of motion about one step, for modes, compliance and state space.
+        """Return the linearised equations of motion about one step, for modes, compliance and state space.
 
         Args:
-            step: Which, from 0; the last unless given.
+            step: Number of the step, from 0; by default the last.
             time: None; a path has no times.
 
         Raises:
-            IndexError: There are not so many steps.
+            IndexError: There are fewer steps.
             ValueError: A time is given.
         """
         chosen = self.step_of(step, time)
         if not is_concrete(self.matrices):
             return Linearization(jax.tree.map(lambda a: a[chosen], self.matrices), self.model)
-        # On the host: JAX compiles a program for the place in each shape of array.
-        own = jax.tree.map(lambda a: a[chosen], jax.device_get(self.matrices))
-        return Linearization(jax.device_put(own), self.model)
+        # On the host: JAX would compile a program for the place in each shape of array.
+        at_step = jax.tree.map(lambda a: a[chosen], jax.device_get(self.matrices))
+        return Linearization(jax.device_put(at_step), self.model)
 
     def linearizations(self) -> Linearization:
-        """Linearised equations at all steps, which stand in front."""
+        """Return the linearised equations at all steps, steps as first axis."""
         return Linearization(self.matrices, self.model)
 
     def at_critical_points(self) -> "Path":
-        """The critical points as states of a path of their own, in their order.
+        """Return the critical points as states of a path, in their order.
 
         Raises:
             ValueError: There are none.
@@ -131,7 +130,7 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
 
 
 class _Found(NamedTuple):
-    """What a path reports of one state; eigenvalues that may be complex are found outside compiled code."""
+    """One state of a path; eigenvalues that may be complex are computed outside compiled code."""
 
     matrices: Matrices
     eigenvalues: Any
@@ -140,9 +139,9 @@ class _Found(NamedTuple):
 
 
 def _with_complex(found: _Found, step: Step) -> _Found:
-    """The same with the eigenvalues of an unsymmetric stiffness, which may be complex."""
-    of = found.matrices
-    stiffness, damping, mass = np.asarray(of.K), np.asarray(of.C0) + np.asarray(of.D0), np.asarray(of.M0)
+    """The state with the eigenvalues of an unsymmetric stiffness, which may be complex."""
+    m = found.matrices
+    stiffness, damping, mass = np.asarray(m.K), np.asarray(m.C0) + np.asarray(m.D0), np.asarray(m.M0)
     values, _ = general_spectrum(stiffness, mass)
     # A motion without mass loses its stability where the determinant changes sign.
     stable = np.all(step.values > 0) & without_growth(stiffness, damping, mass)
@@ -168,7 +167,7 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
 def _look_at(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ):
-    """Matrices and load multipliers of a state on the path that is no step of it."""
+    """Matrices and load multipliers of a state that is no step of the path."""
     at = state(topology, parameters, factors, x, near)
     zero = jnp.zeros((), jnp.int32)
     matrices = matrices_at(topology, parameters, factors, at, zero, zero)
@@ -208,56 +207,56 @@ def path(
     solver: Literal["dense", "sparse"] | None = None,
     throw: bool = True,
 ) -> Path | SparsePath:
-    """Equilibrium path over the load factor from 0 to 1, past limit points.
+    """Return the equilibrium path over the load factor from 0 to 1, past limit points.
 
-    The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all.
-    One Newton solve a step, with a plane across the path in place of a given load, so that the load may turn back.
+    The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all. Each
+    step is one Newton solve in a plane across the path instead of at a given load, so that the load may turn back.
 
     Args:
         model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
-        max_steps: Steps at most.
+        max_steps: Largest number of steps.
         step: Largest change of the load factor in a step, () [-].
-        stop: What ends the path, whichever comes first: ``{"tip.y": -5e-3}`` a displacement from the undeformed
-            mechanism [m, rad], ``{"stress": 300e6}`` the largest von Mises stress that ``fm.stress`` tells [Pa],
-            ``{"critical_points": 2}`` so many of them, ``{"load_factor": 2.0}`` a load factor [-]: one above 1 makes
-            the path longer, any other is where it comes to it, as to 0 on its way back. Any other question of a state
-            ends it where the answer passes the value, as ``{"frequency 1": 5.0}`` [Hz]; see :meth:`Path.along`.
-        switch: Which bifurcations are left, by their number on the way from 1, to which side: 1 along phi, -1 against
-            it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. Where the path came
-            along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
-        imperfection: By how much the undeformed mechanism is bent without stress: the largest displacement [m] of each
-            buckling mode, by its number from 1, as ``{1: 1e-6}``. They are those of ``fm.buckling`` about the state in
-            which the path begins, for the loads that grow. A positive one lets the position grow that moves most. A
-            motion of ``path.model`` starts in that shape, and start values are counted from it; by sparse factors
+        stop: Conditions that end the path, the first one met: ``{"tip.y": -5e-3}`` a displacement from the undeformed
+            mechanism [m, rad], ``{"stress": 300e6}`` the largest von Mises stress of ``fm.stress`` [Pa],
+            ``{"critical_points": 2}`` their number, ``{"load_factor": 2.0}`` a load factor [-]: one above 1 makes the
+            path longer, any other ends it there, such as 0 on its way back. Any other question of a state ends it where
+            the answer passes the value, as ``{"frequency 1": 5.0}`` [Hz]; see :meth:`Path.along`.
+        switch: Bifurcations at which to change the branch, by their number on the way from 1, and the side: 1 along
+            phi, -1 against it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the
+            path came along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
+        imperfection: Bend of the undeformed mechanism, free of stress: the largest displacement [m] of each buckling
+            mode, by its number from 1, as ``{1: 1e-6}``. The modes are those of ``fm.buckling`` about the state in
+            which the path begins, for the growing loads. With a positive one the position grows that moves most. A
+            motion of ``path.model`` starts in that shape, and start values are counted from it; with sparse factors and
             without start values give ``initial``.
-        progress: True for a bar, or a function called with the number of states and the load factor before each step.
-            An interruption from the keyboard then ends the path with the states found so far and ``result`` stopped.
+        progress: True for a progress bar, or a function of the number of states and the load factor, called before each
+            step. A keyboard interruption then ends the path with the states found so far and ``result`` stopped.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
-        solver: "sparse" for sparse factors in all coordinates, of a model that needs no degrees of freedom, or "dense";
-            None: by size. By sparse factors the result is a SparsePath, which has no matrices and of the eigenvalues
-            those nearest to zero. It answers questions about its states as a Path does.
-        throw: Raise where the path fails to reach its end; otherwise the code is in ``result``.
+        solver: "sparse" for sparse factors in all coordinates, for a model that needs no degrees of freedom, or
+            "dense"; None: by size. Sparse factors give a SparsePath, without matrices and with few eigenvalues, nearest
+            to zero. It answers questions about its states as a Path does.
+        throw: Raise if the path does not reach its end; otherwise the code is in ``result``.
 
     Returns:
         Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
-        load multipliers at each step, and the critical points. Where a condition of ``stop`` was met it is
-        ``stopped_by``, and the last step meets it: a coordinate and a load factor to round-off, a stress to 1e-9 of it.
-        Displacements and load factors are compared at the ends of steps and where they turn back in between, other
-        answers at the ends of steps alone.
+            load
+        multipliers at each step, and the critical points. ``stopped_by`` is the condition of ``stop`` that the last
+            step
+        meets: a coordinate and a load factor to round-off, a stress to 1e-9 of it. Displacements and load factors are
+        compared at the ends of steps and where they turn back in between, other answers at the ends of steps alone.
 
     Warns:
         FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
+        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
 
     Raises:
-        AnalysisError: max_steps; closed_path, where it comes back to a state that it passed before; not_converged or
-            singular_configuration; neutral_branch, where a round bar may buckle to any side; singular_mass where a
-            motion has a negative mass. Each says what to try, and has the path so far as ``error.path``, but for the
-            last.
-        ValueError: max_steps or step is not positive; the stress is not below its limit where the path begins; there
-            is no such buckling mode.
-        KeyError: There is no such coordinate.
-        ModelError: A stress is asked for, and no element has a section with a shape.
+        AnalysisError: max_steps; closed_path: it returns to a state that it passed before; not_converged or
+            singular_configuration; neutral_branch: a round bar may buckle to any side; singular_mass: a motion has a
+            negative mass. Each says what to try, and all but the last have the path so far as ``error.path``.
+        ValueError: max_steps or step is not positive; the stress is not below its limit at the begin; there is no such
+            buckling mode.
+        KeyError: Unknown coordinate.
+        ModelError: A stress condition, but no element has a section with a shape.
 
     Source:
         THEORY.md 7, eq. (7.8) and (7.9). A critical point is where an eigenvalue of K changes sign; from
@@ -267,7 +266,7 @@ def path(
     model = as_model(model, "path")
     chosen = asked_solver(sparse, named(solver))
     if chosen is None:
-        # What an imperfection is made of, buckling modes, needs a potential.
+        # Buckling modes, of which an imperfection is made, need a potential.
         large = by_sparse(model, None) if imperfection is None else is_large(model)
     else:
         large = chosen != DENSE
@@ -278,13 +277,13 @@ def path(
     # The walk removes each switch from `to_switch` once it has used it.
     asked = {} if imperfection else dict(to_switch)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
-        raise TypeError("path takes concrete numbers; differentiate equilibrium or limit_load instead.")
+        raise TypeError("path needs concrete numbers. Differentiate equilibrium or limit_load instead.")
     if large:
         with one_thread():
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
-            found = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=chosen is None)
-        if found is not None:
-            return _checked(*found, stop, to_switch, asked, throw)
+            answer = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=chosen is None)
+        if answer is not None:
+            return _checked(*answer, stop, to_switch, asked, throw)
     model = as_determined(model, "path")
     model = model if imperfection is None else bent_by_modes(model, imperfection)
     return _checked(*_dense_path(model, step, max_steps, stop, to_switch, progress), stop, to_switch, asked, throw)
@@ -298,7 +297,7 @@ def _dense_path(
     to_switch: dict[int, int],
     progress: Any,
 ) -> tuple[Path, Walker]:
-    """See :func:`path`; the path, and the walk that found it."""
+    """The path, and the walk that found it."""
 
     def found_at(step: Step) -> _Found:
         return _look(model.topology, model.parameters, walker.ramp, step)
@@ -310,8 +309,8 @@ def _dense_path(
     code = _walked(walker, max_steps, to_switch, progress)
     found = [found_at(s) for s in walker.steps]
     if not found[0].matrices.symmetric:
-        found = [_with_complex(one, step) for one, step in zip(found, walker.steps, strict=True)]
-    # Stacked by numpy: the number of steps is new each time, and nothing is to be compiled for it.
+        found = [_with_complex(state, step) for state, step in zip(found, walker.steps, strict=True)]
+    # Stacked by NumPy: JAX would compile a program for each number of steps.
     found = jax.tree.map(lambda *a: np.stack(a), *found)
     massive = np.any(np.isfinite(found.eigenvalues), axis=0)
     refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
@@ -339,9 +338,9 @@ def _sparse_path(
     throw: bool,
     hanging: bool,
 ) -> tuple[SparsePath, Walker] | None:
-    """The same by sparse factors; None of a body without stiffness where it begins, if ``hanging`` ones are left.
+    """:func:`_dense_path` by sparse factors; None for a body without stiffness at the begin, if ``hanging``.
 
-    What fails on the way leaves the states before it, in the error too.
+    A failure on the way leaves the states before it, also in the error.
     """
 
     def state_at(step: Step) -> SparsePath:
@@ -350,7 +349,7 @@ def _sparse_path(
     equations = SparseEquations(model)
     walker = Walker(equations, step, stops_of(model, stop, state_at))
     if hanging and walker.code == RESULTS.singular_stiffness:
-        # Dense matrices take what meets no stiffness not to move at first.
+        # With dense matrices motions without stiffness do not move at first.
         return None
     try:
         code = _walked(walker, max_steps, to_switch, progress)
@@ -368,7 +367,7 @@ def _walked(
     to_switch: dict[int, int],
     progress: Any,
 ) -> RESULTS:
-    """Walk, and tell why the walk ended."""
+    """Walk, and return why the walk ended."""
     for limit in walker.conditions:
         if limit.name == STRESS and (begun := limit.of(walker.steps[0])) >= limit.target:
             raise ValueError(
@@ -394,10 +393,10 @@ def _checked(
     asked: dict[int, int],
     throw: bool,
 ) -> P:
-    """The path; raised is why it did not reach its end, warned of what was asked for and not met."""
+    """The path; raise if it did not reach its end, and warn of conditions that were not met."""
     code = RESULTS(int(found.result))
     if code == RESULTS.max_steps and np.max(np.abs(np.asarray(found.load_factor))) < NO_LOAD:
-        # What meets no stiffness but that of round-off moves and moves.
+        # A motion whose stiffness is round-off moves without end.
         code = RESULTS.singular_stiffness
     about = _instead_of_switch(found, asked) if asked.keys() - to_switch.keys() and code in LOST else ""
     try:
@@ -412,8 +411,8 @@ def _checked(
 
 
 def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
-    """Return advice for a path whose switched branch led nowhere."""
-    size = short(SMALL * float(extent_of(found.model.topology, found.model.parameters)))
+    """Advice for a path whose switched branch leads nowhere."""
+    size = short(SMALL_IMPERFECTION * float(extent_of(found.model.topology, found.model.parameters)))
     return (
         f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] in place of"
         " `switch`: the path then turns onto the branch, and off it again, without a bifurcation. Or leave the branch"
@@ -422,7 +421,7 @@ def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
 
 
 def _switches(switch: Any) -> dict[int, int]:
-    """Direction in which each bifurcation is left, by its number from 1."""
+    """Direction at each bifurcation, by its number from 1."""
     if isinstance(switch, Mapping):
         for number, side in switch.items():
             check_whole("switch", number, 1)
@@ -442,13 +441,13 @@ def _switches(switch: Any) -> dict[int, int]:
 def _warn_of_unused(
     found: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int]
 ) -> None:
-    """Warn of what a path was asked for and did not come to."""
+    """Warn of conditions and bifurcations that a path did not reach."""
     if stop and found.stopped_by is None:
         warn(unmet(stop, walker.steps, walker.conditions, len(walker.critical)))
     if to_switch:
         count = sum(point.kind == "bifurcation" for point in found.critical_points)
         which = ", ".join(map(str, sorted(to_switch)))
         warn(
-            f"Argument `switch` asks for bifurcation {which}, but there are {count} of them on the path, up to load"
+            f"Argument `switch` names bifurcation {which}, but there are {count} of them on the path, up to load"
             f" factor {short(found.load_factor[-1])}."
         )

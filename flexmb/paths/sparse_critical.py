@@ -1,4 +1,4 @@
-"""Critical values of large mechanisms: how many are negative by the factors' pivots, the nearest to zero iterated."""
+"""Critical values of large mechanisms: pivots count the negative ones, iterations find those nearest to zero."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -9,44 +9,37 @@ from ..errors import AnalysisError
 from ..linear.lanczos import named
 from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_where_held
+from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, REGULAR_TANGENT, SETTLED_MOTION
 from ..results import RESULTS
 
-# Critical values that are told: those nearest to zero.
+# Number of critical values that are computed, nearest to zero.
 TOLD = 4
-# Vectors of the Lanczos method for them, and the share to which a motion is an eigenvector; values are known to its
-# square.
+# Vectors of the Lanczos method.
 BASIS = 14
-RESIDUAL = 1e-7
-# What makes an exactly singular stiffness regular, as share of its largest entry.
-SHIFT = 1e-13
 
-# What the factors make of a residual is to be so small beside a motion, its square being the error of the value, after
-# so many turns; where it is more than the last share after the first one, which finds what copies of a value iterations
-# have passed over, round-off hides where the path goes beside a critical point.
-SETTLED, TURNS, LOST = 1e-5, 4, 1e-3
-# Pivots may miss the sign of a value that is no larger than so many times what factors and better products differ by.
-DOUBTED = 100
+# Largest number of corrections.
+TURNS = 4
 
 
 class Stiffness(Protocol):
-    """Stiffness by the deformations of elements, which round-off spoils less than the factors."""
+    """Stiffness by the deformations of elements, with less round-off than the factors."""
 
     def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Between motions that constraints allow, (n, k) and (n, m): (k, m)."""
+        """Between allowed motions, (n, k) and (n, m): (k, m)."""
         ...
 
     def forces(self, motions: np.ndarray) -> np.ndarray:
-        """On motions, (n, k)."""
+        """Forces on motions, (n, k)."""
         ...
 
 
 class CriticalValues(NamedTuple):
-    """Critical values at a state; of a stiffness that is not symmetric one that stands for all.
+    """Critical values at a state; one represents all for an unsymmetric stiffness.
 
     Attributes:
         values: Those nearest to zero, ascending, (n,) [N m].
-        below: How many more of them are negative.
-        start: Sum of their motions in extents and radians, from which those of a state nearby are found, (n_free,).
+        below: Number of further negative ones.
+        start: Sum of their motions in extents and radians, where iterations for a state nearby start, (n_free,).
     """
 
     values: np.ndarray
@@ -57,31 +50,21 @@ class CriticalValues(NamedTuple):
 def critical_values_of(
     tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
 ) -> CriticalValues:
-    """Eigenvalues of the stiffness against the square of motions in extents and radians, where constraints hold.
+    """Eigenvalues of the stiffness against the square of motions in extents and radians, under the constraints.
 
-    They are found and counted by factors, of which round-off of many short beams spoils some digits, and then told
-    apart in their motions by a better product.
-
-    Args:
-        tangent: Sparse [[K, D^T], [D, 0]], (n + h, n + h).
-        factored: Its factors.
-        sizes: What the coordinates that move are measured against, (n,) [m, rad].
-        start: Any motion, (n,); near to those that are looked for if it can be.
-        stiffness: The same by deformations.
-
-    Raises:
-        AnalysisError: lost_in_round_off.
+    They are found and counted by factors, whose round-off for many short beams spoils some digits, and then separated
+    in their motions by the better product ``stiffness``. ``start`` is a motion near the wanted ones.
 
     Source:
-        Shift-inverted Lanczos method of ARPACK; Ritz's method in motions and in what factors make of their residuals
-        (Davidson 1975).
+        Shift-inverted Lanczos method of ARPACK; Ritz's method in motions and in flexibility times residuals (Davidson
+        1975).
     """
     rest = tangent.shape[0] - len(sizes)
     every, shift = len(sizes) - rest, 0.0
     if every <= 2 * BASIS:
         return _told(*_all_of(tangent, sizes), 0)
     if not factored.regular:
-        shift = SHIFT * abs(tangent).max()
+        shift = REGULAR_TANGENT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
     negative = negative_where_held(tangent, factored, len(sizes))
 
@@ -92,11 +75,11 @@ def critical_values_of(
         rough, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
         values, motions = settled(motions)
         more = negative - int(np.sum(rough < -shift))
-        doubted = DOUBTED * np.max(np.abs(np.sort(rough) - values))
+        doubted = DOUBTED_SIGN * np.max(np.abs(np.sort(rough) - values))
         if np.min(np.abs(values)) < doubted < np.max(np.diff(values)):
             more = _beyond(tangent, sizes, values)
         return _told(values, np.sum(motions, axis=1), more)
-    # Values become negative through zero: few are farther than those that are found, where the farthest are positive.
+    # Values become negative through zero: if the farthest ones found are positive, few beyond are negative.
     count = 2 * TOLD
     while 2 * count < every:
         values, motions = _nearest(factored, rest, sizes, start, count, shift)
@@ -110,13 +93,10 @@ def critical_values_of(
 def value_of_determinant(
     tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
 ) -> CriticalValues:
-    """Smallest modulus of the eigenvalues where the stiffness is not symmetric, with the sign of the determinant.
+    """Smallest modulus of the eigenvalues of an unsymmetric stiffness, with the sign of the determinant.
 
-    Arguments as of :func:`critical_values_of`.
-
-    Source:
-        det K as the product of its eigenvalues; with h constraints that of [[K, D^T], [D, 0]] has the sign of that of K
-        where they hold, times (-1)^h. Arnoldi method of ARPACK.
+    det K is the product of its eigenvalues; with h constraints det [[K, D^T], [D, 0]] has the sign of det K under them,
+    times (-1)^h. By the Arnoldi method of ARPACK.
     """
     rest = tangent.shape[0] - len(sizes)
     if not factored.regular:
@@ -130,8 +110,8 @@ def value_of_determinant(
     soft, shapes = _softest(moved, sizes, start)
     i = int(np.argmax(np.abs(soft)))
     value, begin = sign / abs(soft[i]), np.sum(shapes.real, axis=1)
-    if abs(soft[i].imag) <= RESIDUAL * abs(soft[i]):
-        # A simple one: by the quotient with its left eigenvector, sign and all.
+    if abs(soft[i].imag) <= CRITICAL_RESIDUAL * abs(soft[i]):
+        # A simple real value follows from the quotient with its left eigenvector, with its sign.
         others, left = _softest(_flexibility(factored, rest, sizes, transposed=True), sizes, start)
         j = int(np.argmin(np.abs(others - soft[i])))
         own, v, w = sizes[:, None], shapes[:, [i]].real, left[:, [j]].real
@@ -139,8 +119,8 @@ def value_of_determinant(
         if apart != 0:
             quotient = float(stiffness.between(own * w, own * v)[0, 0]) / apart
             rest_sign = sign * np.sign(soft[i].real)
-            if abs(quotient) < DOUBTED * abs(1 / soft[i].real - quotient):
-                # With so much added, no other one changes its sign, and this one is positive.
+            if abs(quotient) < DOUBTED_SIGN * abs(1 / soft[i].real - quotient):
+                # With this shift, no other value changes its sign, and this one is positive.
                 rest_sign = (-1) ** rest * shifted(tangent, 0.5 / abs(soft[1 - i]), sizes).sign
             value = rest_sign * quotient
     return CriticalValues(np.array([value]), 0, begin)
@@ -157,7 +137,7 @@ def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
 def _settled(
     stiffness: Stiffness, moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, motions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values, ascending, and motions in extents and radians of a stiffness that factors know with some error."""
+    """Ascending values and motions, in extents and radians, of a stiffness that factors know with some error."""
     own, count = sizes[:, None], motions.shape[1]
 
     def ritz(basis: np.ndarray):
@@ -171,19 +151,19 @@ def _settled(
         for _ in range(2):
             step = step - motions @ (motions.T @ step)
         left = np.linalg.norm(step, axis=0)
-        if np.all(left <= SETTLED):
+        if np.all(left <= SETTLED_MOTION):
             break
-        # Beside one near to zero iterations do not settle the others.
-        if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST:
+        # Next to a value near zero, iterations do not settle the others.
+        if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST_MOTION:
             raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
         values, motions = ritz(np.linalg.qr(np.concatenate([motions, step], axis=1))[0])
     return values, motions
 
 
 def _beyond(tangent: Any, sizes: np.ndarray, values: np.ndarray) -> int:
-    """How many negative values there are that are not among those nearest to zero, one of which has a doubtful sign.
+    """Number of negative values beyond those nearest to zero, one of which has a doubtful sign.
 
-    Pivots are counted of a stiffness less so much that zero lies in the widest gap between these.
+    Pivots are counted for a stiffness whose zero is shifted to the widest gap between these.
     """
     i = int(np.argmax(np.diff(values)))
     middle = (values[i] + values[i + 1]) / 2
@@ -195,38 +175,38 @@ def _beyond(tangent: Any, sizes: np.ndarray, values: np.ndarray) -> int:
 
 
 def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
-    """Those nearest to zero of ascending values, with ``more`` negative ones that are not among them."""
+    """Those nearest to zero of ascending values, with ``more`` negative ones beyond them."""
     nearest = np.sort(np.argsort(np.abs(values))[:TOLD])
     left_out = np.delete(values, nearest)
     return CriticalValues(values[nearest], max(more, 0) + int(np.sum(left_out < 0)), start)
 
 
 def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.ndarray, count: int, shift: float):
-    """Values nearest to zero, and their motions in extents and radians, orthonormal, with ``rest`` constraints."""
+    """Values nearest to zero, and their orthonormal motions in extents and radians."""
     import scipy.sparse.linalg
 
     n, linalg = len(sizes), scipy.sparse.linalg
     flexibility = linalg.LinearOperator((n, n), matvec=_flexibility(factored, rest, sizes), dtype=float)
-    how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": RESIDUAL}
+    how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": CRITICAL_RESIDUAL}
     with named("Take other steps (step)"):
         soft, motions = linalg.eigsh(flexibility, k=count, **how)
     return 1 / soft - shift, motions
 
 
 def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start: np.ndarray) -> tuple[Any, Any]:
-    """Largest eigenvalues of a flexibility that is not symmetric, a pair of them being complex perhaps, and motions."""
+    """The two largest eigenvalues of an unsymmetric flexibility, possibly a complex pair, and motions."""
     import scipy.sparse.linalg
 
     n, linalg = len(sizes), scipy.sparse.linalg
     flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
     with named("Take other steps (step)"):
-        return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=RESIDUAL**2)
+        return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=CRITICAL_RESIDUAL**2)
 
 
 def _flexibility(
     factored: SparseFactors, rest: int, sizes: np.ndarray, transposed: bool = False
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Motions under forces, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
+    """Function from forces to motions, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
     n = len(sizes)
 
     def moved(force: np.ndarray):
@@ -237,13 +217,13 @@ def _flexibility(
 
 
 def _near(start: np.ndarray) -> np.ndarray:
-    """What iterations begin with: what they are near to, and uneven entries."""
+    """Start of iterations: nearby motions, and uneven entries."""
     n = len(start)
     return start / max(np.linalg.norm(start), 1e-300) + uneven(n, 1) / np.sqrt(n)
 
 
 def _allowed(tangent: Any, sizes: np.ndarray) -> np.ndarray:
-    """Motions in extents and radians that constraints leave, orthonormal, by dense matrices."""
+    """Orthonormal motions in extents and radians that constraints leave, by dense matrices."""
     import scipy.linalg
 
     n = len(sizes)
@@ -251,7 +231,7 @@ def _allowed(tangent: Any, sizes: np.ndarray) -> np.ndarray:
 
 
 def _all_of(tangent: Any, sizes: np.ndarray):
-    """All of them, ascending, by dense matrices: Lanczos iterations find a few of many."""
+    """All values, ascending, by dense matrices; Lanczos iterations find few of many."""
     n, motions = len(sizes), _allowed(tangent, sizes)
     stiffness = sizes[:, None] * tangent[:n, :n].toarray() * sizes
     return np.linalg.eigvalsh(motions.T @ stiffness @ motions), np.zeros(n)

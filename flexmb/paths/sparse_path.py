@@ -23,15 +23,15 @@ from .sparse_walk import SparseEquations, as_arrays
 from .stepper import Ramp
 from .walk import Step, Walker
 
-# What a path by dense matrices has beside those of a linearisation.
+# Attributes of dense paths and linearisations.
 OF_DENSE = (*DENSE, "matrices", "eigenvalues", "frequencies", "multipliers", "iterations", "symmetric", "moving")
 
 
 class SparsePath(OverLoad, ByName, Along, Labelled, Record):
-    """Equilibria along a path of a large mechanism, steps first.
+    """Equilibria along a path of a large mechanism, steps as first axis.
 
-    It is asked as :class:`flexmb.paths.Path` is, and about its states frequencies, modes, compliance, stress, responses
-    and state spaces are; matrices in the degrees of freedom, and all frequencies at each step, it has none.
+    It answers as :class:`flexmb.paths.Path` does: frequencies, modes, compliance, stress, responses and state spaces of
+    its states. It has no matrices in the degrees of freedom, and not all frequencies at each step.
 
     Attributes:
         load_factor: Load factor, (steps,) [-].
@@ -40,20 +40,19 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
         sigma: Stress resultants; for FIXED deformations the multiplier, (steps, n_e) [N, N m].
         felt: Gravity, which acts along the elements.
         reactions: Forces of the supports, (steps, n_x) [N, N m].
-        external: Forces from outside, loads but weight and the supports' together, (steps, n_x) [N, N m].
-        critical_values: Those eigenvalues of the stiffness, in extents and radians, that are nearest to zero, four of
-            them or all, ascending, (steps, n) [N m]. Without a potential their smallest modulus, with the sign of the
-            determinant, (steps, 1).
-        negative: How many eigenvalues of the stiffness are negative, those that are not told too, (steps,); without a
-            potential whether the determinant is, 1 or 0.
+        external: Loads except weight, plus reactions, (steps, n_x) [N, N m].
+        critical_values: Up to four eigenvalues of the stiffness, in extents and radians, nearest to zero, ascending,
+            (steps, n) [N m]. Without a potential their smallest modulus, with the sign of the determinant, (steps, 1).
+        negative: Number of negative eigenvalues of the stiffness, (steps,); without a potential whether the determinant
+            is negative, 1 or 0.
         stable: Whether all eigenvalues are positive, (steps,). Without a potential whether the determinant is, and the
-            eight eigenvalues of stiffness and mass that are nearest to zero are real and positive, or with damping the
-            sixteen nearest poles do not grow: flutter of these.
+            eight eigenvalues of stiffness and mass nearest to zero are real and positive, or with damping the sixteen
+            nearest poles do not grow (flutter).
         critical_points: Limit and bifurcation points in the order of the path.
-        critical_states: The states there, as a path in the same order; None where there are none.
+        critical_states: The states there, as a path in the same order, or None.
         result: Code of RESULTS.
         model: The mechanism, with its imperfections.
-        stopped_by: Name of the condition of ``stop`` that ended the path; None where none did.
+        stopped_by: Name of the condition of ``stop`` that ended the path, or None.
     """
 
     load_factor: Float[Array, "steps"]
@@ -78,7 +77,7 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
     def __getattr__(self, name: str) -> Any:
         if name in OF_DENSE:
             raise AttributeError(
-                f"A path by sparse matrices has no {name}: ask about one state, as by path.linearization(-1) or"
+                f"A path by sparse matrices has no {name}. Use one state, as in path.linearization(-1) or"
                 " fm.frequencies(model, count=3, at=path, step=-1), or give fm.path(model, sparse=False)."
             )
         raise AttributeError(f"A SparsePath has no {name}.")
@@ -87,33 +86,29 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
         """Linearised equations of motion about one step, element by element.
 
         Args:
-            step: Which, from 0; the last unless given.
+            step: Number of the step, from 0; by default the last.
             time: None; a path has no times.
 
         Raises:
-            IndexError: There are not so many steps.
+            IndexError: There are fewer steps.
             ValueError: A time is given.
         """
         chosen = self.step_of(step, time)
         at = (self.x, self.e, self.sigma, self.reactions, self.external)
-        x, e, sigma, reactions, external = (jnp.asarray(np.asarray(own)[chosen]) for own in at)
+        x, e, sigma, reactions, external = (jnp.asarray(np.asarray(rows)[chosen]) for rows in at)
         gravity = None if self.felt.gravity is None else jnp.asarray(np.asarray(self.felt.gravity)[chosen])
         zero, felt = jnp.zeros((), jnp.int32), Felt(gravity)
         return about_state(self.model, self.factors(chosen), x, e, sigma, felt, reactions, external, zero, zero)
 
     def linearizations(self) -> Any:
-        """Refused: a large mechanism is linearised about one state at a time.
-
-        Raises:
-            TypeError: In any case.
-        """
+        """Raise TypeError: a large mechanism is linearised about one state at a time."""
         raise TypeError(
-            "A large mechanism is linearised about one state at a time: ask path.linearization(step), or give"
+            "A large mechanism is linearised about one state at a time. Use path.linearization(step), or give"
             " fm.path(model, sparse=False)."
         )
 
     def at_critical_points(self) -> "SparsePath":
-        """The critical points as states of a path of their own, in their order.
+        """Critical points as states of a path, in their order.
 
         Raises:
             ValueError: There are none.
@@ -123,32 +118,25 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
 
 
 def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> dict[str, Any]:
-    """What a path reports of its states, by the names of its attributes.
-
-    Args:
-        equations: Of the mechanism.
-        ramp: Load factors along the path.
-        steps: Of its walk, one at least.
-        critical: Whether they are critical points, which none is stable at.
-    """
+    """Attributes of a path for steps of its walk; ``critical`` points are not stable."""
     topology, parameters = equations.parts
     points = [s.point for s in steps]
     x, e = np.stack([point.x for point in points]), np.stack([point.strained for point in points])
     sigma = np.stack([equations.sigma(ramp, point) for point in points])
     felt, reactions, external = zip(
         *(
-            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, own)
-            for point, deformed, own in zip(points, e, sigma, strict=True)
+            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, stressed)
+            for point, deformed, stressed in zip(points, e, sigma, strict=True)
         ),
         strict=True,
     )
-    gravity = None if felt[0].gravity is None else jax.device_put(np.stack([own.gravity for own in felt]))
+    gravity = None if felt[0].gravity is None else jax.device_put(np.stack([each.gravity for each in felt]))
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
     stable = np.all(values > 0, axis=1) & (below == 0) & (not critical)
     if equations.unsymmetric:
         for i in np.flatnonzero(stable):
-            own = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
-            stable[i] = is_steady(moving_element_matrices(topology, parameters, *own))
+            at = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
+            stable[i] = is_steady(moving_element_matrices(topology, parameters, *at))
     return dict(
         load_factor=jax.device_put(np.array([s.load for s in steps])),
         x=jax.device_put(x),
@@ -166,14 +154,7 @@ def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critic
 def path_of(
     equations: SparseEquations, walker: Walker, steps: list[Step], code: RESULTS = RESULTS.successful
 ) -> SparsePath:
-    """The path that a walk has found.
-
-    Args:
-        equations: Of the mechanism.
-        walker: The walk.
-        steps: Those of its states that are told.
-        code: Why the walk ended.
-    """
+    """The path of a walk, with some of its states and the reason for its end."""
     whole: dict[str, Any] = {
         "critical_points": tuple(walker.critical),
         "result": jax.device_put(np.int32(code)),

@@ -1,4 +1,4 @@
-"""The walk of large mechanisms: steps in all coordinates and one multiplier a constraint, by sparse factors."""
+"""The walk of large mechanisms: steps in all coordinates and one multiplier per constraint, by sparse factors."""
 
 import functools
 from typing import Any
@@ -22,6 +22,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import LARGEST_ALIKE
 from ..results import RESULTS
 from ..statics.newton_search import Iterate, held_values
 from ..statics.sparse import TurnInCoordinates, along, balanced
@@ -32,7 +33,7 @@ from .walk import Step, begin_at
 
 
 class InCoordinates:
-    """See :class:`flexmb.paths.stepper.PathEquations`; unknowns are coordinates that move, and multipliers.
+    """:class:`flexmb.paths.stepper.PathEquations` in coordinates that move, and multipliers.
 
     Attributes:
         by_load: Derivative of the equations by the load factor, (n + h,).
@@ -56,7 +57,7 @@ class InCoordinates:
         self.by_load = by_state + turn.forces_of(self.following)
 
     def bordering(self, plane: Plane) -> tuple[Array, Array, Array, Array]:
-        """Column, row and corner of the border, and the stiffness that is added."""
+        """Column, row and corner of the border, and the added stiffness."""
         row = jnp.concatenate([plane.x[self.last.free], jnp.zeros(len(self.last.held))])
         corner = plane.load + plane.x @ self.following
         return self.by_load, row, corner, jnp.asarray(plane.stiffness, float)
@@ -64,7 +65,7 @@ class InCoordinates:
     def move(self, factored: ElementMatrices, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
         """See :class:`flexmb.paths.stepper.PathEquations`."""
         right, n = share * self._turn.right, self.last.unknowns[0]
-        shapes = tuple(jax.ShapeDtypeStruct(*of) for of in ((right.shape, float), ((), float), ((), np.int32)))
+        shapes = tuple(jax.ShapeDtypeStruct(*like) for like in ((right.shape, float), ((), float), ((), np.int32)))
         host = functools.partial(on_host_thread, _move)
         z, load, failure = call_host(host, shapes, factored, *self.bordering(plane), right, -distance, idle)
         return Move(self._turn.spread(z[:n]), z[n:], load, failure)
@@ -74,7 +75,7 @@ SPARSE_PATH = PathForm(InCoordinates, reuses=True)
 
 
 def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> Bordered:
-    """Factors of the bordered equations; NumPy and SciPy alone."""
+    """Factors of the bordered equations, by NumPy and SciPy alone."""
     whole = Whole(elements)
     tangent = whole.at()
     if stiffness:
@@ -87,7 +88,7 @@ def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, sti
 def _move(
     elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any, right: Any, last: Any, idle: Any
 ):
-    """Solution of the bordered equations and a code of RESULTS; NumPy and SciPy alone."""
+    """Solution of the bordered equations and a code of RESULTS, by NumPy and SciPy alone."""
     why = RESULTS.successful
     if not idle:
         why = RESULTS.singular_configuration
@@ -109,11 +110,7 @@ def _left(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffne
 def left_null_vector(
     topology: Topology, parameters: Parameters, ramp: Ramp, point: Point, plane: Plane
 ) -> Float[Array, "r"]:
-    """Of [y, w] with [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector.
-
-    Args:
-        plane: Across the path.
-    """
+    """Vector y of [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector."""
     scale = Scale(sizes_of(topology, parameters), jnp.ones(topology.n_x))
     at = InCoordinates(topology, parameters, ramp, scale, point)
     like = (jax.ShapeDtypeStruct(at.by_load.shape, float),)
@@ -137,21 +134,19 @@ def _step(
 
 @kernel
 def _at(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
-    """Element matrices at a state, derivatives by the load factor of the equations and of coordinates that follow."""
+    """Element matrices at a state, derivatives by the load factor of the equations and of following coordinates."""
     at = InCoordinates(topology, parameters, ramp, scale, point)
     return at.last, at.by_load, at.following
 
 
 class SparseEquations:
-    """Equations in all coordinates, for a walk as :class:`flexmb.paths.walk.WalkEquations`.
+    """:class:`flexmb.paths.walk.WalkEquations` in all coordinates.
 
     Attributes:
-        model: Mechanism.
-        parts: Its topology and its parameters.
+        parts: Topology and parameters.
         free: Coordinates that move.
-        held: Deformations that are held.
-        sizes: What coordinates are measured against.
-        unsymmetric: Whether the tangent is not symmetric, of loads or laws without a potential.
+        held: Held deformations.
+        unsymmetric: Whether loads or laws have no potential.
     """
 
     def __init__(self, model: Model):
@@ -159,7 +154,7 @@ class SparseEquations:
         self.unsymmetric = lacks_potential(model.topology)
         self.free, _, self.held = (np.asarray(i) for i in unknowns(model.topology))
         self.sizes = np.asarray(sizes_of(*self.parts))
-        # Near to the motions of the critical values that were found last.
+        # Near the motions of the last critical values.
         self._soft = np.zeros(len(self.free))
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
@@ -173,9 +168,9 @@ class SparseEquations:
             at = balanced(topology, parameters, ramp_of(topology, parameters).base)
             state = (*jax.device_get((at.x, at.near, at.near)), np.zeros(()), np.asarray(at.multipliers))
             start = Point(*state)
-            found = begin_at(self, ramp, start)
-            if found is not None:
-                return found
+            begin = begin_at(self, ramp, start)
+            if begin is not None:
+                return begin
         except AnalysisError as fault:
             code = RESULTS[fault.code]
         # A hanging body has no stiffness without stress.
@@ -215,11 +210,11 @@ class SparseEquations:
             v = v - other * (other @ (weight * v)) / square if square > 0 else v
             motion = v / sizes
             largest = np.max(np.abs(motion))
-            return v / motion[int(np.argmax(np.abs(motion) > (1 - 1e-6) * largest))]
+            return v / motion[int(np.argmax(np.abs(motion) > (1 - LARGEST_ALIKE) * largest))]
 
         def direction(change: np.ndarray, multipliers: np.ndarray, load: float) -> Direction:
-            found: Any = change, at.deformed(change), np.array(load), multipliers
-            return Direction(*found)
+            parts: Any = change, at.deformed(change), np.array(load), multipliers
+            return Direction(*parts)
 
         phi, m = uneven(n, 1) * sizes, rest
         psi = phi
@@ -228,7 +223,7 @@ class SparseEquations:
             phi, m = normalised(solved[:n]), solved[n:]
             if self.unsymmetric:
                 psi = normalised(factors.solve(np.concatenate([weight * psi, rest]), transposed=True)[:n])
-        # Regular with both, however nearly right and left null vector are normal to each other.
+        # Regular with both null vectors, even if they are almost normal to each other.
         row, column = (np.concatenate([weight * v, rest]) for v in (phi, psi if self.unsymmetric else phi))
         solved, _ = Bordered(at.tangent, at.factors(), column, row, 0.0).solve(-by_load, 0.0)
         still, loaded = np.zeros(len(self.sizes)), np.array(following)
@@ -236,19 +231,19 @@ class SparseEquations:
         return direction(still, 0 * m, 0.0), direction(loaded, solved[n:], 1.0)
 
     def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
-        """Stress resultants at a state, multipliers among them [N, N m]."""
+        """Stress resultants at a state, multipliers included [N, N m]."""
         factors = as_arrays(ramp.at(point.load))
-        found = np.array(elastic_stress(*self.parts, factors, jax.device_put(point.strained)))
-        found[self.held] = point.multipliers
-        return found
+        stress = np.array(elastic_stress(*self.parts, factors, jax.device_put(point.strained)))
+        stress[self.held] = point.multipliers
+        return stress
 
 
 def _critical(find: Any, elements: ElementMatrices, start: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:
-    """Critical values nearest to zero, ascending, how many more are negative, and where to begin with the next."""
+    """Critical values nearest to zero, number of further negative ones, and the start for the next state."""
     at = Assembled(elements)
     return find(at.tangent, at.factors(), elements.sizes[elements.free], start, at)[:3]
 
 
 def as_arrays(given: LoadFactors) -> LoadFactors:
-    """Load factors as arrays of JAX."""
+    """Load factors as JAX arrays."""
     return LoadFactors(*jax.device_put([np.asarray(factor, float) for factor in given]))

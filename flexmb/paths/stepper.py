@@ -17,28 +17,20 @@ from ..mechanics.residual import State, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import (
+    REUSED_CORRECTION,
+    SMALLEST_COSINE,
+    SMALLEST_SCALE,
+    STRAIGHT_PATH,
+)
 from ..results import RESULTS
 from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number
 from ..statics.newton_search import Iterate, held_values
 from ..statics.solve import TurnInFreedoms
 
-# Cosine of the angle by which the tangent may turn in a step: 25 degrees.
-SMALLEST_COSINE = 0.9
-# A path that gets no further than this share of its load has met no stiffness but that of round-off.
-NO_LOAD = 1e-12
-# Motion in a step, at most (extents of the mechanism, radians).
-LARGEST_MOTION = 0.2
-# Steps shorter than this share of the first are not tried.
-SMALLEST_STEP = 1e-6
-# A step that is refused is divided by this. One that took at most so many corrections, and in which the tangent turned
-# by an angle of a larger cosine (11 degrees), is followed by one of twice its length.
+# A refused step is divided by this. Steps with at most so few corrections and a straight path are doubled.
 SHORTER = 4
 FEW_CORRECTIONS = 4
-STRAIGHT = 0.98
-# Motion that weighs as much as the whole load in the length of the path, at least (extents, radians).
-SMALLEST_SCALE = 0.05
-# Factors of the last correction serve for the next one too if what that leaves will be this share of the tolerance.
-LEFT = 0.1
 
 
 class Ramp(NamedTuple):
@@ -48,11 +40,7 @@ class Ramp(NamedTuple):
     rate: LoadFactors
 
     def at(self, load: Float[Array, ""]) -> LoadFactors:
-        """Factors of the two sets of loads.
-
-        Args:
-            load: Load factor of the path, () [-].
-        """
+        """Factors of the two sets of loads at a load factor of the path."""
         return LoadFactors(
             self.base.initial + load * self.rate.initial, self.base.increment + load * self.rate.increment
         )
@@ -62,11 +50,10 @@ class Point(NamedTuple):
     """A state on the path.
 
     Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations that angles are counted from, (n_e,) [m, rad].
-        strained: Deformations that give the stress, (n_e,) [m, rad].
-        load: Load factor, () [-].
-        multipliers: Stress resultants of the held deformations where they are unknowns, (h,) [N, N m]; otherwise (0,).
+        near: Deformations from which angles are counted.
+        strained: Deformations of the stress.
+        load: Load factor [-].
+        multipliers: Stress resultants of the held deformations if they are unknowns; otherwise (0,).
     """
 
     x: Float[Array, "n_x"]
@@ -86,13 +73,10 @@ class Direction(NamedTuple):
 
 
 class Plane(NamedTuple):
-    """Plane in which a corrector stays.
+    """Plane of a corrector, by its normal as a covector of x and of the load factor.
 
-    Attributes:
-        x: Its normal as a covector of x, (n_x,).
-        load: Its normal as a covector of the load factor, ().
-        stiffness: Added to every critical value in the corrector's equations, not in their residual, () [N m]. Where a
-            motion meets no stiffness, these equations are singular without it, and round-off moves the state at will.
+    ``stiffness`` is added to each critical value in the corrector's equations, not in their residual [N m]. For a
+    motion without stiffness these equations are singular without it, and round-off moves the state.
     """
 
     x: Float[Array, "n_x"]
@@ -101,11 +85,11 @@ class Plane(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """What makes metres, radians and load comparable.
+    """Scale that makes metres, radians and load comparable.
 
     Attributes:
-        sizes: Extent of the mechanism for positions, 1 for rotations, (n_x,) [m, rad].
-        weights: Of squared changes of x in the length of a path, (n_x,); the load factor has weight 1.
+        sizes: Extent of the mechanism for positions, 1 for rotations [m, rad].
+        weights: Of squared changes of x in the length of a path; the load factor has weight 1.
     """
 
     sizes: Float[Array, "n_x"]
@@ -113,16 +97,16 @@ class Scale(NamedTuple):
 
 
 class Stepped(NamedTuple):
-    """A step: where it ends, and how it was found.
+    """A step.
 
     Attributes:
         point: Its end.
         tangent: Unit tangent of the path there.
-        at: What the form of matrices keeps of the equations there.
+        at: Equations there, as kept by the form of matrices.
         converged: Whether the corrector converged.
         cosine: Of the angle between the direction of the step and the tangent at its end.
         corrections: Newton iterations.
-        failure: Code of RESULTS where the equations were not regular on the way.
+        failure: Code of RESULTS if the equations were not regular.
     """
 
     point: Point
@@ -135,14 +119,7 @@ class Stepped(NamedTuple):
 
 
 class Move(NamedTuple):
-    """Solution of the equations of a turn, bordered with the plane of the corrector.
-
-    Attributes:
-        x: Change of the coordinates with the unknowns, (n_x,) [m, rad, -].
-        multipliers: Change of the multipliers, (h,) [N, N m].
-        load: Change of the load factor, () [-].
-        failure: Code of RESULTS where the equations are not regular.
-    """
+    """Changes of coordinates, multipliers and load factor that solve the bordered equations, and a code of RESULTS."""
 
     x: Float[Array, "n_x"]
     multipliers: Float[Array, "h"]
@@ -154,10 +131,10 @@ class PathEquations(Protocol):
     """Equations of equilibrium at a point of a path, linearised.
 
     Attributes:
-        last: What is kept of them, and factored, a pytree of arrays.
-        e: Deformations, (n_e,) [m, rad].
-        onto: Change of the coordinates that is decided already, (n_x,) [m, rad, -].
-        following: Change of the coordinates with the load factor where the unknowns do not change, (n_x,).
+        last: Parts that are kept and factored, a pytree of arrays.
+        e: Deformations.
+        onto: Change of the coordinates that is already decided.
+        following: Change of the coordinates with the load factor at constant unknowns.
     """
 
     last: Any
@@ -170,38 +147,28 @@ class PathEquations(Protocol):
         ...
 
     def move(self, factored: Any, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
-        """Solve [K, r_load; plane] (dz, dload) = (-share r, -distance).
+        """Solve [K, r_load; plane] (dz, dload) = (-share r, -distance), with ``factored`` in place of ``last``.
 
-        Args:
-            factored: What is factored in place of ``last``.
-            plane: Plane across the path.
-            share: Of the residual.
-            distance: From the plane.
-            idle: Whether no answer is needed.
+        ``idle``: no answer is needed.
         """
         ...
 
 
 class PathForm(NamedTuple):
-    """A form of matrices for steps along a path.
-
-    Attributes:
-        equations: PathEquations of topology, parameters, ramp, scale and point.
-        reuses: Whether factors of the last correction may serve for the next.
-    """
+    """A form of matrices: its PathEquations, and whether factors of the last correction may be reused."""
 
     equations: Callable[..., PathEquations]
     reuses: bool
 
 
 def can_be_taken(converged: Any, cosine: Number) -> Any:
-    """Whether a step ends on the path that it began on, as far as one can tell from its end."""
+    """Whether a step ends on the path that it began on, as far as its end shows."""
     return converged & (cosine > SMALLEST_COSINE)
 
 
 def next_length(length: Number, corrections: Any, cosine: Number) -> Any:
-    """Length to try after a step that was taken, by its length and how easily it was found."""
-    quick = (corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT)
+    """Length of the step after one that was taken."""
+    quick = (corrections <= FEW_CORRECTIONS) & (cosine > STRAIGHT_PATH)
     return length * library_of(cosine).where(quick, 2.0, 1.0)
 
 
@@ -212,7 +179,7 @@ def scales_increment(topology: Topology, parameters: Parameters) -> bool:
 
 
 def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
-    """Incremental loads are scaled while the others stay; without incremental loads all are."""
+    """Ramp of the incremental loads, the others constant; without incremental loads of all."""
     if scales_increment(topology, parameters):
         return Ramp(load_factors(1.0, 0.0), load_factors(0.0, 1.0))
     return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
@@ -227,14 +194,7 @@ def begins_undeformed(topology: Topology, parameters: Parameters) -> bool:
 def load_response(
     topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """Derivatives by the load factor at constant q: of x, and of the residual.
-
-    Returns:
-        dx, (n_x,) [m, rad, -], and dr, (n_q,) [N, N m].
-
-    Source:
-        Loads are linear in their factors (THEORY.md 5).
-    """
+    """Derivatives by the load factor at constant q of x and of the residual; loads are linear in it (THEORY.md 5)."""
     wanted_x, wanted_e = held_values(topology, parameters, ramp.rate)
     shift = wanted_x - parameters.reference
     imbalance = -nodal_forces(topology, parameters, ramp.rate, at.x)
@@ -258,7 +218,7 @@ def _bordered_solve(
     across = plane.x @ at.transfer.DFx
     corner = plane.x @ onto + plane.load
     pivots = jnp.abs(diagonal_of(k))
-    # The row is brought to the middle of the stiffnesses, for the choice of pivots.
+    # Scale the row to the mean stiffness, for the choice of pivots.
     weight = jnp.exp(jnp.mean(jnp.log(jnp.where(pivots > 0, pivots, 1.0)))) if k.shape[0] else jnp.array(1.0)
     row = jnp.concatenate([across, corner[None]])
     weight = weight / jnp.max(jnp.abs(row))
@@ -269,34 +229,24 @@ def _bordered_solve(
 
 
 def direction_of(at: State, dx: Float[Array, "n_x"], load: Float[Array, ""]) -> Direction:
-    """Direction of a change of x and the load factor, deformations to first order.
-
-    Args:
-        dx: Change of x, (n_x,) [m, rad, -].
-        load: Change of the load factor, () [-].
-    """
+    """Direction of a change of x and the load factor, deformations to first order."""
     return Direction(dx, at.jacobian @ dx, load, jnp.zeros(0))
 
 
 def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State, plane: Plane) -> Direction:
-    """Tangent of the path, on the side that the plane's normal points to; not of unit length.
-
-    Args:
-        at: State on the path.
-        plane: Normal of a plane across the path.
-    """
+    """Tangent of the path, on the side of the plane's normal; not of unit length."""
     onto, by_load = load_response(topology, parameters, ramp, at)
     dq, load = _bordered_solve(at, onto, by_load, plane, jnp.zeros_like(by_load), jnp.array(-1.0))
     return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
 
 
 def product(scale: Scale, one: Direction, other: Direction) -> Any:
-    """Scalar product of two directions, positions and angles weighed against load, () [-]."""
+    """Scalar product of two directions, with positions and angles weighed against load."""
     return scale.weights @ (one.x * other.x) + one.load * other.load
 
 
 def length_of(scale: Scale, d: Direction) -> Any:
-    """Length of a change of the state, () [-]; it and what it takes are of JAX, or of NumPy for the walk."""
+    """Length of a change of the state, by JAX, or by NumPy for the walk."""
     return library_of(d.load).sqrt(product(scale, d, d))
 
 
@@ -312,11 +262,7 @@ def unit(scale: Scale, d: Direction) -> Direction:
 
 
 def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
-    """Weights by which the motion under the first load and the load itself count alike.
-
-    Args:
-        tangent: Tangent at the begin of the path, of JAX or of NumPy.
-    """
+    """Weights by which the motion under the first load and the load itself count alike."""
     xp = library_of(tangent.load)
     sizes = sizes_of(topology, parameters)
     motion = xp.max(xp.abs(tangent.x) / sizes, initial=0.0) / xp.abs(tangent.load)
@@ -325,7 +271,7 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
 
 
 class _InFreedoms:
-    """See :class:`PathEquations`; unknowns are the degrees of freedom."""
+    """:class:`PathEquations` in the degrees of freedom."""
 
     def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
         factors = ramp.at(point.load)
@@ -375,22 +321,10 @@ def step_along(
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
-    Deformations are carried as numbers of their own, as in the equilibrium's search; and as there the last turn of the
-    loop evaluates the state that was found: outside the loop its equations would be compiled once more.
-
-    Args:
-        form: Form of matrices.
-        begin: Where the step begins.
-        direction: Where to.
-        step: How much of it, () [-].
-        plane: Normal of the plane of the corrector.
-
-    Returns:
-        Stepped, the tangent of unit length on the side of the plane's normal.
-
-    Source:
-        The tangent bordered with the plane's normal is regular where K has rank n_q - 1 and the load is not in its
-        range: at limit points.
+    Deformations are iterated as separate numbers, and the last turn evaluates the state, as in the equilibrium's
+    search: outside the loop its equations would be compiled again. The tangent has unit length, on the side of the
+    plane's normal; bordered with this normal, it is regular if K has rank n_q - 1 and the load is not in its range: at
+    limit points.
     """
     predicted = Point(
         begin.x + step * direction.x,
@@ -403,12 +337,12 @@ def step_along(
     def turn(c: _Correcting) -> _Correcting:
         x, _, _, load, multipliers = c.point
         at = form.equations(topology, parameters, ramp, scale, c.point)
-        # The last turn asks for the tangent alone.
+        # The last turn computes the tangent alone.
         last = c.done | c.bad
         distance = plane.x @ (x - predicted.x + at.onto) + plane.load * (load - predicted.load)
         factored = at.last
         if form.reuses:
-            again = ~last & (c.leaves < LEFT * STEP_TOLERANCE)
+            again = ~last & (c.leaves < REUSED_CORRECTION * STEP_TOLERANCE)
             factored = jax.tree.map(lambda a, b: jnp.where(again, a, b), c.at, at.last)
         share, distance = jnp.where(last, 0.0, 1.0), jnp.where(last, -1.0, distance)
         move = at.move(factored, plane, share, distance, c.bad)
@@ -421,7 +355,7 @@ def step_along(
         near = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
         point = Point(trial, near, strained, load + move.load, multipliers + move.multipliers)
         done = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
-        # Newton's method leaves c size^2 of a correction, and factors that are one correction old c size of that.
+        # Newton's method leaves c size^2 of a correction; factors that are one correction old leave c size of it.
         leaves = jnp.where(jnp.isfinite(c.before), (size / c.before**2) ** 2 * size**3, jnp.inf)
         tangent = Direction(along, at.deformed(along), move.load, move.multipliers)
         new = _Correcting(point, size, leaves, c.tries + 1, done & ~bad, bad, factored, tangent, last, failure)

@@ -1,4 +1,4 @@
-"""Where a path is to end: at a displacement, a load factor, a number of critical points, or any answer of a state."""
+"""Conditions that end a path: a displacement, a load factor, a number of critical points, or any answer of a state."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -16,16 +16,16 @@ LOAD, STRESS, COUNT = "load_factor", "stress", "critical_points"
 
 
 class Condition(NamedTuple):
-    """A quantity whose value ends the walk, from whichever side it comes there.
+    """A quantity whose value ends the walk, from either side.
 
     Attributes:
-        name: By which it is known; empty for the load factor at which a path ends by itself.
+        name: Name; empty for the load factor at which a path ends by itself.
         target: The value.
         of: The quantity at a state.
-        entry: Index of the coordinate that it is the displacement of; None where it is none.
+        entry: Index of the coordinate whose displacement it is, or None.
         start: That coordinate in the undeformed mechanism.
-        at_ends: Whether it is computed at the ends of steps alone, where nothing is known of it in between.
-        unit: Its unit; empty where it has none.
+        at_ends: Whether it is computed only at the ends of steps.
+        unit: Its unit, or empty.
     """
 
     name: str
@@ -37,18 +37,12 @@ class Condition(NamedTuple):
     unit: str = ""
 
     def excess(self, at: Any) -> float:
-        """By how much the quantity is above its target."""
+        """Quantity minus target."""
         return self.of(at) - self.target
 
 
 class Last(NamedTuple):
-    """Where a walk ends on a step.
-
-    Attributes:
-        length: Place on the step.
-        step: State there.
-        name: Of the condition that is met there.
-    """
+    """Where a walk ends on a step: its place, the state, and the name of the condition."""
 
     length: float
     step: Any
@@ -56,12 +50,12 @@ class Last(NamedTuple):
 
 
 class Stops(NamedTuple):
-    """What `stop` asks for.
+    """Conditions of `stop`.
 
     Attributes:
-        conditions: Values that end the path, the load factor at which it ends by itself among them, without a name.
+        conditions: Values that end the path, including the load factor at which it ends by itself, without a name.
         most: Number of critical points that ends it, or None.
-        end: Load factor beyond which it never goes, () [-].
+        end: Load factor that it never exceeds.
     """
 
     conditions: tuple[Condition, ...]
@@ -70,13 +64,7 @@ class Stops(NamedTuple):
 
 
 def stops_of(model: Model, stop: Mapping[str, Any] | None, state_at: Callable[[Any], Any]) -> Stops:
-    """Conditions that end a path, from what the user gives.
-
-    Raises:
-        TypeError: It is no mapping, or a value is no number.
-        ValueError: A value is out of its range; the stress is not below it where the path begins.
-        KeyError: A name is neither a coordinate nor a question of a state.
-    """
+    """Conditions that end a path, from the user's `stop`; raise TypeError, ValueError or KeyError for a wrong one."""
     if stop is None:
         stop = {}
     if not isinstance(stop, Mapping) or not all(isinstance(name, str) for name in stop):
@@ -114,15 +102,15 @@ def _question(model: Model, name: str, target: float, state_at: Callable[[Any], 
     except KeyError:
         question = None
     if question is None or not question.name or question.only:
-        own = [str(entry) for entry in model.labels.x if entry.of in (name, name.rpartition(".")[0])]
-        there = f"there is {', '.join(own)}" if own else "write node and component, such as tip.y"
+        of_node = [str(entry) for entry in model.labels.x if entry.of in (name, name.rpartition(".")[0])]
+        there = f"there is {', '.join(of_node)}" if of_node else "write node and component, such as tip.y"
         questions = ", ".join((LOAD, COUNT, *names_of()))
-        raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or ask for {questions}")
+        raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or use {questions}")
     if question.name == STRESS:
         left_out_of_stress(model)
 
     def answer(step: Any) -> float:
-        # That a stress is above the material's strength is not said at every step.
+        # No warning at every step of a stress above the strength.
         with heard():
             state = state_at(step)
             return float(np.max(asked.along(state).values if is_many(state) else asked(state)))
@@ -131,7 +119,7 @@ def _question(model: Model, name: str, target: float, state_at: Callable[[Any], 
 
 
 def unmet(stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition, ...], found: int) -> str:
-    """How near a path that ended by itself came to each condition."""
+    """Message on how near a path came to each condition."""
     parts = []
     for condition in conditions:
         if condition.name:

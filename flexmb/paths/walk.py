@@ -1,4 +1,4 @@
-"""The walk along an equilibrium path: which steps are taken, and where the critical points on them lie."""
+"""The walk along an equilibrium path: its steps, and the critical points on them."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -15,14 +15,28 @@ from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import (
+    FIRST_ON_BRANCH,
+    HOLD_ON_BRANCH,
+    LARGEST_MOTION,
+    NEAR_STATES,
+    NEUTRAL_ON_BRANCH,
+    NEUTRAL_VALUE,
+    NO_STIFFNESS,
+    NULL_VECTOR_SHIFT,
+    SAME_STATE,
+    SHORTEST_PATH_STEP,
+    SMALLEST_COSINE,
+    VANISHED_VALUE,
+    WIDEST_GAP,
+    WIDEST_GAP_AT_LEAST,
+    ZERO_ON_STEP,
+)
 from ..results import RESULTS
 from .critical import CriticalPoint, begin_path, critical_values, null_vectors
 from .stepper import (
     DENSE_PATH,
-    LARGEST_MOTION,
     SHORTER,
-    SMALLEST_COSINE,
-    SMALLEST_STEP,
     Direction,
     Plane,
     Point,
@@ -44,53 +58,23 @@ from .stepper import (
 from .stops import COUNT, Condition, Last, Stops
 
 BISECTIONS = 60
-# A value is zero where it is this share of those at the ends of the step, or between states that are this near to each
-# other: there the path is straight to 1e-12.
-ZERO = 1e-12
-NEAR = 1e-6
-# States on both sides of a zero must be found this near to each other, as share of the step or at all, and a smooth
-# curve must join them: a path that bends away beside another seems to go straight on to that. Otherwise the step is
-# shortened.
-WIDEST = 1e-3
-WIDEST_AT_LEAST = 1e-5
-# Beside a bifurcation, where no states are found, a zero is drawn in from both sides by these shares of the way to
-# where it seems to be.
+# Beside a bifurcation, where no states are found, both sides approach a zero by these shares of the way to its
+# estimate.
 DRAWN = (7 / 8, 1 / 2)
-# The critical value that changes its sign on a step is zero where the load turns back, if it is this share of those at
-# the ends of the step there: a second search would find the same point.
-VANISHED = 1e-4
-# A critical value below this share of the next one has no sign: where a column may buckle to any side, it goes from one
-# side to another without force.
-NEUTRAL = 1e-13
-# A motion meets no stiffness where the critical value is this share of the largest.
-NO_STIFFNESS = 1e-12
-# States of a closed path agree to this (extents, radians, load factor) where it has come round: Newton's tolerance.
-SAME = 1e-7
-# Where two motions lose their stiffness at once, one meets none on the branch if its critical value there is this share
-# of the next one: that of a motion which does meet one grows as that does.
-MEETS_NONE = 1e-5
-# What makes a singular stiffness regular for its null vector, as share of the critical value at the begin of the step.
-SHIFT = 1e-9
-# What holds a motion that meets no stiffness on a branch, as share of the critical values at the ends of the step: far
-# below the stiffness of other motions, so that the corrector converges, and far above round-off.
-HOLD = 1e-3
-# Motion of the first step on another branch (extents, radians).
-FIRST_ON_BRANCH = 0.02
 
 
 class Step(NamedTuple):
-    """A step's end, and what decides whether it is taken.
+    """The end of a step, and what decides whether it is taken.
 
     Attributes:
         point: State.
-        tangent: Tangent of the path there, of unit length.
-        values: Values that change sign where the stiffness is singular, (n_q,) [N m].
+        tangent: Unit tangent of the path there.
+        values: Values that change sign where the stiffness is singular [N m].
         converged: Whether the corrector converged.
         regular: Whether the degrees of freedom determine the configuration.
         cosine: Of the angle between the direction of the step and the tangent at its end.
         corrections: Newton iterations.
-        below: How many more such values there are, all of them negative and farther from zero, (); of many values few
-            are told.
+        below: Number of further such values, all negative and farther from zero.
     """
 
     point: Point
@@ -104,10 +88,10 @@ class Step(NamedTuple):
 
     @property
     def negative(self) -> int:
-        """Number of critical values below zero, but for those that are zero to round-off all along a path."""
+        """Number of critical values below zero, except those that are zero to round-off all along a path."""
         sizes = np.sort(np.abs(self.values))
         next_one = sizes[1] if len(sizes) > 1 and np.isfinite(sizes[1]) else 0.0
-        return int(self.below) + int(np.sum(self.values < -NEUTRAL * next_one))
+        return int(self.below) + int(np.sum(self.values < -NEUTRAL_VALUE * next_one))
 
     @property
     def singular(self) -> bool:
@@ -116,7 +100,7 @@ class Step(NamedTuple):
         return bool(np.any(sizes <= NO_STIFFNESS * np.max(sizes, initial=0.0)))
 
     def critical_value(self, number: int) -> float:
-        """One critical value by its number from the lowest, () [N m]; for one that is not told, the farthest told."""
+        """One critical value by its number from the lowest [N m]; the farthest known for one that is not computed."""
         place = number - int(self.below)
         if 0 <= place < len(self.values):
             return float(self.values[place])
@@ -124,12 +108,12 @@ class Step(NamedTuple):
 
     @property
     def orientation(self) -> float:
-        """Sign of the determinant of [K, r_load; tangent], which a path keeps up to a bifurcation."""
+        """Sign of the determinant of [K, r_load; tangent], constant along a path up to a bifurcation."""
         return (-1) ** self.negative * float(np.sign(self.tangent.load))
 
     @property
     def load(self) -> float:
-        """Load factor, () [-]."""
+        """Load factor."""
         return float(self.point.load)
 
 
@@ -177,7 +161,7 @@ def _null(
     # In another direction, normal to phi, the load changes and r does not: K with phi made stiff gives it.
     z = at.transfer.DFx / scale.sizes[:, None]
     metric = z.T @ z
-    stiffened = at.K0 + at.G0 + shift / SHIFT * jnp.outer(metric @ psi, metric @ phi) / (psi @ metric @ phi)
+    stiffened = at.K0 + at.G0 + shift / NULL_VECTOR_SHIFT * jnp.outer(metric @ psi, metric @ phi) / (psi @ metric @ phi)
     onto, by_load = load_response(topology, parameters, ramp, at)
     dq = -factorise(stiffened).solve(by_load)
     along = onto + at.transfer.DFx @ (dq - phi * (phi @ metric @ dq) / (phi @ metric @ phi))
@@ -185,10 +169,10 @@ def _null(
 
 
 class WalkEquations(Protocol):
-    """What a walk asks of a mechanism; states are arrays of NumPy."""
+    """Equations of a mechanism for a walk; states are NumPy arrays."""
 
     def begin(self) -> tuple[Ramp, Scale, Step, Any]:
-        """Ramp of the loads, what makes metres, radians and load comparable, first state, code of RESULTS."""
+        """Ramp of the loads, scale, first state, code of RESULTS."""
         ...
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
@@ -198,21 +182,15 @@ class WalkEquations(Protocol):
     def null(
         self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
     ) -> tuple[Direction, Direction]:
-        """Motion that meets no stiffness, normal to ``beside``; direction normal to it that follows a rising load."""
+        """Motion without stiffness, normal to ``beside``; direction normal to it that follows a rising load."""
         ...
 
 
 def begin_at(equations: Any, ramp: Ramp, point: Point) -> tuple[Ramp, Scale, Step, Any] | None:
-    """What :meth:`WalkEquations.begin` finds at a known state, by a step of no length; None where it finds nothing.
-
-    Args:
-        equations: With ``parts``, the topology and the parameters.
-        ramp: Load factors along the path.
-        point: State at load factor zero.
-    """
+    """Result of :meth:`WalkEquations.begin` at a known state, by a step of no length; None if that fails."""
     topology, parameters = equations.parts
-    given: Any = [np.asarray(a, float) for a in (0.0, 1.0, sizes_of(topology, parameters))]
-    none, one, sizes = given
+    numbers: Any = [np.asarray(a, float) for a in (0.0, 1.0, sizes_of(topology, parameters))]
+    none, one, sizes = numbers
     still: Any = Direction(0 * point.x, 0 * point.strained, none, 0 * point.multipliers)
     rising: Any = Plane(0 * point.x, one)
     alike: Any = Scale(sizes, sizes**0)
@@ -255,13 +233,7 @@ class DenseEquations:
 
 
 class Zero(NamedTuple):
-    """Where a value along a step is zero.
-
-    Attributes:
-        length: Place on the step.
-        step: State there.
-        uncertainty: By how much its load factor may be off at most, () [-]; zero where the state itself was found.
-    """
+    """Zero of a value along a step: place, state, and largest error of its load factor, zero if the state was found."""
 
     length: float
     step: Step
@@ -269,13 +241,7 @@ class Zero(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """A critical point on a step.
-
-    Attributes:
-        zero: Where it is.
-        kind: "limit" or "bifurcation".
-        number: Which critical value changes sign.
-    """
+    """A critical point on a step: its zero, "limit" or "bifurcation", and the number of the critical value."""
 
     zero: Zero
     kind: str
@@ -286,11 +252,11 @@ class Stride(NamedTuple):
     """A step that can be taken.
 
     Attributes:
-        begin: State where it begins, its tangent the direction of the step.
-        length: How long it is.
-        end: State where it ends.
+        begin: State at its begin, whose tangent is the direction of the step.
+        length: Its length.
+        end: State at its end.
         crossed: Critical points on it.
-        last: Where the walk ends on it; None if it does not.
+        last: Where the walk ends on it, or None.
     """
 
     begin: Step
@@ -301,11 +267,11 @@ class Stride(NamedTuple):
 
 
 class Departure(NamedTuple):
-    """That the walk left its branch at a bifurcation.
+    """Change of branch at a bifurcation.
 
     Attributes:
         new: First step on the other branch; None if it was not found.
-        is_neutral: Whether a second motion loses its stiffness there, and meets none on the branch either.
+        is_neutral: Whether a second motion loses its stiffness there, and has none on the branch either.
     """
 
     new: Stride | None
@@ -313,7 +279,7 @@ class Departure(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """A state on a step, and the value there whose zero is looked for."""
+    """A state on a step, and the value there whose zero is sought."""
 
     length: float
     value: float
@@ -321,21 +287,17 @@ class _Trial(NamedTuple):
 
 
 def _estimate(low: _Trial, high: _Trial) -> float:
-    """Share of the way from one state to another at which the value is zero."""
+    """Share of the way from one state to another at which a linear value is zero."""
     return low.value / (low.value - high.value)
 
 
 def _replaced(low: _Trial, high: _Trial, new: _Trial) -> tuple[_Trial, _Trial]:
-    """The ends between which the sign changes, with a new state in place of one of them."""
+    """The ends between which the sign changes, with a new state in place of one."""
     return (new, high) if (new.value > 0) == (low.value > 0) else (low, new)
 
 
 def _guess(low: _Trial, high: _Trial, known: list[_Trial]) -> float:
-    """Share of the way at which a smooth function through the states found last is zero: place as function of value.
-
-    Source:
-        Inverse interpolation by Neville's scheme, whose order grows towards two with the states.
-    """
+    """Share of the way to the zero of a smooth function through the last states, by inverse interpolation (Neville)."""
     values, places = [t.value for t in known[-4:]], [t.length for t in known[-4:]]
     if len(set(values)) == len(values):
         for k in range(1, len(values)):
@@ -349,20 +311,20 @@ def _guess(low: _Trial, high: _Trial, known: list[_Trial]) -> float:
 
 
 def _beyond(low: _Trial, high: _Trial, share: float) -> float:
-    """A little beyond that, seen from the nearer end: both ends come near, and neither where a bifurcation blurs it."""
-    little = 0.45 * NEAR / (high.length - low.length)
+    """A little beyond a share, seen from the nearer end, so that both ends approach it."""
+    little = 0.45 * NEAR_STATES / (high.length - low.length)
     return share + little if share < 0.5 else share - little
 
 
 def _narrowed(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None], small: float):
-    """Ends that lie closer, and whether the zero was reached: false where no state was found on the way."""
+    """Closer ends, and whether the zero was reached; False if no state was found on the way."""
     known = [low, high]
     before = np.inf
     for _ in range(BISECTIONS):
         best = min(abs(low.value), abs(high.value))
-        if best <= small or high.length - low.length <= NEAR:
+        if best <= small or high.length - low.length <= NEAR_STATES:
             break
-        # Where a trial brought little, the next one halves the way.
+        # After a trial with little progress, the next one halves the way.
         share = _beyond(low, high, _guess(low, high, known)) if best <= before / 2 else 0.5
         new = trial(low, high, share)
         if new is None:
@@ -374,9 +336,9 @@ def _narrowed(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None], sm
 
 
 def _drawn_in(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None]) -> tuple[_Trial, _Trial]:
-    """Ends that lie as close to the zero as states are found on either side of it."""
+    """Ends as close to the zero as states are found on either side."""
     tried = [0, 0]
-    while min(tried) < len(DRAWN) and high.length - low.length > NEAR:
+    while min(tried) < len(DRAWN) and high.length - low.length > NEAR_STATES:
         middle = _estimate(low, high)
         ways = [middle, middle - 1]
         side = max((k for k in (0, 1) if tried[k] < len(DRAWN)), key=lambda k: abs(ways[k]))
@@ -389,22 +351,20 @@ def _drawn_in(low: _Trial, high: _Trial, trial: Callable[..., _Trial | None]) ->
 
 
 class Walker:
-    """The walk along one path: what has been found so far, and how to find the next.
+    """The walk along one path: states found so far, and the search for the next.
 
-    States are kept as arrays of NumPy: what is asked of them is not worth a compiled program.
+    States are NumPy arrays: operations on them do not pay for compiled programs.
 
     Attributes:
-        equations: What is asked of the mechanism.
-        scale: What makes metres, radians and load comparable.
         code: Why the walk cannot begin, or successful.
-        step: Largest change of the load factor in a step, () [-].
+        step: Largest change of the load factor in a step.
         steps: States found.
         critical: Critical points found.
         critical_steps: The states there.
         conditions: Values that end the walk.
         most: Number of critical points that ends it, or None.
-        end: Largest load factor to which the conditions let it go, () [-].
-        ended: Name of the condition that ended it, empty where the path ended by itself; None where none did.
+        end: Largest load factor that the conditions allow.
+        ended: Name of the condition that ended it, empty if the path ended by itself; None if neither did.
     """
 
     def __init__(self, equations: WalkEquations, step: float, stops: Stops):
@@ -419,7 +379,7 @@ class Walker:
         self.ended: str | None = None
 
     def advance(self, begin: Point, direction: Direction, length: ArrayLike, plane: Plane | None = None) -> Step:
-        """One step from a point along a direction, corrected across it unless another plane is given."""
+        """One step from a point along a direction, corrected across it or in a given plane."""
         plane = normal_to(self.scale, direction) if plane is None else plane
         arguments = (self.ramp, self.scale, begin, direction, np.asarray(length, float), plane)
         return self.equations.advance(*arguments)
@@ -439,9 +399,9 @@ class Walker:
         return jax.tree.map(lambda a: a / (size if size > 0 else 1.0), way), float(size)
 
     def continuous(self, low: Step, high: Step) -> bool:
-        """Whether a smooth curve joins two states: their tangents and the chord between them have one direction."""
+        """Whether a smooth curve joins two states: their tangents and the chord have one direction."""
         chord, size = self.chord(low.point, high.point)
-        return size < NEAR or min(product(self.scale, chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
+        return size < NEAR_STATES or min(product(self.scale, chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
 
     def curve(self, low: Step, high: Step, share: float) -> Point:
         """Point between two states, on the cubic through both with their tangents."""
@@ -460,7 +420,7 @@ class Walker:
         return Point(bent("x"), near, bent("strained"), bent("load"), bent("multipliers"))
 
     def between(self, low: _Trial, high: _Trial) -> Zero:
-        """Zero between two states close by."""
+        """Zero between two close states."""
         begin, end, share = low.step, high.step, _estimate(low, high)
         tangent, values = jax.tree.map(
             lambda a, b: (1 - share) * a + share * b, (begin.tangent, begin.values), (end.tangent, end.values)
@@ -475,24 +435,21 @@ class Walker:
         length: float,
         end: Step,
         value: Callable[[Step], float],
-        widest: float = WIDEST,
+        widest: float = WIDEST_GAP,
         alone: bool = False,
         ends: tuple[tuple[float, Step], ...] = (),
     ) -> Zero | None:
-        """Where a value that changes sign on a step is zero; None if it jumps.
+        """Zero of a value that changes sign on a step, or between two ``ends`` on it; None if the value jumps.
 
-        It changes its sign between the ends of the step, or between two places and states on it. Where the value is
-        ``alone`` in changing its sign, states on another branch are known by their orientation.
-
-        Beside a bifurcation the corrector's equations are nearly singular: it finds no state, or one that is astray
-        along the motion that meets no stiffness, and so is its tangent. The zero is then taken between states on both
-        sides.
+        If the value is ``alone`` in changing its sign, states on another branch are recognised by their orientation.
+        Beside a bifurcation the corrector's equations are nearly singular: it finds no state, or one displaced along
+        the motion without stiffness, with a wrong tangent. The zero is then taken between states on both sides.
         """
         ends = ends or ((0.0, begin), (length, end))
         low, high = (_Trial(place, value(at), at) for place, at in ends)
-        small = ZERO * max(abs(low.value), abs(high.value))
+        small = ZERO_ON_STEP * max(abs(low.value), abs(high.value))
         least = 2 * float(end.cosine) - 1 - 1e-3
-        widest = max(widest * length, WIDEST_AT_LEAST)
+        widest = max(widest * length, WIDEST_GAP_AT_LEAST)
         plane, still = normal_to(self.scale, begin.tangent), jax.tree.map(np.zeros_like, begin.tangent)
 
         def trial(low: _Trial, high: _Trial, share: float) -> _Trial | None:
@@ -512,7 +469,7 @@ class Walker:
         best = min(low, high, key=lambda end: abs(end.value))
         width = high.length - low.length
         if width > widest:
-            # One end came to the zero alone: is there a state close by on its other side?
+            # One end approached the zero alone: search a state close by on its other side.
             share = widest / 2 / width
             new = trial(low, high, share if best is low else 1 - share)
             low, high = (low, high) if new is None else _replaced(low, high, new)
@@ -521,15 +478,15 @@ class Walker:
         if abs(best.value) <= small:
             return Zero(best.length, best.step, 0.0)
         found = self.between(low, high)
-        # Of values that round-off alone tells apart none is where they change their sign.
+        # Values that only round-off separates have no change of sign.
         return found if np.isfinite(found.step.load) else None
 
     def cross(self, begin: Step, length: float, end: Step, widest: float) -> list[Crossing] | None:
         """Critical points on a step; None if the path jumps."""
         turns = (float(begin.tangent.load) > 0) != (float(end.tangent.load) > 0)
         low, high = sorted((begin.negative, end.negative))
-        # On a branch that comes through a pitchfork the stiffness only touches zero, and the load turns back there. The
-        # corrector is nearly singular around that point; the load is stationary, so that half the digits do.
+        # On a branch through a pitchfork the stiffness only touches zero, and the load turns back there. The corrector
+        # is nearly singular around that point; the load is stationary, so that half the digits suffice.
         touched, alone = low == high, high - low <= 1
         turn = None
         if turns:
@@ -556,10 +513,10 @@ class Walker:
     def vanishes(self, number: int, begin: Step, at: Step, end: Step) -> bool:
         """Whether a critical value that changes its sign on a step is zero where the load turns back."""
         there = abs(at.critical_value(number))
-        return there <= VANISHED * max(abs(step.critical_value(number)) for step in (begin, end))
+        return there <= VANISHED_VALUE * max(abs(step.critical_value(number)) for step in (begin, end))
 
     def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> list[Last] | None:
-        """Where conditions are met on a step, the first place of each; None if the path jumps."""
+        """First place of each condition that is met on a step; None if the path jumps."""
         found = []
         for condition in self.conditions:
             places = self.extremes(condition, begin, length, end, crossed)
@@ -568,7 +525,7 @@ class Walker:
             places = [(0.0, begin), *places, (length, end)]
             excess = [condition.excess(at) for _, at in places]
             for i in range(len(places) - 1):
-                # A path that begins at the value is to come there again.
+                # A path that begins at the value must come back to it.
                 if excess[i] != 0 and np.sign(excess[i]) * np.sign(excess[i + 1]) <= 0:
                     last = self.met(condition, begin, length, end, (places[i], places[i + 1]))
                     if last is None:
@@ -580,7 +537,7 @@ class Walker:
     def extremes(
         self, condition: Condition, begin: Step, length: float, end: Step, crossed: list[Crossing]
     ) -> list[tuple[float, Step]] | None:
-        """Places on a step at which the quantity of a condition may turn back, with the states; None for a jump."""
+        """Places and states on a step at which the quantity of a condition may turn back; None for a jump."""
         if condition.at_ends:
             return []
         entry = condition.entry
@@ -588,7 +545,7 @@ class Walker:
             return [(f.zero.length, f.zero.step) for f in crossed]
         excess = [condition.excess(at) for at in (begin, end)]
         rates = [float(at.tangent.x[entry]) for at in (begin, end)]
-        # It comes nearer at first, goes away at last, and is near enough to have been there.
+        # It approaches first, recedes last, and is near enough to have been there.
         near = min(map(abs, excess)) < length * max(map(abs, rates))
         if not (near and excess[0] * excess[1] > 0 and excess[0] * rates[0] < 0 < excess[1] * rates[1]):
             return []
@@ -605,7 +562,7 @@ class Walker:
         still = jax.tree.map(np.zeros_like, reached.step.tangent)
         at, plane = reached.step.point, normal_to(self.scale, reached.step.tangent)
         if not condition.at_ends:
-            # The corrector keeps the value itself where it is, to round-off.
+            # The corrector keeps the value itself, to round-off.
             target: Any = np.array(condition.start + condition.target)
             one: Any = np.arange(len(at.x)) == condition.entry
             by_load = condition.entry is None
@@ -615,17 +572,17 @@ class Walker:
         return Last(reached.length, exact if bool(exact.converged) else reached.step, condition.name)
 
     def motions(self, taken: Stride) -> tuple[list[Direction], list[Direction]]:
-        """Motions that meet no stiffness at the critical points of a step, normal to each other where two coincide.
+        """Motions without stiffness at the critical points of a step, normal to each other if two coincide.
 
-        Beside each the direction normal to it in which the mechanism follows a rising load.
+        Also, for each, the direction normal to it in which the mechanism follows a rising load.
         """
         found: list[Direction] = []
         loaded: list[Direction] = []
         for i, crossing in enumerate(taken.crossed):
             zero, before = crossing.zero, taken.crossed[i - 1].zero
-            coincide = i > 0 and zero.length - before.length <= max(WIDEST * taken.length, WIDEST_AT_LEAST)
+            coincide = i > 0 and zero.length - before.length <= max(WIDEST_GAP * taken.length, WIDEST_GAP_AT_LEAST)
             beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
-            shift = np.asarray(np.abs(taken.begin.critical_value(crossing.number)) * SHIFT)
+            shift = np.asarray(np.abs(taken.begin.critical_value(crossing.number)) * NULL_VECTOR_SHIFT)
             arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
             phi, along = self.equations.null(*arguments)
             found.append(phi)
@@ -643,21 +600,21 @@ class Walker:
         """Whether a motion meets no stiffness on the branch that leaves a bifurcation along another motion."""
         begin, direction = crossing.zero.step, unit(self.scale, phi)
         value = max(abs(step.critical_value(crossing.number)) for step in (taken.begin, taken.end))
-        plane = normal_to(self.scale, direction)._replace(stiffness=np.array(HOLD * value))
-        # The farther along the branch, the larger is the stiffness that round-off is measured against.
+        plane = normal_to(self.scale, direction)._replace(stiffness=np.array(HOLD_ON_BRANCH * value))
+        # The farther along the branch, the larger is the stiffness beside round-off.
         for length in self.longest(direction) / np.array([2, 8, 32]):
             new = self.advance(begin.point, direction, length, plane)
             if bool(new.converged) and float(new.cosine) > 0.5:
                 sizes = np.sort(np.abs(new.values))
-                return bool(sizes[0] <= MEETS_NONE * sizes[1])
+                return bool(sizes[0] <= NEUTRAL_ON_BRANCH * sizes[1])
         return False
 
     def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:
         """First step on the branch that leaves a bifurcation along a motion.
 
-        Where two motions lose their stiffness at once, branches leave along some of their sums only.
+        If two motions lose their stiffness at once, branches leave along some of their sums only.
         """
-        phi, *others = (unit(self.scale, jax.tree.map(lambda a: sign * a, one)) for one in (phi, *others))
+        phi, *others = (unit(self.scale, jax.tree.map(lambda a: sign * a, motion)) for motion in (phi, *others))
         fan = [phi]
         for other in others:
             for angle in np.arange(1, 8) * np.pi / 8:
@@ -675,14 +632,14 @@ class Walker:
                     continue
                 way, size = self.chord(begin.point, new.point)
                 if size > 0 and product(self.scale, way, direction) > 0.5:
-                    # The corrector was on its way to a branch that leaves in another direction.
+                    # The corrector moved towards a branch in another direction.
                     direction = way
                 else:
                     length /= 4
         return None
 
-    def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST) -> Stride | None:
-        """What lies on a step; None if the path jumps on it."""
+    def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST_GAP) -> Stride | None:
+        """Critical points and conditions on a step; None if the path jumps on it."""
         crossed = self.cross(begin, length, end, widest)
         if crossed is None:
             return None
@@ -692,10 +649,10 @@ class Walker:
         return Stride(begin, length, end, crossed, min(met, key=lambda last: last.length, default=None))
 
     def leap(self, begin: Step) -> Stride | None:
-        """A step over states that are not found, as short as can be; None if there is none."""
+        """Shortest step over states that are not found; None without one."""
         directions = [begin.tangent]
         if len(self.steps) > 1:
-            # Where it begins too near to a bifurcation, its own tangent is astray.
+            # Too near to a bifurcation, its own tangent is wrong.
             directions.append(self.chord(self.steps[-2].point, begin.point)[0])
         for direction in directions:
             start = begin._replace(tangent=direction)
@@ -708,7 +665,7 @@ class Walker:
         return None
 
     def come_round(self, taken: Stride) -> Step | None:
-        """State on a step that the path passed before in the same direction: the path is closed."""
+        """State on a step that the path passed before in the same direction; None if the path is not closed."""
         begin, old = taken.begin, self.steps[:-1]
         if not old:
             return None
@@ -720,9 +677,11 @@ class Walker:
             if product(self.scale, old[i].tangent, begin.tangent) > 0.5:
                 new = self.advance(begin.point, begin.tangent, along[i])
                 apart = np.abs(new.point.x - old[i].point.x) / self.scale.sizes
-                # An angle that has turned once more is another state, with equal Euler parameters.
+                # An angle after another full turn is another state, with equal Euler parameters.
                 turned = np.abs(new.point.strained - old[i].point.strained)
-                same = max(np.max(apart, initial=0.0), abs(new.load - old[i].load)) < SAME and np.all(turned < 1.0)
+                same = max(np.max(apart, initial=0.0), abs(new.load - old[i].load)) < SAME_STATE and np.all(
+                    turned < 1.0
+                )
                 if bool(new.converged) and same:
                     return new
         return None
@@ -730,13 +689,10 @@ class Walker:
     def walk(
         self, max_steps: int, switch: dict[int, int], report: Callable[[int, float], None] | None = None
     ) -> RESULTS:
-        """Walk until a condition is met; the code says why the walk ended.
+        """Walk until a condition is met; return why the walk ended.
 
-        Args:
-            max_steps: Steps at most.
-            switch: Direction, 1 or -1, in which bifurcations are left, by their number from 1. What is used is taken
-                out.
-            report: Called with the number of steps and the load factor before each step.
+        ``switch`` has directions, 1 or -1, at bifurcations by their number from 1; used ones are removed. ``report`` is
+        called with the number of steps and the load factor before each step.
         """
         length, regular = np.inf, True
         while self.code == RESULTS.successful:
@@ -746,8 +702,8 @@ class Walker:
             if report is not None:
                 report(len(self.steps), begin.load)
             length = min(length, self.longest(begin.tangent))
-            # Written so that NaN ends the walk.
-            if not SMALLEST_STEP * self.step <= length < np.inf:
+            # This form ends the walk for NaN.
+            if not SHORTEST_PATH_STEP * self.step <= length < np.inf:
                 taken = self.leap(begin)
                 if taken is None:
                     if len(self.steps) == 1 and begin.singular:
@@ -757,7 +713,7 @@ class Walker:
             else:
                 short = self.end - begin.load - length * float(begin.tangent.load)
                 if 0 <= short < 0.2 * length * float(begin.tangent.load):
-                    # Stretch this step to the end rather than leave a tiny last one.
+                    # Stretch this step to the end to avoid a tiny last one.
                     length *= 1.25
                 end = self.advance(begin.point, begin.tangent, length)
                 regular = bool(end.regular)
@@ -796,7 +752,7 @@ class Walker:
         return self.code
 
     def pass_critical_points(self, taken: Stride, switch: dict[int, int]) -> Departure | None:
-        """Name the critical points up to where the walk leaves a step: its end, or a bifurcation to another branch."""
+        """Add the critical points up to the end of a step, or to a bifurcation where the walk changes the branch."""
         motions, loaded = self.motions(taken)
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
             if taken.last is not None and crossing.zero.length > taken.last.length:
@@ -814,7 +770,7 @@ class Walker:
                 way, _ = self.chord(taken.begin.point, taken.end.point)
                 along_phi, along_load = (abs(product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i]))
                 if along_phi > along_load:
-                    # The walk came along phi itself, and the other branch is the one that follows the load.
+                    # The walk came along phi: the other branch follows the load.
                     phi, others = loaded[i], []
                 return Departure(self.branch(crossing.zero.step, phi, others, side), False)
         return None

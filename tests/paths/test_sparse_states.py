@@ -102,8 +102,8 @@ def test_what_the_path_has_not_is_named(paths):
         (lambda: sparse.linearization(time=1.0), "no times"),
         (lambda: sparse.linearization(99), "and 99 is none of them"),
         (sparse.linearizations, "one state at a time"),
-        (sparse.at_critical_points, "no critical points: follow it further"),
-        (dense.at_critical_points, "no critical points: follow it further"),
+        (sparse.at_critical_points, "no critical points. Follow it further"),
+        (dense.at_critical_points, "no critical points. Follow it further"),
         (lambda: sparse.along("multiplier 1"), r"fm\.buckling_loads\(model"),
     ):
         with pytest.raises((TypeError, ValueError, AttributeError, IndexError, KeyError), match=match):
