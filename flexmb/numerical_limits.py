@@ -528,6 +528,71 @@ below other stiffnesses, so that the corrector converges, and far above round-of
 FIRST_ON_BRANCH = 0.02
 """Motion of the first step on another branch (extents, radians)."""
 
+# --- statics ----------------------------------------------------------------------------------------------------------
+
+COARSE_ANGLE = 0.2
+"""Angle between the chord of a beam and its end, or of its twist [rad], up to which one beam has an error of 6 % of the
+deflection of an arc, and 3 % of a twist. Both errors grow with its square."""
+
+STRETCHED_BEAM = 0.01
+"""Strain up to which cubic beams, of any number, bend with an EI that is correct within 2 %."""
+
+CONFIGURATION_STEP = 0.2
+"""Given coordinates move from their undeformed value in steps of this share of the mechanism's extent, or radians."""
+
+SETTLED_CONFIGURATION = 1e-10
+"""Last correction of a configuration, over the extent, or in radians."""
+
+CONSTRAINTS_MET = 1e-9
+"""Largest error of the constraints, over the size of their parts for the whole extent."""
+
+FOLDED_MECHANISM = 1e5
+"""Largest motion by a change of the constraints, over that of the undeformed mechanism. A crank that is a share y of
+its length from its dead point is moved some 1/y times as far, and round-off of its velocity is that over y^2."""
+
+LOOSE_MOTION = 1e-12
+"""A motion has no stiffness below this share of the stiffnesses at its coordinates."""
+
+LOOSE_BY_ROUND_OFF = 1e-20
+"""Nor has it below this share of the largest stiffness of all, if other motions take part in it by round-off."""
+
+STEP_TOLERANCE = 1e-9
+"""A smaller correction is made and ends the iteration: the error left is of the order of its square."""
+
+LOOSE_TOLERANCE = 0.005
+"""Distance to an equilibrium that may be left at loads that are only passed."""
+
+SMALLEST_LOAD_STEP = 1e-5
+"""Load steps are not shortened below this share of the load."""
+
+DEFORMATION_ROUND_OFF = 1e-13
+"""Round-off of a deformation, over what the mechanism's extent would make of it."""
+
+CRITICAL_SHARE = 1e-4
+"""An equilibrium is critical if its stiffness K in some motion is below this share of the structural stiffness K0. At a
+limit point the share falls with the root of the distance: a change of the load by some 1e-9 of itself doubles the
+derivative there. At a bifurcation it is the distance itself. It has no unit, and is 1 without load for any leaf
+spring."""
+
+NEGATIVE_SHARE = 1e-6
+"""A stiffness is negative below minus this share of the structural stiffness in the same motion; nearer to zero a state
+is critical."""
+
+STIFFNESS_ROUND_OFF = 1e-10
+"""If nothing elastic resists a motion, its stiffness is negative below minus this share of the largest."""
+
+SYMMETRIC_STIFFNESS = 1e-9
+"""Larger differences of K from its transpose, with entries scaled to one, are those of loads without potential."""
+
+DEPENDENT_VECTOR = 1e-20
+"""Square of a vector, over that of the previous one, below which it depends on earlier ones."""
+
+NEEDLESS_ENERGY = 30.0
+"""Elastic energy over the least possible one that is reported. Shapes that elements take gradually stay below."""
+
+STRAIN_ROUND_OFF = 1e-12
+"""Deformations below this share of the extent, or of a radian, are round-off."""
+
 # --- math -----------------------------------------------------------------------------------------------------------
 
 ANGLE_BY_SERIES = 1e-4

@@ -16,8 +16,7 @@ from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import sizes_of
 from ..mechanics.transfer import correction, transfer
 from ..model.parameters import Parameters
-from ..numerical_limits import MOVED_START, SETTLED_START
-from ..statics.configuration import STEP
+from ..numerical_limits import CONFIGURATION_STEP, MOVED_START, SETTLED_START
 from .coordinates_form import CoordinatesForm
 from .drive import Driven
 from .motion import Motion
@@ -119,7 +118,9 @@ def _walked(form: CoordinatesForm, t: Float[Array, ""], state: Any) -> tuple[Arr
     change = put(jnp.zeros(top.n_e), form.held, e[form.held] - aim.e) + jacobian @ shift
     way = correction(top, transfer(top, jacobian), change, shift) / sizes_of(top, form.parameters)
     longest = jnp.max(jnp.abs(way), initial=0.0)
-    steps = jnp.clip(jnp.ceil(jnp.where(jnp.isfinite(longest), longest, 1.0) / STEP), 0, MOST_STEPS).astype(jnp.int32)
+    steps = jnp.clip(
+        jnp.ceil(jnp.where(jnp.isfinite(longest), longest, 1.0) / CONFIGURATION_STEP), 0, MOST_STEPS
+    ).astype(jnp.int32)
 
     def further(at: tuple[Array, Array, Array]):
         step, x, near = at

@@ -21,10 +21,11 @@ from ..numerical_limits import (
     REUSED_CORRECTION,
     SMALLEST_COSINE,
     SMALLEST_SCALE,
+    STEP_TOLERANCE,
     STRAIGHT_PATH,
 )
 from ..results import RESULTS
-from ..statics.newton import ACROSS_PATH, STEP_TOLERANCE, Number
+from ..statics.newton import ACROSS_PATH, Number
 from ..statics.newton_search import Iterate, held_values
 from ..statics.solve import TurnInFreedoms
 

@@ -1,4 +1,4 @@
-"""Whether a model is solved by sparse factors."""
+"""Choice between dense matrices and sparse factors."""
 
 from typing import Any
 
@@ -7,29 +7,18 @@ from ..math.sparse import LARGE
 from ..model.model import Model
 
 
-def solver_for(model: Model, sparse: bool | None, solver: Any = None) -> LinearSolver:
-    """Solver that a public function is asked for; unless one is, sparse factors where the model is large.
-
-    Args:
-        sparse, solver: What the public function was given.
-
-    Raises:
-        TypeError, ValueError: As of :func:`flexmb.math.linear_solver.asked_solver`.
-    """
+def solver_for(model: Model, sparse: bool | None, solver: Any) -> LinearSolver:
+    """Solver of a public function; by default sparse factors for a large model."""
     return asked_solver(sparse, solver) or (SPARSE if model.topology.n_x >= LARGE else DENSE)
 
 
 def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
-    """Whether a model is solved in all coordinates; arguments as of :func:`solver_for`."""
+    """Whether a model is solved in all coordinates."""
     return solver_for(model, sparse, solver) != DENSE
 
 
 def named(solver: Any) -> Any:
-    """The same, for a function that takes no :class:`LinearSolver` but the two of this package.
-
-    Raises:
-        TypeError: It is another one.
-    """
+    """The solver, for a function that accepts no :class:`LinearSolver` but the two of this package; else TypeError."""
     if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
-        raise TypeError('Argument `solver` must be "sparse" or "dense" here: fm.equilibrium takes other solvers too.')
+        raise TypeError('Argument `solver` must be "sparse" or "dense" here. fm.equilibrium accepts other solvers too.')
     return solver

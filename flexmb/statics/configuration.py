@@ -21,22 +21,15 @@ from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import CONFIGURATION_STEP, CONSTRAINTS_MET, FOLDED_MECHANISM, SETTLED_CONFIGURATION
 from ..results import RESULTS, check, or_nan, told
 from .newton_search import held_values
 
-# What is given goes from its undeformed value in steps of this share of the mechanism's extent, or radians.
-STEP = 0.2
-# 20 000 radians or extents; what is further away is out of reach, and no step is made.
+# 20 000 radians or extents; anything farther is out of reach, and no step is made.
 MOST_STEPS = 1e5
 CORRECTIONS = 8
-# At the end they go on until they are this small, as shares of the extent and radians, for so many turns at most: near
-# a dead point each halves the error, until it is smaller than the way to there.
-SETTLED, MORE_TURNS = 1e-10, 8
-# What is left of the constraints, as a share of what their parts are for the whole extent.
-TOLERANCE = 1e-9
-# So many times as far as the undeformed mechanism a change of the constraints moves it at most: a crank that is a share
-# y of its length from its dead point is moved some 1/y times as far, and its velocity is right to round-off over y^2.
-FOLDED = 1e5
+# Additional turns at the end: near a dead point each halves the error, until it is smaller than the way there.
+MORE_TURNS = 8
 
 
 class Configuration(ByName, Result, Record):
@@ -58,7 +51,7 @@ class Configuration(ByName, Result, Record):
     one_axis = "x"
 
     def summary(self) -> Summary:
-        """Outcome, and the largest velocity and deformation with their names."""
+        """Return the outcome, and the largest velocity and deformation with their names."""
         rows = {
             "result": told(self.result),
             "largest velocity": largest(self.xd, self.labels.x, unit_of_rate),
@@ -75,7 +68,7 @@ class _Way(NamedTuple):
 
 
 def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], share: Float[Array, ""] | float = 1.0):
-    """Coordinates and deformations that are given, a share of the way there; others as undeformed."""
+    """Given coordinates and deformations, a share of the way there; others as undeformed."""
     x, e = held_values(topology, parameters, LoadFactors(1.0, 0.0))
     given = parameters.reference + share * (x - parameters.reference), share * e
     return _with_freedoms(topology, given, share * q)
@@ -95,7 +88,7 @@ def _corrected(
     wanted_x: Float[Array, "n_x"],
     wanted_e: Float[Array, "n_e"],
 ):
-    """One step of Newton's method, the deformations before it, and the transfer functions there."""
+    """One Newton step, the deformations before it, and the transfer functions there."""
     given = topology.x.given
     shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
     e, jacobian = deformation_jacobian(topology, parameters, x, near)
@@ -112,36 +105,21 @@ def configured(
     x: Float[Array, "n_x"],
     near: Float[Array, "n_e"],
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_e"]]:
-    """One step of Newton's method towards the configuration at given degrees of freedom.
+    """One Newton step towards the configuration at given degrees of freedom, and the deformations at the guess.
 
-    Args:
-        given: Coordinates and deformations with the PRESCRIBED ones at their values, (n_x,) and (n_e,).
-        q: Degrees of freedom, (n_q,) [m, rad].
-        x: Guess of the nodal coordinates, (n_x,) [m, rad, -].
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-
-    Returns:
-        Nodal coordinates, and the deformations at the guess.
+    ``given`` are coordinates and deformations with the PRESCRIBED ones at their values.
     """
     x, e, _ = _corrected(topology, parameters, x, near, *_with_freedoms(topology, given, q))
     return x, e
 
 
 def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], qd: Float[Array, "n_q"]):
-    """Configuration and velocity at given degrees of freedom; part of the compiled kernels.
-
-    Args:
-        q: Degrees of freedom, coordinates as displacements from their start, (n_q,) [m, rad].
-        qd: Their rates, (n_q,) [1/s].
-
-    Returns:
-        x (n_x,), xd (n_x,), e (n_e,), and a code of RESULTS.
-    """
+    """Configuration x, velocity xd, deformations e and a code of RESULTS at given degrees of freedom."""
     sizes = sizes_of(topology, parameters)
     wanted_x, wanted_e = _wanted(topology, parameters, q)
     given = topology.x.given
     relative = jnp.concatenate([((wanted_x - parameters.reference) / sizes)[given], wanted_e[topology.e.given]])
-    needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / STEP) + 1
+    needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / CONFIGURATION_STEP) + 1
     within = needed <= MOST_STEPS
     steps = jnp.where(within, needed, 0).astype(jnp.int32)
     settled = jax.lax.stop_gradient((parameters, q))
@@ -160,7 +138,7 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
         return _Way(x, near, walk.step + 1, change)
 
     def goes_on(walk: _Way):
-        return (walk.step < steps) | (within & (walk.step < steps + MORE_TURNS) & (walk.change > SETTLED))
+        return (walk.step < steps) | (within & (walk.step < steps + MORE_TURNS) & (walk.change > SETTLED_CONFIGURATION))
 
     start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(0.0))
     end = jax.lax.stop_gradient(jax.lax.while_loop(goes_on, turn, start))
@@ -175,18 +153,18 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     parts = (jnp.abs(jacobian) @ sizes)[topology.e.given]
     off = jnp.abs((e - wanted_e)[topology.e.given]) / jnp.where(parts > 0, parts, 1.0)
     off = jnp.max(off, initial=0.0)
-    found = within & (off < TOLERANCE) & (end.change <= SETTLED)
+    found = within & (off < CONSTRAINTS_MET) & (end.change <= SETTLED_CONFIGURATION)
     result = jnp.where(found, RESULTS.successful, RESULTS.out_of_reach)
     _, undeformed = deformation_jacobian(topology, settled[0], settled[0].reference, zero_near(topology))
     before = _moved(topology, undeformed, transfer(topology, undeformed), sizes)
-    folded = found & (_moved(topology, jacobian, tangent, sizes) > FOLDED * before)
+    folded = found & (_moved(topology, jacobian, tangent, sizes) > FOLDED_MECHANISM * before)
     astray = within & ~(tangent.regular & jnp.isfinite(off) & ~folded)
     result = jnp.where(astray, RESULTS.singular_configuration, result)
     return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
 
 
 def _moved(topology: Topology, jacobian: Float[Array, "n_e n_x"], tangent: Transfer, sizes: Float[Array, "n_x"]):
-    """How far changes of the constraints move the mechanism at most, each a share of its parts, () [-]."""
+    """Largest motion of the mechanism by changes of the constraints, each a share of its parts [-]."""
     parts = (jnp.abs(jacobian) @ sizes)[topology.e.given]
     moved = jnp.sum(jnp.abs(tangent.factors.solve(jnp.diag(parts))), axis=1)
     return jnp.max(moved / sizes[topology.x.dependent], initial=0.0)
@@ -199,22 +177,22 @@ _configure = jit(configure)
 def configuration(
     model: Model, q: Float[Array, "n_q"] | None = None, qd: Float[Array, "n_q"] | None = None, *, throw: bool = True
 ) -> Configuration:
-    """Where the mechanism is, and how it moves, at given degrees of freedom.
+    """Return position and velocity of the mechanism at given degrees of freedom.
 
     Args:
         model: Mechanism; differentiable in its parameters.
         q: Degrees of freedom in the order of ``model.q_labels``; coordinates as displacements from their start,
-            (n_q,) [m, rad]. None: the start values that the builder named, or zero.
+            (n_q,) [m, rad]. None: the start values of the builder, or zero.
         qd: Their rates, (n_q,) [1/s]; None likewise.
-        throw: Raise where there is no such configuration; otherwise the code is in ``result``.
+        throw: Raise if there is no such configuration; otherwise the code is in ``result``.
 
     Returns:
         Configuration with x and xd (n_x,), e (n_e,).
 
     Raises:
         ValueError: q or qd has not one number for each degree of freedom.
-        AnalysisError: singular_configuration, also so near to a dead point that round-off decides where the mechanism
-            is or how it moves; or out_of_reach.
+        AnalysisError: singular_configuration, also if round-off next to a dead point decides position or velocity; or
+            out_of_reach.
 
     Source:
         THEORY.md 4, eq. (4.2): Newton's method on D(x) = e, in steps.
@@ -233,6 +211,5 @@ def configuration(
                 f" ({', '.join(model.q_labels)}), but has shape {value.shape}."
             )
     x, xd, e, result = _configure(model.topology, model.parameters, *values)
-    found = Configuration(x, xd, e, result, model.labels)
-    check(found.result, throw)
-    return or_nan(found, found.result, throw)
+    check(result, throw)
+    return or_nan(Configuration(x, xd, e, result, model.labels), result, throw)

@@ -26,6 +26,7 @@ from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, told
 from .choice import solver_for
 from .coarse import warn_of_coarse
@@ -33,12 +34,8 @@ from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
 from .stable import collect_unstable, unstable_motions, warn_of_unstable
 
-# Failures of which a motion without stiffness may be the reason.
+# Failures that a motion without stiffness may cause.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
-# Of the stiffnesses that meet in a motion, what is left below this share is none.
-LOOSE = 1e-12
-# Below this share of the largest stiffness of all, where other motions have a part in it by round-off, as well.
-NOTHING = 1e-20
 
 
 class Equilibrium(ByName, Result, Record):
@@ -50,9 +47,9 @@ class Equilibrium(ByName, Result, Record):
         sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
         felt: Gravity, which acts along the elements.
         reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
-        external: Forces that act from outside, loads but weight and the supports' together, dual to x, (n_x,) [N, N m].
+        external: Loads except weight, plus reactions, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
-        result: Code of RESULTS; critical_state is no failure: the state is right, its derivative is not.
+        result: Code of RESULTS; critical_state is no failure: the state is correct, its derivative is not.
         labels: Names.
     """
 
@@ -66,38 +63,17 @@ class Equilibrium(ByName, Result, Record):
     result: Int[Array, ""]
     labels: Labels = static()
     one_axis = "x"
-    # The model it was asked of, where its numbers were known: beside the fields, since nothing is computed with it.
+    # The model, if its numbers were known; no field, since nothing is computed with it.
     asked_of: ClassVar[Model | None] = None
     # Factors of its loads, likewise.
     factors: ClassVar[LoadFactors | None] = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Its fields alone: the model may hold functions that no file can."""
-        return {name: value for name, value in vars(self).items() if name not in ("asked_of", "factors")}
-
-    def states(self) -> States | None:
-        """The equilibrium as a state of its model; None where its numbers are separate from that.
-
-        Raises:
-            AnalysisError: It was not found.
-        """
-        if self.asked_of is None:
-            return None
-        check(self.result, True, "There is no state to show.")
-        return States(self.asked_of, self.x)
-
-    def known(self, model: Model, factors: LoadFactors) -> "Equilibrium":
-        """The same, which tells of which model and which loads it is.
-
-        Args:
-            model: The mechanism, with numbers that are known.
-            factors: Factors of its loads.
-        """
-        vars(self).update(asked_of=model, factors=factors)
-        return self
+        """Its fields alone: the model may contain functions that no file can store."""
+        return {name: value for name, value in vars(self).items() if name != "asked_of"}
 
     def summary(self) -> Summary:
-        """Outcome, and the largest deformation, stress resultant and reaction with their names."""
+        """Return the outcome, and the largest deformation, stress resultant and reaction with their names."""
         rows = {
             "result": told(self.result),
             "iterations": str(int(self.iterations)),
@@ -112,49 +88,42 @@ class Equilibrium(ByName, Result, Record):
 def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
     at, _, result, iterations, reached = solve_state(topology, parameters, target, tell_critical=True)
     outside = reactions_of(topology, at), external_of(topology, parameters, at)
-    found = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
-    # Only looked at: their derivatives would take longer than all others.
+    answer = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+    # Only for checks: their derivatives would take longer than all others.
     k0 = at.K0
-    return found, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))
+    return answer, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))
 
 
 def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
-    """Load factors that a public function is asked for; it is said where incremental loads are left out unasked.
-
-    Args:
-        increment: Factor of the incremental loads, () [-]; None: zero, with a warning where there are any.
-
-    Raises:
-        TypeError, ValueError: A factor is no finite number, or there are no incremental loads to scale.
-    """
+    """Load factors of a public function, with a warning if incremental loads are left out by default."""
     check_number("load_factor", load_factor)
     if increment is None:
         warn_of_increment(model, function)
         return load_factors(load_factor, 0.0)
     check_number("increment", increment)
     if model.parameters.increment is None and is_concrete(increment) and increment != 0:
-        raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+        raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
     return load_factors(load_factor, increment)
 
 
-# What functions without the argument `increment` take in its place.
+# Advice for functions without the argument `increment`.
 _INSTEAD = {
-    "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
+    "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
     "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
-    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
-    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this one",
-    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 where none is meant",
-    "save_fmu": "Build them without increment=True where they are meant",
-    "to_nonlinear_system": "Build them without increment=True where they are meant",
+    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 for none",
+    "save_fmu": "Build them without increment=True to include them",
+    "to_nonlinear_system": "Build them without increment=True to include them",
 }
 
 
 def warn_of_increment(model: Model, function: str) -> None:
-    """Say that incremental loads are left out, but for models under a trace."""
+    """Warn that incremental loads are left out, except for models under a trace."""
     if model.parameters.increment is not None and is_concrete(model):
-        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this one"
+        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this state"
         warn(
-            f"fm.{function} leaves out the incremental loads of the model: it is asked about the state without them."
+            f"fm.{function} leaves out the incremental loads of the model: its result is for the state without them."
             f" {_INSTEAD.get(function, usual)}."
         )
 
@@ -169,22 +138,22 @@ def equilibrium(
     solver: Literal["dense", "sparse"] | LinearSolver | None = None,
     throw: bool = True,
 ) -> Equilibrium:
-    """Static equilibrium under the constant loads.
+    """Return the static equilibrium under the constant loads.
 
-    Newton's method on the configurations that the constraints allow, with the multipliers of the constraints
-    estimated before the first step, so that a hanging body has its stiffness from the start. Beyond a buckling load it
-    may stay where no mechanism does, and says so; :func:`flexmb.path` follows the way to where one does.
+    Newton's method moves among configurations that the constraints allow. Multipliers of the constraints are estimated
+    before the first step, so that a hanging body has its stiffness from the start. Beyond a buckling load the result
+    may be an unstable state, with a warning; :func:`flexmb.path` follows the path to a stable one.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
-        increment: Factor of the incremental loads, () [-]; zero unless given.
+        increment: Factor of the incremental loads, () [-]; zero by default.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
         solver: "sparse" for sparse factors in all coordinates, which need no degrees of freedom
             (``Builder.build(check=False)``), "dense" for dense matrices, or a
-            :class:`flexmb.math.linear_solver.LinearSolver`; None: as the mechanism is large, or a long chain.
-        throw: Raise where the solve fails; otherwise the code is in ``result``. At a critical state it does not fail:
-            look at ``result`` before using a derivative.
+            :class:`flexmb.math.linear_solver.LinearSolver`; None: sparse for a large mechanism, or a long chain.
+        throw: Raise if the solve fails; otherwise the code is in ``result``. A critical state is no failure: check
+            ``result`` before using a derivative.
 
     Returns:
         Equilibrium with x (n_x,) [m, rad, -], e and sigma (n_e,) [m, rad; N, N m], reactions (n_x,) [N, N m].
@@ -194,9 +163,9 @@ def equilibrium(
         ValueError: A factor is not finite, there are no incremental loads, or ``sparse`` contradicts ``solver``.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (of
-            numbers that are traced the signs of :func:`flexmb.frequencies` tell).
-        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (for
+            traced numbers check the signs of :func:`flexmb.frequencies`).
+        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
 
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).
@@ -240,13 +209,9 @@ def factors_told(model: Model, factors: LoadFactors) -> str:
 
 
 def check_stiffness(model: Model, result: Any, throw: bool, reached: str = "") -> None:
-    """As :func:`flexmb.results.check`; where nothing elastic resists some motion, by round-off or not, that is named.
+    """:func:`flexmb.results.check`, with the names of motions that nothing elastic resists.
 
-    Args:
-        model: Mechanism.
-        result: Code of RESULTS.
-        throw: Whether a failure is an error.
-        reached: How far the search came, in a sentence.
+    ``reached`` is a sentence on how far the search came.
     """
     known, code = undifferentiated((model, result))
     about = [reached] if reached else []
@@ -256,14 +221,14 @@ def check_stiffness(model: Model, result: Any, throw: bool, reached: str = "") -
         bends = sorted({block.element.name for block in known.topology.blocks if has_law(block)})
         if bends and int(code) == RESULTS.not_converged:
             about.append(
-                f"A law of {', '.join(bends)} that bends sharply, such as a stop, may hold the search up at its bend:"
-                " round it, as by jnp.logaddexp."
+                f"A law of {', '.join(bends)} that bends sharply, such as a stop, may hold the search up at its bend."
+                " Round it, as by jnp.logaddexp."
             )
     check(result, throw, " ".join(about))
 
 
 def without_stiffness(model: Model) -> str:
-    """Names of what moves without any elastic deformation of the undeformed mechanism, for a message; or empty."""
+    """Sentence on motions without any elastic deformation of the undeformed mechanism; or empty."""
     topology = model.topology
     if is_nonlinear(topology):
         return ""
@@ -271,8 +236,8 @@ def without_stiffness(model: Model) -> str:
         loose = _loose_of_large(model)
         return _of_loose(model, loose) if loose.size else ""
     elastic = np.zeros(topology.n_e, bool)
-    for at, _, own in known_stiffness_pieces(topology, model.parameters):
-        elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(own)) > 0
+    for at, _, matrices in known_stiffness_pieces(topology, model.parameters):
+        elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(matrices)) > 0
     elastic[np.asarray(topology.e.held)] = False
     found = constraints(model)
     motions, _ = motions_of(model, found)
@@ -282,14 +247,16 @@ def without_stiffness(model: Model) -> str:
 
 
 def _loose_of_large(model: Model) -> np.ndarray:
-    """The motion that meets least stiffness, (n_x, 1), or none where it meets some; by sparse factors."""
+    """The motion without stiffness, (n_x, 1), or none, by sparse factors."""
     whole = Whole(jax.tree.map(np.asarray, undeformed_elements(model.topology, model.parameters)))
     motion = unresisted(whole.at(), whole.n)
     stiffness = whole.at()[: whole.n, : whole.n]
     if motion is None:
         return np.zeros((model.topology.n_x, 0))
-    meeting, own = motion**2 * np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
-    if own > LOOSE * np.sum(meeting) and own > NOTHING * np.max(np.abs(stiffness.diagonal())):
+    meeting, resistance = motion**2 * np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
+    if resistance > LOOSE_MOTION * np.sum(meeting) and resistance > LOOSE_BY_ROUND_OFF * np.max(
+        np.abs(stiffness.diagonal())
+    ):
         return np.zeros((model.topology.n_x, 0))
     loose = np.zeros((model.topology.n_x, 1))
     loose[whole.elements.free, 0] = motion
@@ -298,11 +265,12 @@ def _loose_of_large(model: Model) -> np.ndarray:
 
 def _of_loose(model: Model, loose: np.ndarray) -> str:
     names = "; ".join(
-        ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(one, model.labels.x)[:4]) for one in loose.T
+        ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(motion, model.labels.x)[:4])
+        for motion in loose.T
     )
     turned = any(name.startswith(TURN_OF) for name, *_ in model.labels.elements)
     tilts = ' A rotation turned about one axis is free about the others, unless tilt="fixed".' if turned else ""
     return (
-        f"In the undeformed mechanism nothing elastic resists {names}: fix it, stiffen it, or clamp what is pinned"
+        f"In the undeformed mechanism nothing elastic resists {names}. Fix it, stiffen it, or clamp what is pinned"
         f" there (a rigid_beam does not turn the rotation of its second node; a rigid_body does).{tilts}"
     )

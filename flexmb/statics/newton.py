@@ -1,9 +1,8 @@
-"""When Newton's method is trusted, and how load steps adapt to it: the rules of all static solutions.
+"""Rules of Newton's method for all static solutions: which corrections are accepted, and how load steps adapt.
 
-The size of a correction is its largest change of a coordinate, positions in extents of the mechanism, rotations in
-radians. Rules across a path take numbers on the host as well as traced ones. The loops themselves are not shared: each
-solves other equations for its correction, and one loop in compiled code holds every turn of Newton's method and of
-the load steps around it, so that its equations are compiled once.
+The size of a correction is its largest change of a coordinate, in extents of the mechanism or radians. Rules across a
+path apply to host and traced numbers. Loops are not shared: each solves other equations, and one compiled loop contains
+Newton's iterations and the load steps around them, so that its equations are compiled once.
 """
 
 from typing import Any, NamedTuple
@@ -12,13 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-# A correction smaller than this is made and ends the iteration: the error left is of the order of its square.
-STEP_TOLERANCE = 1e-9
-# So much may be left of the distance to an equilibrium at loads that are only passed on the way.
-LOOSE_TOLERANCE = 0.005
-# Load steps are not shortened below this share of the load.
-SMALLEST_LOAD_STEP = 1e-5
-# The next load step is to begin with a correction of this share of the largest, and to bring it down by this.
+from ..numerical_limits import LOOSE_TOLERANCE, SMALLEST_LOAD_STEP, STEP_TOLERANCE
+
+# The next load step should begin with a correction of this share of the largest, and reduce it by this factor.
 FIRST_CORRECTION = 0.8
 WANTED_CONTRACTION = 0.2
 
@@ -27,13 +22,13 @@ Number = float | Float[Array | np.ndarray, ""]
 
 
 class Newton(NamedTuple):
-    """When corrections show that the iteration has left the neighbourhood of the path and may find another branch.
+    """When corrections show that the iteration has left the path and may find another branch.
 
     Attributes:
         largest: A larger correction is refused: angles could be counted into another turn.
-        contraction: So is one that is more than this share of the one before it.
-        round_off: Smaller ones may shrink as slowly as they do: that is round-off of a nearly singular tangent.
-        most: Number of corrections.
+        contraction: So is one above this share of the previous one.
+        round_off: Smaller ones may shrink slowly: that is round-off of a nearly singular tangent.
+        most: Largest number of corrections.
 
     Source:
         Deuflhard 2011, Newton Methods for Nonlinear Problems, section 5.1.
@@ -45,11 +40,11 @@ class Newton(NamedTuple):
     most: int
 
     def slow(self, size: Number, before: Number) -> Any:
-        """Whether a correction is hardly smaller than the one before it, which is infinite for the first."""
+        """Whether a correction is hardly smaller than the previous one, which is infinite for the first."""
         return size > self.contraction * before
 
     def astray(self, size: Number, before: Number, tries: Any) -> Any:
-        """Whether a correction after so many others is refused, one that is no number among them."""
+        """Whether a correction is refused, also if it is NaN."""
         slow = self.slow(size, before) & (size > self.round_off)
         return ~(size < self.largest) | slow | (tries >= self.most)
 
@@ -61,13 +56,13 @@ ACROSS_PATH = Newton(largest=0.3, contraction=0.5, round_off=1e-7, most=10)
 
 
 class LoadStep(NamedTuple):
-    """How far load steps have led, and where Newton's method is at the next one.
+    """Progress of load steps, and of Newton's method at the next one.
 
     Attributes:
-        reached: Share of the load that the last equilibrium is at.
-        step: What is added to it.
+        reached: Share of the load of the last equilibrium.
+        step: Next increase of it.
         first: Size of the first correction.
-        before: Size of the last; infinite where there is none.
+        before: Size of the last; infinite without one.
         tries: Number of corrections so far.
     """
 
@@ -89,23 +84,15 @@ class LoadStep(NamedTuple):
     def near_enough(self, size: Number) -> Any:
         """Whether the next correction, of this size, ends the iteration: at the whole load it must be small.
 
-        Source:
-            What is left is estimated: where a correction has contracted by theta, the next one does by theta^2, as
-            where Newton's method converges (Deuflhard 2011, section 2.1).
+        The rest is estimated: after a contraction by theta, the next one is by theta^2 (Deuflhard 2011, section 2.1).
         """
         left = size * (size / self.before) ** 2
         return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (left < LOOSE_TOLERANCE) & (self.tries > 0))
 
     def after(self, size: Number, done: Any, bad: Any) -> tuple["LoadStep", Any]:
-        """What follows a correction, and whether load steps are too short to go on.
-
-        Args:
-            size: Of the correction.
-            done: Whether it ends the iteration.
-            bad: Whether it is refused.
-        """
+        """State after a correction that is ``done`` or ``bad`` (refused), and whether load steps are too short."""
         first = jnp.where(self.tries == 0, size, self.first)
-        # By how much the step would have to be longer for a first correction of the wanted size.
+        # Factor of the step for a first correction of the wanted size.
         fitting = FIRST_CORRECTION * AT_LOAD.largest / first
         shorter = self.step * jnp.where((self.tries == 0) & (fitting > 0), jnp.clip(fitting, 0.02, 0.5), 0.25)
         contraction = size / self.before
@@ -121,7 +108,7 @@ class LoadStep(NamedTuple):
 
 
 def first_load_step() -> LoadStep:
-    """The whole load at once, from none."""
+    """The whole load in one step."""
     return LoadStep(
         reached=jnp.array(0.0),
         step=jnp.array(1.0),

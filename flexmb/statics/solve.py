@@ -18,13 +18,14 @@ from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS
-from .newton_search import ROUND_OFF, Begin, Correction, Iterate, MatrixForm, held_values, search
+from .newton_search import Begin, Correction, Iterate, MatrixForm, held_values, search
 from .newton_search import undeformed as undeformed_of
 
 
 class TurnInFreedoms:
-    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are the degrees of freedom."""
+    """:class:`flexmb.statics.newton_search.Turn` in the degrees of freedom."""
 
     def __init__(self, topology: Topology, parameters: Parameters, factors: LoadFactors, trial: Iterate, wanted: Any):
         x, near, strained, _ = trial
@@ -38,7 +39,7 @@ class TurnInFreedoms:
     def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
         at = self.last
-        error = ROUND_OFF * jnp.abs(at.jacobian) @ sizes
+        error = DEFORMATION_ROUND_OFF * jnp.abs(at.jacobian) @ sizes
         largest = jnp.abs(at.transfer.DFe).T @ (jnp.abs(at.S) @ error)
         return jnp.all(jnp.abs(self.residual) <= largest)
 
@@ -82,20 +83,11 @@ def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begi
 def change_of_equations(
     topology: Topology, at: State, near: Float[Array, "n_e"], primals: tuple, tangents: tuple
 ) -> tuple[Float[Array, "n_e"], Float[Array, "n_x"], Float[Array, "n_x"]]:
-    """Change of the equilibrium equations with parameters and load factors, at constant x.
+    """Changes (excess, shift, imbalance) of the equilibrium equations with parameters and load factors, at constant x.
 
-    Args:
-        at: State in equilibrium.
-        near: Deformations at the last accepted state, (n_e,) [m, rad].
-        primals: Parameters and load factors.
-        tangents: Their changes; a leaf may be a ``SymbolicZero``.
-
-    Returns:
-        excess (n_e,) [m, rad], shift (n_x,) [m, rad, -] and imbalance (n_x,) [N, N m], as ``reduced_response`` takes
-        them: the particular solution keeps the DOF deformations.
-
-    Source:
-        Implicit function theorem on THEORY.md 5, eq. (5.1); THEORY.md 10, eq. (10.1).
+    They are arguments of ``reduced_response``; the particular solution keeps the DOF deformations. A leaf of
+    ``tangents`` may be a ``SymbolicZero``. Implicit function theorem on THEORY.md 5, eq. (5.1); THEORY.md 10, eq.
+    (10.1).
     """
 
     def equations(parameters: Parameters, target: LoadFactors):
@@ -115,7 +107,7 @@ def change_of_equations(
 
 
 def _solve_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    """The derivative of the equations at constant x, answered by the tangent; where the search began has no part."""
+    """The derivative of the equations at constant x, solved by the tangent; the start of the search has no effect."""
     topology, parameters, target, begin = primals
     solved = _solve(topology, parameters, target, begin)
     near = jax.lax.stop_gradient(solved.near)
@@ -137,17 +129,12 @@ _solve.defjvp(_solve_jvp, symbolic_zeros=True)
 def solve_state(
     topology: Topology, parameters: Parameters, target: LoadFactors, tell_critical: bool = False
 ) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], LoadFactors]:
-    """Equilibrium and everything of first order about it; differentiable. Part of the compiled kernels.
+    """Equilibrium with everything of first order about it; differentiable.
 
-    Args:
-        target: Load factors of the equilibrium.
-        tell_critical: Whether the code says that a state is critical. It is right all the same, and what is asked about
-            its stiffness has an answer.
-
-    Returns:
-        State, ``near``, code of RESULTS, number of Newton iterations, and the load factors that load steps reached.
+    ``tell_critical``: whether the code reports a critical state, which is correct nevertheless. Returns state,
+    ``near``, code of RESULTS, number of Newton iterations, and the load factors that load steps reached.
     """
-    # What the laws of elements pull in the undeformed mechanism is known only as a number.
+    # The pull of laws in the undeformed mechanism is only known as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
         begin = undeformed(topology, parameters)
         at, near, result, iterations, reached = solve_onward(topology, parameters, target, begin)
@@ -162,15 +149,10 @@ def solve_state(
 def solve_onward(
     topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin
 ) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], Begin]:
-    """Equilibrium from a known one, with loads between them; differentiable. Part of the compiled kernels.
+    """Equilibrium from a known one, with loads between them; differentiable, but not by the start.
 
-    Args:
-        target: Load factors of the equilibrium.
-        begin: Where the search begins; derivatives do not pass through it.
-
-    Returns:
-        State, ``near``, code of RESULTS, critical_state among them, number of Newton iterations, and what the next
-        equilibrium may begin from.
+    Returns state, ``near``, code of RESULTS, critical_state included, number of Newton iterations, and the start for
+    the next equilibrium.
     """
     at, near, reached, iterations, result = _solve(topology, parameters, target, begin)
     return at, near, _of_regular(at, result), iterations, jax.lax.stop_gradient(reached)
@@ -182,20 +164,12 @@ def _of_regular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:
 
 
 def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
-    """Forces of the supports on the mechanism, at FIXED and PRESCRIBED coordinates, zero elsewhere.
-
-    Returns:
-        D_x^T sigma - f there, (n_x,) [N, N m].
-    """
+    """Forces of the supports on the mechanism, D_x^T sigma - f, at FIXED and PRESCRIBED coordinates, zero elsewhere."""
     held = topology.x.held
     return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
 
 
 def external_of(topology: Topology, parameters: Parameters, at: State) -> Float[Array, "n_x"]:
-    """Forces that act on the mechanism from outside: loads but weight, and reactions.
-
-    Returns:
-        D_x^T sigma less weight, at coordinates that move the load itself, which that balances, (n_x,) [N, N m].
-    """
+    """External forces on the mechanism: loads except weight, plus reactions."""
     loads = at.force if at.gravity is None else at.force - weight(topology, parameters, at.x, at.gravity)
     return loads + reactions_of(topology, at)

@@ -1,6 +1,6 @@
-"""Equilibrium of large mechanisms: all coordinates, one multiplier for each constraint, factors of the host.
+"""Equilibrium of large mechanisms: all coordinates, one multiplier per constraint, factors on the host.
 
-Element matrices are computed by compiled code, which calls the host for the solution of its linear equations.
+Compiled code computes element matrices, and calls the host to solve its linear equations.
 """
 
 import contextlib
@@ -29,8 +29,9 @@ from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_for
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
+from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS, check, collect, collects, or_nan
-from .newton_search import ROUND_OFF, Correction, Iterate, MatrixForm, Searched, held_values, search, undeformed
+from .newton_search import Correction, Iterate, MatrixForm, Searched, held_values, search, undeformed
 from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
@@ -39,14 +40,12 @@ class Balanced(NamedTuple):
     """Equilibrium in all coordinates.
 
     Attributes:
-        x: Nodal coordinates, (n_x,) [m, rad, -].
-        multipliers: Stress resultants of the held deformations, (h,) [N, N m].
-        near: Deformations that angles are counted from, (n_e,) [m, rad].
-        iterations: Newton iterations.
-        result: Code of RESULTS.
-        strained: Deformations less those that are free of stress, as the search carries them: x tells those of stiff
-            elements to few digits, (n_e,) [m, rad]; None: those of x.
-        unstable: Whether the stiffness is known to be negative in some motion; not looked at where numbers are traced.
+        x: Nodal coordinates.
+        multipliers: Stress resultants of the held deformations.
+        near: Deformations from which angles are counted.
+        strained: Deformations minus stress-free ones, as iterated, since x has few digits of those of stiff elements;
+            None: those of x.
+        unstable: Whether the stiffness is known to be negative in some motion; not checked for traced numbers.
     """
 
     x: Float[Array, "n_x"]
@@ -66,26 +65,21 @@ def _answer(
     better: bool = True,
     solver: LinearSolver = SPARSE,
 ):
-    """Solution of the linear equations on the host, and a code of RESULTS; NumPy and SciPy alone.
+    """Solution of the linear equations on the host, and a code of RESULTS, by NumPy and SciPy alone.
 
-    Args:
-        elements: Element matrices.
-        right: (n + h,) or (n + h, k).
-        transposed: Whether of the transposed equations.
-        better: Whether the solution is refined by the elements' matrices; a next correction mends one that is not.
-        solver: What factors them.
+    ``better``: whether to refine the solution by the elements' matrices; the next correction mends others.
     """
     try:
         factors = solver.factored(elements)
         if factors.regular:
             if not better:
-                found = factors.solve(right, transposed)
+                solution = factors.solve(right, transposed)
             else:
                 columns, sizes = right.reshape(len(right), -1), elements.sizes[elements.free]
-                found = refined(
+                solution = refined(
                     lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
                 ).reshape(right.shape)
-            return found, np.array(RESULTS.successful, np.int32)
+            return solution, np.array(RESULTS.successful, np.int32)
         why = RESULTS.singular_stiffness if Whole(elements).independent() else RESULTS.singular_configuration
     except AnalysisError as fault:
         why = RESULTS[fault.code]
@@ -93,11 +87,9 @@ def _answer(
 
 
 def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Float[np.ndarray, "h"]:
-    """Multipliers that balance forces best, coordinates measured by their sizes; NumPy and SciPy alone.
+    """Multipliers that balance forces best, with coordinates measured by their sizes, by NumPy and SciPy alone.
 
-    Args:
-        elements: Element matrices.
-        right: Forces out of balance where there are no multipliers, and excess of the held deformations, (n + h,).
+    ``right`` are forces out of balance without multipliers, and excess of the held deformations.
     """
     import scipy.sparse
 
@@ -116,9 +108,9 @@ def _turned(
     *,
     solver: LinearSolver,
 ):
-    """Solution of the linear equations of a turn, a code of RESULTS, and multipliers to try it with in place of none.
+    """Solution of the linear equations of a turn, a code of RESULTS, and multipliers to try instead of none.
 
-    What hangs has its stiffness from multipliers, of which nothing is known where a load begins.
+    A hanging body has its stiffness from multipliers, which are unknown where a load begins.
     """
     z, code = _answer(elements, right, better=False, solver=solver)
     hangs = code == RESULTS.singular_stiffness and len(multipliers) and not np.any(multipliers)
@@ -126,7 +118,7 @@ def _turned(
 
 
 def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how: Any):
-    """The same inside compiled code."""
+    """:func:`_answer` inside compiled code."""
     shapes = jax.ShapeDtypeStruct(right.shape, right.dtype), jax.ShapeDtypeStruct((), np.int32)
     return call_host(functools.partial(on_host_thread, functools.partial(_answer, **how)), shapes, elements, right)
 
@@ -140,17 +132,17 @@ def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMa
 
 
 def along(size: int, pieces: Pieces, v: Float[Array, "n"]) -> Array:
-    """Sum of element matrices times a vector of the whole."""
-    return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", own, v[c])) for r, c, own in pieces])
+    """Sum of element matrices times a vector."""
+    return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", matrix, v[c])) for r, c, matrix in pieces])
 
 
 class TurnInCoordinates:
-    """See :class:`flexmb.statics.newton_search.Turn`; unknowns are coordinates that move, and multipliers.
+    """:class:`flexmb.statics.newton_search.Turn` in coordinates that move, and multipliers.
 
     Attributes:
         last: Element matrices.
-        onto: Change of the coordinates that do not move by themselves, (n_x,).
-        right: Forces out of balance, and excess of the held deformations, (n + h,).
+        onto: Change of the coordinates that do not move by themselves.
+        right: Forces out of balance, and excess of the held deformations.
         transposed: Constraints, transposed, in pieces.
     """
 
@@ -173,7 +165,7 @@ class TurnInCoordinates:
         sigma = put(stress(strained), held, self._multipliers)
         self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
         self.transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in self.last.constraints]
-        # The stress of x to first order from the stress of what is carried.
+        # The stress at x, to first order from that of iterated deformations.
         self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
         balancing = put(sum(self._stress_change(self.e - strained)), held, self._multipliers)
         lacking = nodal_forces(topology, parameters, factors, x) - along(topology.n_x, self.transposed, balancing)
@@ -196,14 +188,14 @@ class TurnInCoordinates:
     def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
         absolute = [(r, c, jnp.abs(d)) for r, c, d in self.last.constraints]
-        error = ROUND_OFF * along(self.e.shape[0], absolute, sizes)
+        error = DEFORMATION_ROUND_OFF * along(self.e.shape[0], absolute, sizes)
         largest = jnp.abs(self._stress_change(error)[1])
         pulled = along(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self.transposed], largest)[self.last.free]
         return jnp.all(jnp.abs(self.right[: len(pulled)]) <= pulled)
 
     def stiffnesses(self) -> Float[Array, "n"]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
-        diagonals = [(r, jnp.diagonal(own, axis1=1, axis2=2)) for r, _, own in self.last.structural]
+        diagonals = [(r, jnp.diagonal(matrix, axis1=1, axis2=2)) for r, _, matrix in self.last.structural]
         return scatter_vector(self.onto.shape[0], diagonals)[self.last.free]
 
     def energy(self, motion: Float[Array, "n"]) -> Float[Array, ""]:
@@ -224,21 +216,22 @@ class TurnInCoordinates:
         return Correction(self.onto + self.spread(z[:n, 0]), z[:n, 1], self._multipliers + z[n:, 0], why, estimated)
 
 
-def _numbers_of_unknowns(topology: Topology) -> tuple[int, int]:
-    return topology.x.free.shape[0], topology.e.held.shape[0]
-
-
 @kernel
 def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *, solver: LinearSolver) -> Searched:
     turn = functools.partial(TurnInCoordinates, solver=solver)
-    form = MatrixForm(turn, _numbers_of_unknowns, looks_at_end=False, knows_stress=False)
+    form = MatrixForm(
+        turn,
+        lambda topology: (topology.x.free.shape[0], topology.e.held.shape[0]),
+        looks_at_end=False,
+        knows_stress=False,
+    )
     return search(form, topology, parameters, target, undeformed(form, topology, parameters))
 
 
 def found_equilibrium(
     topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
 ) -> Balanced:
-    """Equilibrium by Newton's method on coordinates and multipliers, whose derivatives are not those of the state."""
+    """Equilibrium by Newton's method on coordinates and multipliers, without derivatives."""
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
         none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
         multipliers = jnp.zeros(topology.e.held.shape[0])
@@ -264,7 +257,7 @@ _differentiable = jax.custom_jvp(found_equilibrium, nondiff_argnums=(3,))
 def _balanced(
     topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
 ) -> Balanced:
-    # For numbers the rule of derivatives would take longer to pass by than a chain of fifty beams to balance.
+    # For known numbers the derivative rule takes longer than the balance of a chain of fifty beams.
     known = is_concrete((topology, parameters, target))
     return (found_equilibrium if known else _differentiable)(topology, parameters, target, solver)
 
@@ -299,18 +292,11 @@ def solution_at(
     right: Float[Array, "r"],
     solver: LinearSolver = SPARSE,
 ) -> tuple[Array, Array]:
-    """Solution of the equations linearised about a state, with one right-hand side, and a code of RESULTS.
-
-    Args:
-        near: Deformations there, (n_e,) [m, rad].
-        at: The state, known.
-        right: Forces and deformations, in which alone it is differentiable, (n + h,).
-        solver: What factors them.
-    """
+    """Solution of the equations linearised about a state, and a code; differentiable by ``right`` alone."""
     elements = _tangent(topology, parameters, factors, near, at)
     if is_concrete((elements, right)):
-        found, code = _answer(*jax.tree.map(np.asarray, (elements, right)), solver=solver)
-        return jax.device_put((found, code))
+        solution, code = _answer(*jax.tree.map(np.asarray, (elements, right)), solver=solver)
+        return jax.device_put((solution, code))
 
     fixed: Any = jax.lax.stop_gradient(elements)
 
@@ -326,7 +312,7 @@ def solution_at(
 @_differentiable.defjvp
 def _balance_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     topology, parameters, factors = primals
-    # Not past the rule: what is computed here with known numbers may be traced, and a search on the host asks for them.
+    # Keep the derivative rule: values from known numbers may be traced here, and a search on the host needs known ones.
     solved = _differentiable(topology, parameters, factors, solver)
     near = deformations(topology, parameters, solved.x, solved.near)
     free, fast, _ = unknowns(topology)
@@ -345,27 +331,19 @@ def _balance_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple
 
 
 def balanced(topology: Topology, parameters: Parameters, target: LoadFactors) -> Balanced:
-    """Equilibrium, differentiable; a critical one is as good as others.
-
-    Raises:
-        AnalysisError: singular_configuration, singular_stiffness or not_converged, where numbers are known.
-    """
-    found = _balanced(topology, parameters, target)
-    check(found.result, True)
-    return or_nan(found, found.result)
+    """Equilibrium, differentiable, also a critical one; raise AnalysisError for known numbers."""
+    balance = _balanced(topology, parameters, target)
+    check(balance.result, True)
+    return or_nan(balance, balance.result)
 
 
 def refuse_what_is_not_sparse(topology: Topology) -> None:
-    """Raise where load multipliers by sparse factors have no equations.
-
-    Raises:
-        ModelError: Loads that follow a body, moments about fixed axes, or laws of several deformations.
-    """
+    """Raise ModelError for loads or laws without a potential, for which sparse load multipliers have no equations."""
     if lacks_potential(topology):
         raise ModelError(
-            "By sparse factors load multipliers are found of what has a potential: loads that follow a body, moments"
-            " about fixed axes in space and laws of several deformations have none. Give sparse=False, which takes"
-            " them, and a model with degrees of freedom; fm.path finds its critical points by sparse factors too."
+            "Load multipliers by sparse factors need a potential: loads that follow a body, moments about fixed axes in"
+            " space and laws of several deformations have none. Give sparse=False, which accepts them, and a model with"
+            " degrees of freedom. fm.path finds critical points by sparse factors too."
         )
 
 
@@ -373,23 +351,14 @@ def refuse_what_is_not_sparse(topology: Topology) -> None:
 def sparse_equilibrium(
     topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
 ) -> tuple[tuple[Any, ...], Any]:
-    """Static equilibrium in all coordinates.
-
-    Args:
-        topology: Structure, which needs no degrees of freedom (``Builder.build(check=False)``).
-        solver: What factors the linear equations.
-
-    Returns:
-        What an :class:`flexmb.statics.Equilibrium` holds, but for the names: x, e, sigma, felt, reactions, external,
-        iterations, result; and whether it is known to be unstable.
-    """
+    """Fields of an :class:`flexmb.statics.Equilibrium` except the names, and whether it is known to be unstable."""
     at = _balanced(topology, parameters, target, solver)
     _collect_unstable(topology, parameters, target, at)
     return (*_quantities(topology, parameters, target, at), at.iterations, at.result), at.unstable
 
 
 def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFactors, at: Balanced) -> None:
-    """Add the code of an unstable state where codes are collected, as of designs that are traced."""
+    """Add the code of an unstable state if codes are collected, as for traced designs."""
     if is_concrete((topology, parameters, target)) or not collects():
         return
     known: Any = jax.lax.stop_gradient((parameters, target, at))
@@ -400,7 +369,7 @@ def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFa
 
 
 def _is_unstable(elements: ElementMatrices, *, symmetric: bool) -> tuple[np.ndarray]:
-    """Whether a tangent is negative in some motion, of an equilibrium that was found; NumPy and SciPy alone."""
+    """Whether a finite tangent is negative in some motion, by NumPy and SciPy alone."""
     finite = all(np.all(np.isfinite(number)) for number in jax.tree.leaves(elements))
     with contextlib.suppress(AnalysisError):
         return (np.array(finite and is_unstable(elements, symmetric)),)
@@ -409,14 +378,14 @@ def _is_unstable(elements: ElementMatrices, *, symmetric: bool) -> tuple[np.ndar
 
 @kernel
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
-    """Coordinates, deformations, stress resultants, what mass feels, reactions and external forces."""
+    """Coordinates, deformations, stress resultants, gravity and motion, reactions and external forces."""
     held = unknowns(topology)[2]
     e = deformations(topology, parameters, at.x, at.near)
     carried = e
     if at.strained is not None:
         free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
         known = at.strained if free is None else at.strained + free
-        # By x they change as its deformations do.
+        # Derivatives are those of the deformations of x.
         carried = e + jax.lax.stop_gradient(known - e)
     sigma = put(elastic_stress(topology, parameters, factors, carried), held, at.multipliers)
     return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)
@@ -431,7 +400,7 @@ def acting(
     near: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ):
-    """What mass feels, reactions and external forces at a state."""
+    """Gravity, reactions and external forces at a state."""
     fast = unknowns(topology)[1]
     _, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
     force = nodal_forces(topology, parameters, factors, x)

@@ -1,4 +1,4 @@
-"""Whether an equilibrium is stable, and a word where it is not."""
+"""Stability of an equilibrium, and the warning of an unstable one."""
 
 import contextlib
 from collections.abc import Sequence
@@ -17,42 +17,35 @@ from ..math.element_matrices import ElementMatrices, Whole
 from ..math.linear import diagonal_of, uneven
 from ..math.sparse import negative_where_held
 from ..model.model import Model
+from ..numerical_limits import DEPENDENT_VECTOR, NEGATIVE_SHARE, STIFFNESS_ROUND_OFF, SYMMETRIC_STIFFNESS
 from ..results import RESULTS, collect, collects
 
-# A stiffness is negative below this share of the structural stiffness in the same motion, or, where nothing elastic
-# resists, below this share of the largest: nearer to zero a state is critical, or the sign is one of round-off.
-SHARE, ROUND_OFF = 1e-6, 1e-10
-# Larger differences of K from its transpose, of entries scaled to one, are those of loads without potential.
-SYMMETRIC = 1e-9
-# Steps of Lanczos' method, and a square below which a vector depends on those before it.
-STEPS, DEPENDENT = 30, 1e-20
-# So many motions are named, by the largest of their coordinates.
+# Steps of Lanczos' method.
+STEPS = 30
+# Number of motions and coordinates named in a warning.
 NAMED, LARGEST = 2, 3
 
 
 def unstable_motions(
     stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], symmetric: bool
 ) -> Float[np.ndarray, "n k"]:
-    """Motions of the degrees of freedom, one a column, in which a stiffness is negative.
+    """Motions of the degrees of freedom, one a column, in which a stiffness K0 + G0 of known numbers is negative.
 
-    Args:
-        stiffness: K = K0 + G0, of known numbers.
-        structural: K0.
-        symmetric: Whether all loads have a potential. Where some have none, a negative determinant alone tells that
-            a state is not stable, and the motions are those of real negative eigenvalues.
+    ``symmetric``: all loads have a potential. Without it only a negative determinant shows instability, and the motions
+    are those of real negative eigenvalues.
     """
     k, k0 = np.asarray(stiffness), np.asarray(structural)
     if symmetric:
-        # Of nearly all states, quickly: that a factor exists does not depend on units. It reads the lower triangle.
+        # Fast for almost all states: existence of a factor does not depend on units. It reads the lower triangle.
         with contextlib.suppress(np.linalg.LinAlgError):
             np.linalg.cholesky(k)
             return np.zeros((len(k), 0))
-    own = np.sqrt(np.maximum(np.abs(np.diag(k)), np.abs(np.diag(k0))))
-    scale = 1 / np.where(own > 0, own, 1.0)
+    sizes = np.sqrt(np.maximum(np.abs(np.diag(k)), np.abs(np.diag(k0))))
+    scale = 1 / np.where(sizes > 0, sizes, 1.0)
     k, k0 = k * np.outer(scale, scale), k0 * np.outer(scale, scale)
     if not np.all(np.isfinite(k)):
         return np.zeros((len(scale), 0))
-    if symmetric or np.allclose(k, k.T, rtol=0, atol=SYMMETRIC):
+    if symmetric or np.allclose(k, k.T, rtol=0, atol=SYMMETRIC_STIFFNESS):
         k = (k + k.T) / 2
         try:
             np.linalg.cholesky(k)
@@ -64,49 +57,37 @@ def unstable_motions(
             return np.zeros((len(scale), 0))
         eigenvalues: Any = np.linalg.eig(k)
         every, motions = eigenvalues
-        real = np.abs(every.imag) < ROUND_OFF * np.max(np.abs(every))
+        real = np.abs(every.imag) < STIFFNESS_ROUND_OFF * np.max(np.abs(every))
         values, motions = every.real[real], motions.real[:, real]
     resisting = np.abs(np.einsum("ik,ij,jk->k", motions, k0, motions))
-    negative = values < -np.maximum(SHARE * resisting, ROUND_OFF * np.max(np.abs(values), initial=0.0))
+    negative = values < -np.maximum(
+        NEGATIVE_SHARE * resisting, STIFFNESS_ROUND_OFF * np.max(np.abs(values), initial=0.0)
+    )
     return scale[:, None] * motions[:, negative]
 
 
 @jit
 def is_negative(stiffness: Float[Array, "n n"], structural: Float[Array, "n n"], *, symmetric: bool) -> Bool[Array, ""]:
-    """As :func:`unstable_motions`, whether there are any, in compiled code.
-
-    Args:
-        stiffness, structural, symmetric: As there.
-    """
-    own = jnp.sqrt(jnp.maximum(jnp.abs(diagonal_of(stiffness)), jnp.abs(diagonal_of(structural))))
-    scale = 1 / jnp.where(own > 0, own, 1.0)
+    """Whether there are :func:`unstable_motions`, in compiled code."""
+    sizes = jnp.sqrt(jnp.maximum(jnp.abs(diagonal_of(stiffness)), jnp.abs(diagonal_of(structural))))
+    scale = 1 / jnp.where(sizes > 0, sizes, 1.0)
     scale = scale[:, None] * scale
     if not symmetric:
         return jnp.linalg.slogdet(stiffness * scale)[0] < 0
-    # Positive but for what is critical or round-off.
-    more = SHARE * structural * scale + ROUND_OFF * jnp.eye(own.shape[0])
+    # Positive except for critical motions and round-off.
+    more = NEGATIVE_SHARE * structural * scale + STIFFNESS_ROUND_OFF * jnp.eye(sizes.shape[0])
     return ~jnp.all(jnp.isfinite(jnp.linalg.cholesky(stiffness * scale + more)))
 
 
 def collect_unstable(parts: Sequence[Float[Array, "n n"]], structural: Float[Array, "n n"], symmetric: bool) -> None:
-    """Add the code of an unstable state where codes are collected, as of designs that are traced.
-
-    Args:
-        parts: What adds up to the stiffness.
-        structural, symmetric: As of :func:`unstable_motions`.
-    """
+    """Add the code of an unstable state if codes are collected; ``parts`` sum up to the stiffness."""
     if collects():
         unstable = is_negative(*jax.lax.stop_gradient((sum(parts), structural)), symmetric=symmetric)
         collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
-    """Whether pivots of a stiffness in all coordinates are negative that no constraint makes so, or tell nothing.
-
-    Args:
-        elements: With arrays of NumPy.
-        symmetric: As for :func:`unstable_motions`.
-    """
+    """Whether pivots of a stiffness in all coordinates are negative beyond those of constraints, or inconclusive."""
     whole = Whole(elements)
     tangent = whole.at()
     factored = whole.factors(tangent)
@@ -118,15 +99,11 @@ def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
 
 
 def has_negative_motion(elements: ElementMatrices) -> bool:
-    """Whether a motion that the constraints allow is found in which a symmetric stiffness K is negative.
+    """Whether an allowed motion is found in which a symmetric stiffness K is negative.
 
-    Args:
-        elements: With arrays of NumPy, by deformations too.
-
-    Source:
-        Lanczos' method for the least eigenvalue 1/mu of K v = mu S v, S the structural stiffness with the sizes of the
-        others on its diagonal: nearly all are 1, so that a few steps tell a negative one. The motion's energy is that
-        of the deformations, which loses little to round-off.
+    Lanczos' method for the least eigenvalue 1/mu of K v = mu S v. S is the structural stiffness with the sizes of the
+    other parts on its diagonal: almost all values are 1, so that a few steps find a negative one. The motion's energy
+    is computed from deformations, with little round-off.
     """
     import scipy.sparse
 
@@ -134,7 +111,7 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
     n, factored = whole.n, whole.factors(whole.at())
     if not factored.regular:
         return False
-    metric = abs(whole.structural[:n, :n].diagonal()) * ROUND_OFF + abs(whole.curved).sum(axis=1)
+    metric = abs(whole.structural[:n, :n].diagonal()) * STIFFNESS_ROUND_OFF + abs(whole.curved).sum(axis=1)
     metric = whole.structural[:n, :n] + scipy.sparse.diags_array(metric)
 
     def flexed(motion: np.ndarray) -> np.ndarray:
@@ -146,10 +123,10 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
         for _ in range(2):
             motion = motion - basis @ (basis.T @ (metric @ motion))
         size = motion @ (metric @ motion)
-        if size < -SHARE * (np.abs(motion) @ (abs(metric) @ np.abs(motion))):
-            # An element has a negative stiffness of its own: no measure of motions, but of what pivots tell.
+        if size < -NEGATIVE_SHARE * (np.abs(motion) @ (abs(metric) @ np.abs(motion))):
+            # With an element of negative stiffness, S is no norm of motions: pivots decide.
             return True
-        if not size > 0 or (images.shape[1] and size < DEPENDENT * images[:, -1] @ (metric @ images[:, -1])):
+        if not size > 0 or (images.shape[1] and size < DEPENDENT_VECTOR * images[:, -1] @ (metric @ images[:, -1])):
             break
         basis = np.concatenate([basis, motion[:, None] / np.sqrt(size)], axis=1)
         motion = flexed(basis[:, -1])
@@ -162,34 +139,24 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
     softest[elements.free, 0] = images @ shares[:, 0]
     elastic = float(energies(elements, softest)[0])
     curved = float(softest[elements.free, 0] @ (whole.curved @ softest[elements.free, 0]))
-    return bool(values[0] < 0 and elastic + curved < -SHARE * (abs(elastic) + abs(curved)))
+    return bool(values[0] < 0 and elastic + curved < -NEGATIVE_SHARE * (abs(elastic) + abs(curved)))
 
 
 def is_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
-    """Whether a stiffness in all coordinates is negative in some motion that the constraints allow.
-
-    Args:
-        elements: With arrays of NumPy, by deformations too.
-        symmetric: As for :func:`unstable_motions`.
-    """
+    """Whether a stiffness in all coordinates is negative in some allowed motion."""
     return pivots_tell_unstable(elements, symmetric) and (not symmetric or has_negative_motion(elements))
 
 
 def warn_of_unstable(model: Model, motions: Float[np.ndarray, "n_x k"] | None = None) -> None:
-    """Say that an equilibrium is not stable.
-
-    Args:
-        model: Mechanism.
-        motions: In which its stiffness is negative, in all coordinates, where they are known.
-    """
+    """Warn that an equilibrium is not stable, with the motions of negative stiffness if they are known."""
     collect(RESULTS.unstable_state)
     told = ""
     if motions is not None:
         largest = [motion / (np.max(np.abs(motion)) or 1.0) for motion in motions.T[:NAMED]]
-        named = [", ".join(f"{s.of}.{s.symbol}" for s in shares(one, model.labels.x)[:LARGEST]) for one in largest]
+        named = [", ".join(f"{s.of}.{s.symbol}" for s in shares(m, model.labels.x)[:LARGEST]) for m in largest]
         more = ", .." if motions.shape[1] > NAMED else ""
         told = f" in {motions.shape[1]} motion{'s' * (motions.shape[1] > 1)} ({'; '.join(named)}{more})"
     warn(
-        f"The equilibrium is not stable: its stiffness is negative{told}. No mechanism stays there by itself: lower the"
-        " load, or follow the way to a stable state by fm.path(model, switch=True)."
+        f"The equilibrium is not stable: its stiffness is negative{told}. No mechanism stays there by itself. Lower the"
+        " load, or follow the path to a stable state by fm.path(model, switch=True)."
     )

@@ -1,4 +1,4 @@
-"""Whether a mechanism is put where its elements are stressed though they need not be; on the host."""
+"""Warnings of elements that are stressed more than the position of the mechanism needs."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -11,32 +11,19 @@ from ..math.sparse import LARGE
 from ..mechanics.extent import sizes_of
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
+from ..numerical_limits import NEEDLESS_ENERGY, STRAIN_ROUND_OFF
 
-# Elastic energy so many times as large as need be is pointed out: shapes that elements take by and by are within it.
-NEEDLESS = 30.0
-# Deformations below this share of the extent, or of a radian, are round-off.
-ROUND_OFF = 1e-12
-# Deformations that begin at zero and would relax most are named, so many of them.
+# Number of deformations that are named, those that would relax most.
 NAMED = 3
 
 
 def needless_strain(
     model: Model, e: Float[np.ndarray, "n_e"], kept: Bool[np.ndarray, "n_q"]
 ) -> tuple[float, float, list[str]] | None:
-    """Elastic energy of deformations, the least there is with some of them kept, and which would relax most.
+    """Elastic energy of deformations, the least one with some degrees of freedom kept, and names of those that relax.
 
-    Args:
-        model: Mechanism.
-        e: Deformations, (n_e,) [m, rad].
-        kept: Which degrees of freedom stay as they are, coordinates first, (n_q,) bool.
-
-    Returns:
-        Both energies [J], and names; None where it is not asked: of large mechanisms, of laws that are not linear, and
-        where elements are free of stress at others than zero.
-
-    Source:
-        Least squares in the motions of the undeformed mechanism (THEORY.md 4 and 8), so that of small deformations
-        alone the numbers are right.
+    None for large mechanisms, nonlinear laws, and elements with stress-free deformations. By least squares in the
+    motions of the undeformed mechanism (THEORY.md 4 and 8), exact for small deformations alone.
     """
     topology, parameters = model.topology, model.parameters
     shaped = parameters.strain is not None or parameters.loads.temperature is not None
@@ -51,13 +38,13 @@ def needless_strain(
     energy = 0.5 * float(np.sum((roots @ e) ** 2))
     if not energy > 0:
         return None
-    found = constraints(model)
-    motions, _ = motions_of(model, found)
-    changes = found.jacobian @ motions
+    held = constraints(model)
+    motions, _ = motions_of(model, held)
+    changes = held.jacobian @ motions
     x_dof, e_dof = np.asarray(topology.x.dof), np.asarray(topology.e.dof)
     rows = np.concatenate([motions[x_dof], changes[e_dof]])[kept]
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
-    free = changes @ right[int(np.sum(sizes > 1e-9)) :].T / found.rows[:, None]
+    free = changes @ right[int(np.sum(sizes > 1e-9)) :].T / held.rows[:, None]
     weighted = roots @ free
     scale = np.linalg.norm(weighted, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
@@ -70,38 +57,26 @@ def needless_strain(
 
 
 def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: str, remedy: str) -> None:
-    """Warn where degrees of freedom that are zero keep elements from taking the shape that strains them least.
-
-    Args:
-        model: Mechanism.
-        e: Deformations, (n_e,) [m, rad].
-        where: When it has them, as the begin of a sentence.
-        remedy: What to do.
-    """
-    # What round-off makes of turning far is no strain.
+    """Warn if zero degrees of freedom keep elements from their least strained shape; ``where`` begins the sentence."""
+    # Round-off of large turns is no strain.
     extent = np.max(np.asarray(sizes_of(model.topology, model.parameters)), initial=0.0)
-    e = np.where(np.abs(e) > ROUND_OFF * max(extent, 1.0), e, 0.0)
+    e = np.where(np.abs(e) > STRAIN_ROUND_OFF * max(extent, 1.0), e, 0.0)
     dof = np.asarray(model.topology.e.dof)
     kept = np.concatenate([np.ones(len(model.topology.x.dof), bool), e[dof] != 0])
-    found = None if np.all(kept) else needless_strain(model, e, kept)
-    if found is not None and found[0] > NEEDLESS * found[1]:
-        energy, least, names = found
+    needless = None if np.all(kept) else needless_strain(model, e, kept)
+    if needless is not None and needless[0] > NEEDLESS_ENERGY * needless[1]:
+        energy, least, names = needless
         warn(
-            f"{where} elements hold {short(energy)} J, of which {short(least)} J would do: degrees of freedom that are"
-            f" zero there, as {listed(names)}, make others stretch. {remedy}"
+            f"{where} elements store {short(energy)} J, but {short(least)} J would suffice: degrees of freedom that are"
+            f" zero there, such as {listed(names)}, make others stretch. {remedy}"
         )
 
 
 def warn_of_stressed_start(model: Model, remedy: str) -> None:
-    """Warn where elements that are free of stress in another shape are stressed as the nodes were placed.
-
-    Args:
-        model: Mechanism, without start values.
-        remedy: What to do.
-    """
+    """Warn if elements with another stress-free shape are stressed where the nodes were placed."""
     strain = model.parameters.strain
     if strain is not None and is_concrete(strain) and np.any(np.asarray(strain)):
         warn(
-            "The motion starts where the nodes were placed, where elements are stressed that are free of stress in"
+            "The motion starts where the nodes were placed. There, elements are stressed that are free of stress in"
             f" another shape (strain, imperfection). {remedy}"
         )

@@ -1,4 +1,4 @@
-"""Static equilibria one after the other, each begun from the one before it."""
+"""Static equilibria along a stroke or load, each begun from the one before it."""
 
 from typing import Any
 
@@ -27,12 +27,12 @@ from .stable import is_negative
 
 
 class Equilibria(ByName, Labelled, Record):
-    """Static equilibria under loads that follow one another, states first.
+    """Static equilibria under successive loads, states as first axis.
 
     Attributes:
         load_factor: Factor of the loads of each, (states,) [-].
         increment: Factor of the incremental loads of each, (states,) [-].
-        each: All of them as one :class:`Equilibrium` with states first, as ``jax.vmap`` takes it.
+        each: All of them as one :class:`Equilibrium` with states as first axis, as from ``jax.vmap``.
         model: The mechanism.
     """
 
@@ -43,11 +43,10 @@ class Equilibria(ByName, Labelled, Record):
     one_axis = "increment"
 
     def __getitem__(self, number: int) -> Equilibrium:
-        """One of them, such as ``fm.stress(model, at=found[-1])`` takes it."""
+        """One of them, as for ``fm.stress(model, at=states[-1])``."""
         if not -len(self) <= number < len(self):
-            raise IndexError(f"There are {len(self)} equilibria, from 0, and no number {number}.")
-        found, *factors = jax.tree.map(lambda array: array[number], (self.each, self.load_factor, self.increment))
-        return found.known(self.model, LoadFactors(*factors)) if is_concrete((found, self.model)) else found
+            raise IndexError(f"There are {len(self)} equilibria, numbered from 0. Number {number} is none of them.")
+        return jax.tree.map(lambda array: array[number], self.each)
 
     def __len__(self) -> int:
         return self.increment.shape[0]
@@ -79,7 +78,7 @@ class Equilibria(ByName, Labelled, Record):
 
     @property
     def external(self) -> Float[Array, "states n_x"]:
-        """Forces that act from outside, loads but weight and the supports' together, dual to x, (states, n_x)."""
+        """Loads except weight, plus reactions, dual to x, (states, n_x) [N, N m]."""
         return self.each.external
 
     @property
@@ -93,16 +92,16 @@ class Equilibria(ByName, Labelled, Record):
         return self.each.result
 
     def states(self) -> States:
-        """The equilibria, over the factor that varies."""
+        """Return the equilibria, over the factor that varies."""
         over = "increment" if np.ptp(np.asarray(self.increment)) > 0 else "load_factor"
         return States(self.model, self.x, "path", getattr(self, over), f"{over.replace('_', ' ')} [-]")
 
     def summary(self) -> Summary:
-        """Outcomes, factors and iterations."""
+        """Return outcomes, factors and iterations."""
         codes = np.asarray(self.result)
-        found = [f"{np.sum(codes == code)} {RESULTS(int(code)).name}" for code in np.unique(codes)]
+        counts = [f"{np.sum(codes == code)} {RESULTS(int(code)).name}" for code in np.unique(codes)]
         rows = {
-            "result": ", ".join(found),
+            "result": ", ".join(counts),
             "increment": span(self.increment),
             "load factor": span(self.load_factor),
             "iterations": str(int(np.sum(np.asarray(self.iterations)))),
@@ -114,7 +113,7 @@ class Equilibria(ByName, Labelled, Record):
 def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors):
     def onward(begin: Begin, target: LoadFactors):
         at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
-        # A state that was not found is no beginning: the next one is looked for from the last that was.
+        # A failed state is no start: the next one starts from the last that was found.
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         factors = reached.factors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
@@ -139,19 +138,19 @@ def equilibria(
     load_factor: Float[Array, "states"] | float = 1.0,
     throw: bool = True,
 ) -> Equilibria:
-    """Static equilibria along a stroke or a load, solved once: each begins from the one before it.
+    """Return static equilibria along a stroke or a load, each begun from the one before it.
 
-    One compiled program for all of them, in which Newton's method needs few iterations where states lie near each
-    other. They are the states that the mechanism passes as the factors go from one to the next, so that their order
-    matters where there are several equilibria. A stroke is a displacement that is prescribed with ``increment=True``:
-    of 1 m it makes the factors lengths in metres, and ``reactions`` has the force that it takes.
+    One compiled program solves all of them, with few Newton iterations for close states. They are the states that the
+    mechanism passes as the factors change, so that their order matters if there are several equilibria. A stroke is a
+    displacement that is prescribed with ``increment=True``: of 1 m it makes the factors lengths in metres, and
+    ``reactions`` has the force that it needs.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``, forward and reverse.
-        increment: Factors of the incremental loads, (states,) [-]; zero unless given.
+        increment: Factors of the incremental loads, (states,) [-]; zero by default.
         load_factor: Factors of the loads, (states,) or one for all, () [-].
-        throw: Raise where a solve fails; otherwise the codes are in ``result``, and what comes after a failure is
-            looked for from the last state that was found.
+        throw: Raise if a solve fails; otherwise the codes are in ``result``, and states after a failure start from the
+            last one found.
 
     Returns:
         Equilibria with x (states, n_x) [m, rad, -], e and sigma (states, n_e), reactions (states, n_x) [N, N m].
@@ -163,8 +162,8 @@ def equilibria(
             beyond a limit load, which ``fm.path`` passes.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some of them are not stable.
-        CoarseWarning: A beam is bent or twisted further than one beam is right for, or stretched by more than 1 %.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some states are not stable.
+        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
 
     Source:
         As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,
@@ -174,7 +173,7 @@ def equilibria(
     if increment is None:
         warn_of_increment(model, "equilibria")
     elif model.parameters.increment is None:
-        raise ModelError("The model has no incremental loads for `increment` to scale: give them increment=True.")
+        raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
     given: dict[str, Any] = {"load_factor": load_factor, "increment": 0.0 if increment is None else increment}
     for name, value in given.items():
         check_numbers(f"Argument `{name}`", value)
@@ -202,12 +201,12 @@ def equilibria(
 
 
 def _first_missed(model: Model, codes: Any, targets: LoadFactors, reached: LoadFactors) -> str:
-    """Factors of the first equilibrium that was not found, and how far load steps led to it; empty where all were."""
+    """Factors of the first equilibrium that was not found, and of the last load step towards it; or empty."""
     codes, targets, reached = undifferentiated((codes, targets, reached))
     if not is_concrete((codes, targets, reached)) or np.all(answered := np.isin(codes, ANSWERED)):
         return ""
     first = int(np.argmin(answered))
-    at, up_to = (factors_told(model, jax.tree.map(lambda f: f[first], own)) for own in (targets, reached))
+    at, up_to = (factors_told(model, jax.tree.map(lambda f: f[first], factors)) for factors in (targets, reached))
     return (
         f"Of {len(answered)} equilibria number {first} is the first that was not found, for {at}. Load steps reached"
         f" {up_to}. fm.path goes past a limit load."
@@ -221,6 +220,6 @@ def _warn_of_unstable_ones(which: np.ndarray) -> None:
         collect(RESULTS.unstable_state)
         warn(
             f"Of {len(which)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
-            " stiffness is negative in some motion. No mechanism stays there by itself: fm.path finds where that begins"
+            " stiffness is negative in some motion. No mechanism stays there by itself. fm.path finds where that begins"
             " and, with switch=True, follows the stable ones."
         )

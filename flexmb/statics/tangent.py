@@ -1,6 +1,6 @@
-"""Tangent of the equations in all coordinates and one multiplier a constraint, element by element.
+"""Tangent of the equations in all coordinates and one multiplier per constraint, element by element.
 
-Element matrices are multiplied element by element where they are computed, so that the host only adds up.
+Element matrices are multiplied where they are computed, so that the host only adds up.
 """
 
 import jax.numpy as jnp
@@ -31,7 +31,7 @@ from ..model.topology import Topology
 
 
 def unknowns(topology: Topology) -> tuple[Array, Array, Array]:
-    """Coordinates that move, coordinates that do not, and deformations that are held."""
+    """Coordinates that move, coordinates that do not, and held deformations."""
     return computed(lambda xp, free: xp.sort(free), topology.x.free), topology.x.held, topology.e.held
 
 
@@ -55,16 +55,8 @@ def by_deformations(
 ) -> Pieces:
     """Stiffness or damping of elements at rest by their deformations, zero for held ones, whose stress is a multiplier.
 
-    Elements whose companions lie in another block than their deformation are found by the numbers of their
-    deformations, which are in the same order there.
-
-    Args:
-        strain: Deformations less those that are free of stress, (n_e,) [m, rad].
-        constraints: D, of each block that deforms.
-        companion: "stiffness" or "damping".
-
-    Returns:
-        For each block that deforms, none where no element has the companion.
+    Companions in another block than the deformation are found by the numbers of the deformations, in the same order.
+    Returns pieces for each block that deforms, none without the companion.
     """
     pieces = stiffness_pieces(topology, parameters, companion)
     if is_nonlinear(topology):
@@ -75,9 +67,9 @@ def by_deformations(
     widest = max(at.shape[1] for at, *_ in constraints)
     kept = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
     rows = jnp.zeros((topology.n_e, widest))
-    for at, by, own in pieces:
-        own = kept[at][:, :, None] * own * kept[by][:, None, :]
-        rows = accumulate(rows, at, jnp.pad(own, ((0, 0), (0, 0), (0, widest - own.shape[2]))))
+    for at, by, matrices in pieces:
+        matrices = kept[at][:, :, None] * matrices * kept[by][:, None, :]
+        rows = accumulate(rows, at, jnp.pad(matrices, ((0, 0), (0, 0), (0, widest - matrices.shape[2]))))
     return [(at, at, rows[at][:, :, : at.shape[1]]) for at, *_ in constraints]
 
 
@@ -92,10 +84,7 @@ def element_matrices(
 ) -> tuple[ElementMatrices, Float[Array, "n_e"]]:
     """Element matrices at a state, without damping and mass, and its deformations.
 
-    Args:
-        near: Deformations that angles are counted from, (n_e,) [m, rad].
-        sigma: Stress resultants, multipliers included, (n_e,) [N, N m].
-        strained: Deformations at which the elements' stiffness is taken, (n_e,) [m, rad]; None: those of x.
+    The elements' stiffness is that at ``strained``; None: at the deformations of x. ``sigma`` includes multipliers.
     """
     values, constraints = jacobian_pieces(topology, parameters, x, near)
     e = scatter_vector(topology.n_e, values)
@@ -106,9 +95,9 @@ def element_matrices(
     pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
     curved = curvature_pieces(topology, parameters, x, near, sigma)
     free, _, held = unknowns(topology)
-    found = ElementMatrices(
+    elements = ElementMatrices(
         structural=by_coordinates(constraints, elastic),
-        curved=[*curved, *((rows, columns, -own) for rows, columns, own in pulling)],
+        curved=[*curved, *((rows, columns, -matrices) for rows, columns, matrices in pulling)],
         damping=[],
         mass=[],
         loss=[],
@@ -121,7 +110,7 @@ def element_matrices(
         sizes=sizes_of(topology, parameters),
         kept=put(jnp.ones(topology.n_e), held, 0.0),
     )
-    return found, e
+    return elements, e
 
 
 @jit
@@ -133,17 +122,12 @@ def at_state(
     near: Float[Array, "n_e"],
     sigma: Float[Array, "n_e"],
 ):
-    """As :func:`element_matrices`, compiled by itself."""
+    """:func:`element_matrices`, compiled by itself."""
     return element_matrices(topology, parameters, factors, x, near, sigma)
 
 
 class Assembled:
-    """Tangent of the equilibrium, on the host.
-
-    Attributes:
-        whole: Its matrices.
-        tangent: Derivative by the coordinates that move and the multipliers.
-    """
+    """Tangent of the equilibrium, on the host."""
 
     def __init__(self, elements: ElementMatrices):
         self.whole = Whole(elements)
@@ -158,19 +142,19 @@ class Assembled:
         return deformed(self.whole.elements, motion[:, None])[:, 0]
 
     def forces_of(self, motions: np.ndarray) -> np.ndarray:
-        """What motions of all coordinates, (n_x, k), change in the equations, (n + h, k)."""
+        """Changes of the equations by motions of all coordinates, (n + h, k)."""
         return forces_of(self.whole.elements, motions)
 
     def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Stiffness between motions of the coordinates that move, (n, k) and (n, m), little spoilt by round-off."""
+        """Stiffness between motions of the coordinates that move, (n, k) and (n, m), with little round-off."""
         elastic = energies_between(self.whole.elements, self._spread(left), self._spread(right))
         return elastic + left.T @ (self.whole.curved @ right)
 
     def forces(self, motions: np.ndarray) -> np.ndarray:
-        """Forces of the stiffness on motions of the coordinates that move, (n, k), as little spoilt."""
+        """Forces of the stiffness on motions of the coordinates that move, (n, k), with little round-off."""
         return self.forces_of(self._spread(motions))[: self.whole.n]
 
     def _spread(self, motions: np.ndarray) -> np.ndarray:
-        found = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
-        found[self.whole.elements.free] = motions
-        return found
+        whole = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
+        whole[self.whole.elements.free] = motions
+        return whole

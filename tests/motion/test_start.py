@@ -287,10 +287,10 @@ def test_leaf_springs_that_stretch_at_the_start_are_told():
     """Where the degrees of freedom are named so that a single coefficient of curvature is left to follow."""
     model = spectral_guide(dofs=STRETCHING)
     with pytest.warns(
-        fm.FlexmbWarning, match=r"At the start elements hold 21\.\d+ J, of which (\S+) J would do"
+        fm.FlexmbWarning, match=r"At the start elements store 21\.\d+ J, but (\S+) J would suffice"
     ) as heard:
         fm.simulate(model, [0.0, 1e-5])
-    least = float(re.search(r"of which (\S+) J", str(heard[0].message))[1])
+    least = float(re.search(r"but (\S+) J", str(heard[0].message))[1])
     # The estimate is one of small deformations, x/L = 0.01.
     assert least == approx(BENT, rel=1e-3)
     # What the message says to do.

@@ -73,7 +73,7 @@ def test_every_answer_says_it(ask):
     _, words = said(lambda: ask(bent(0.5 * BEND / LENGTH)))
     (word,) = set(words)
     assert word.startswith("Element 'blade': an end turns by up to 0.")
-    assert "use more beams" in word
+    assert "Use more beams" in word
 
 
 @pytest.mark.slow("way0")
@@ -130,12 +130,12 @@ def test_more_beams_do_not_help_where_they_are_stretched(strain):
         # Off by the square of their length: 1e-3 with 4.
         found, words = said(lambda count=count: fm.equilibrium(pulled(strain, count=count)))
         assert found.position(f"n{count}", "y") == approx(deflection(strain, stiffer), rel=near)
-        assert [word for word in words if "use more beams" in word] == []
+        assert [word for word in words if "Use more beams" in word] == []
         assert len(words) == (strain > 0.01)
     if words:
         assert "Elements 'l" in words[0]
         assert "the strain along the beam reaches 0.05" in words[0]
-        assert "off by about 10%, however many they are: use spectral beams" in words[0]
+        assert "off by about 10%, however many they are: Use spectral beams" in words[0]
     found, words = said(lambda: fm.equilibrium(pulled(strain, planar.spectral_beam(5), count=1)))
     # Digits that a force of 1e-4 leaves, and six coefficients fewer than kL = 4 needs.
     assert found.position("n1", "y") == approx(deflection(strain, BEND), rel=1e-4)
@@ -145,7 +145,7 @@ def test_more_beams_do_not_help_where_they_are_stretched(strain):
 def test_a_beam_that_is_bent_and_stretched_is_not_told_to_be_divided():
     _, words = said(lambda: fm.equilibrium(pulled(0.02, count=1, across=20.0)))
     (bent_far,) = [word for word in words if "an end turns" in word]
-    assert "use more beams" not in bent_far
+    assert "Use more beams" not in bent_far
     assert len(words) == 2
 
 
