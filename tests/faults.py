@@ -1933,7 +1933,7 @@ FAULTS = [
         "Mobility(len(free) - rank, len(held) - rank",
         "checks/test_mobility.py",
     ),
-    Fault("checks/releases.py", "if sizes[start, k] > LEAST and", "if", "checks/test_mobility.py"),
+    Fault("checks/releases.py", "if sizes[start, k] > TAKES_NO_PART and", "if", "checks/test_mobility.py"),
     Fault("statics/stable.py", "negative = values < -", "negative = values > -", "statics/test_stable.py -k signs"),
     Fault("statics/stable.py", "slogdet(k)[0] >= 0", "slogdet(k)[0] <= 0", "statics/test_stable.py -k signs"),
     Fault(

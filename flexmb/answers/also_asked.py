@@ -1,4 +1,4 @@
-"""Questions that a command asks beside its mode, of each state that the mode has found."""
+"""Questions that a command asks beside its mode, of each state of the answer."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from .answers import Answer
 
 
 class QuestionError(ValueError):
-    """A question is none, or the mechanism has no answer to it."""
+    """There is no such question, or the mechanism has no answer to it."""
 
 
 def also_asked(found: Answer, texts: Sequence[str]) -> dict[str, Any]:

@@ -12,12 +12,12 @@ from .answers import plain
 
 
 def to_json(data: dict[str, Any]) -> str:
-    """One JSON object, numbers that are not finite as null."""
+    """One JSON object, with null for numbers that are not finite."""
     return json.dumps(plain(data), allow_nan=False, indent=1)
 
 
 def _stacked(key: str, steps: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    """Steps as arrays "path_x_3", steps first; what one step has fewer of, or has not, is NaN there."""
+    """Steps as arrays "path_x_3", steps first; NaN where a step has fewer numbers or none."""
     rows = [_flat(step) for step in steps]
     names = dict.fromkeys(name for row in rows for name in row)
     return {f"{key}_{name}": _padded([row.get(name) for row in rows]) for name in names}
@@ -33,7 +33,7 @@ def _padded(column: list[Any]) -> np.ndarray:
 
 
 def _flat(data: dict[str, Any]) -> dict[str, Any]:
-    """Dictionaries inside dictionaries as "x_3": array; lists of them as JSON text."""
+    """Inner dictionaries as arrays "x_3"; lists of dictionaries as JSON text."""
     flat: dict[str, Any] = {}
     for key, value in data.items():
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""What the answers of several modes have in common: numbers by node and element, matrices, rows of a table."""
+"""Parts of answers that several modes share: numbers by node and element, matrices, rows of a table."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,15 +15,14 @@ from ..linear.spectrum import without_growth
 from ..linear.stress import has_stress, stress
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels
+from ..numerical_limits import LOOSE_FREEDOM
 
-# A degree of freedom whose stiffness is below this share of the largest, both per unit mass, is reported as loose.
-LOOSE = 1e-12
 # Rows and columns on the terminal.
 SHOWN_VALUES = 12
 
 
 def number(name: str) -> int | str:
-    """Node or element number; a rotation that a name stands for keeps its name."""
+    """Number of a node or element; a rotation keeps its name."""
     return int(name) if name.isdigit() else name
 
 
@@ -33,11 +32,7 @@ def is_shown(entry: Entry) -> bool:
 
 
 def by_owner(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list[float]]:
-    """Entries of a vector by the node or element they belong to.
-
-    What is among the deformations of an element is not repeated: coordinates that it owns, and warping that no line of
-    a file numbers.
-    """
+    """Entries of a vector by their node or element, without coordinates that elements own."""
     grouped: dict[str, list[float]] = {}
     for value, entry in zip(np.asarray(values).tolist(), entries, strict=True):
         if is_shown(entry):
@@ -61,12 +56,12 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
 
 
 def state_of(lin: Linearization) -> dict[str, Any]:
-    """What answers about a static equilibrium have in common."""
+    """Answers about a static equilibrium."""
     return {**configuration(lin), **matrices(lin), "stable": _rests(lin)}
 
 
 def _rests(lin: Linearization) -> bool:
-    """Whether the state is stable: by its stiffness, and where that is unsymmetric also by motions that grow."""
+    """Whether the state is stable: by its stiffness; if that is unsymmetric, also by motions that grow."""
     stiffness, m = _stiffness(lin), lin.matrices
     if m.symmetric:
         return bool(_is_stable(stiffness))
@@ -88,7 +83,7 @@ def _is_stable(stiffness: Any) -> Any:
 
 
 def configuration(lin: Linearization) -> dict[str, Any]:
-    """Where the mechanism is and what it carries."""
+    """Coordinates, deformations, stress resultants, reactions and the largest stress."""
     labels, m = lin.labels, lin.matrices
     return {
         "x": by_owner(m.x, labels.x),
@@ -100,7 +95,7 @@ def configuration(lin: Linearization) -> dict[str, Any]:
 
 
 def _stress(lin: Linearization) -> dict[str, Any]:
-    """Largest von Mises stress and where it is, of the flexible elements whose sections have a shape."""
+    """Largest von Mises stress and its place, of the flexible elements whose sections have a shape."""
     if not has_stress(lin.model):
         return {}
     with heard():
@@ -126,7 +121,7 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
 
 
 def compliances(lin: Linearization) -> dict[str, list[float]]:
-    """Directional compliance of each node, infinite (so that JSON has null) where it takes part in a free motion."""
+    """Directional compliance of each node, infinite (null in JSON) if it takes part in a free motion."""
     own = {entry.of for entry in lin.labels.x if is_shown(entry)}
     return {node: values.tolist() for node, values in directional_compliance(lin).items() if node in own}
 
@@ -142,7 +137,7 @@ def hertz_of(values: ArrayLike, hertz: ArrayLike) -> list[float | None]:
 
 
 def loose_warnings(lin: Linearization) -> list[str]:
-    """Degrees of freedom that move nothing stiff."""
+    """Warnings of degrees of freedom that nothing holds."""
     m = lin.matrices
     whole = np.abs(_stiffness(lin))
     stiffness, coupled = np.diag(whole), np.max(whole, axis=1, initial=0.0)
@@ -150,7 +145,7 @@ def loose_warnings(lin: Linearization) -> list[str]:
     return [
         f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."
         for name, c in zip(lin.model.q_labels, coupled, strict=True)
-        if c <= LOOSE * largest
+        if c <= LOOSE_FREEDOM * largest
     ]
 
 
@@ -160,14 +155,14 @@ def row(values: ArrayLike, digits: int = 6) -> str:
 
 
 def numbered(texts: list[str]) -> list[str]:
-    """Lines of the terminal with their numbers, the first of many."""
+    """Numbered lines of the terminal, at most the first twelve."""
     more = len(texts) - SHOWN_VALUES
     lines = [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]
     return [*lines, f"  ... {more} more"] if more > 0 else lines
 
 
 def matrix(name: str, values: ArrayLike) -> list[str]:
-    """A matrix in lines of the terminal; a large one by its size."""
+    """Lines of the terminal with a matrix, or with its size if it is large."""
     values = np.atleast_2d(np.asarray(values, float))
     if max(values.shape, default=0) > SHOWN_VALUES:
         return [f"{name}: {values.shape[0]} x {values.shape[1]}, see --json or --save"]

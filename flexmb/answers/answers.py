@@ -22,13 +22,13 @@ from ..spacar.actions import RATES_IDLE
 from .answer_parts import number
 from .mode import Found, Mode, ModeRequest
 
-# Steps of a path at most unless more are asked for.
+# Default for the most steps of a path.
 STEPS = 200
 
 
 @functools.cache
 def _files() -> dict[int, str]:
-    """Names of the files of all modes, such as "mode_7_frequencies", by their numbers; none of them is loaded."""
+    """Names of the files of all modes, such as "mode_7_frequencies", by their numbers, without loading them."""
     files = [file.name for file in pkgutil.iter_modules(importlib.import_module(str(__package__)).__path__)]
     numbered = {int(name.split("_")[1]): name for name in files if name.startswith("mode_")}
     return dict(sorted(numbered.items()))
@@ -41,11 +41,7 @@ def modes() -> dict[int, Mode]:
 
 @functools.cache
 def mode_of(number: int) -> Mode:
-    """A mode by its number; its file alone is loaded.
-
-    Raises:
-        KeyError: There is no such mode.
-    """
+    """A mode by its number. Only its file is loaded."""
     file = _files()[number]
     found: Mode = importlib.import_module(f"{__package__}.{file}").MODE
     return found._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"))
@@ -60,8 +56,8 @@ class Answer:
         exit_status: 0 answered, 1 not valid or not converged.
         model: The mechanism, if it could be built.
         lin: Its linearisation, if there is one.
-        found: What the analysis returned, such as Modes; None for a state space.
-        picture: Function of :mod:`flexmb.plot` that draws the linearisation, in place of the result's own.
+        found: Result of the analysis, such as Modes; None for a state space.
+        picture: Function of :mod:`flexmb.plot` that draws the linearisation instead of the result.
     """
 
     data: dict[str, Any]
@@ -73,7 +69,7 @@ class Answer:
 
     @property
     def shown(self) -> Any:
-        """What pictures show: what was found; where that has none of its own, the linearisation or the mechanism."""
+        """Content of the picture: the result; if it has no picture, the linearisation or the mechanism."""
         if self.found is not None and self.found.summary().picture != "mechanism":
             return self.found
         return self.model if self.lin is None else self.lin
@@ -101,8 +97,8 @@ def answer(
     """Run one analysis mode."""
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
     data["warnings"] = said_of(mode, warnings or [])
-    # What does nothing has been told with the line that says it. Of overflow on the way nothing is said: what is not
-    # finite in the end has a status.
+    # The reader of the file has warned of idle statements with their lines. Overflow that matters ends as a number that
+    # is not finite, which has a status.
     with heard(IdleWarning) as said, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, mode_of(mode))
@@ -124,7 +120,7 @@ def _answered(question: ModeRequest, mode: Mode, data: dict[str, Any]) -> Answer
     except (MechanismError, AnalysisError) as fault:
         found, failed = Found({"status": fault.code, "message": str(fault)}), 1
     except ModelError as fault:
-        # Such as an output that cannot be given.
+        # For example an output that does not exist in this mode.
         found, failed = Found({"status": "not_valid", "message": str(fault)}), 1
     data.update(question.model.counts())
     data["dofs"] = _dofs(question.model)
@@ -143,7 +139,7 @@ def _answered(question: ModeRequest, mode: Mode, data: dict[str, Any]) -> Answer
 def _finite(value: Any) -> bool:
     """Whether all numbers in a value are finite."""
     if isinstance(value, dict):
-        # A motion that nothing holds is infinitely compliant, and null.
+        # A free motion is infinitely compliant: null in JSON.
         return all(_finite(v) for key, v in value.items() if key != "compliance")
     if isinstance(value, list | tuple):
         return all(map(_finite, value))
@@ -156,7 +152,7 @@ def _finite(value: Any) -> bool:
 
 
 def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
-    """What to say where loads of the file do not act."""
+    """Warning of incremental loads that do not act in a mode."""
     hidden = (m for m in builder.members.values() if m.hidden)
     there = any(builder.loads["increment"].values()) or any(m.properties.get("incremental") for m in hidden)
     if not there or mode.increments or mode.structural:
@@ -169,7 +165,7 @@ def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
 
 
 def said_of(mode: int, warnings: Sequence[str]) -> list[str]:
-    """What reading a file had to say that is so in a mode."""
+    """Warnings of the reader of the file that apply to a mode."""
     moves = "times" in mode_of(mode).needs
     return [text for text in warnings if not (moves and text.endswith(RATES_IDLE))]
 

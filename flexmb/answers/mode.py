@@ -13,7 +13,7 @@ from .answer_parts import loose_warnings
 
 @dataclasses.dataclass
 class ModeRequest:
-    """What a mode is asked.
+    """Input of a mode.
 
     Attributes:
         builder: Description of the mechanism.
@@ -21,9 +21,9 @@ class ModeRequest:
         name: Name of its file.
         release, dofs: See ``Builder.build``.
         max_steps: Steps of a path at most.
-        settings: What the file says beside the mechanism.
-        lin: Linearisation that the mode has come to, which is told and drawn also where the mode then fails.
-        warnings: What to say beside the answer, likewise.
+        settings: Statements of the file beside the mechanism.
+        lin: Linearisation so far, reported and drawn even if the mode then fails.
+        warnings: Warnings so far, likewise.
         progress: See ``simulate`` and ``path``; None: a bar where there is a terminal.
     """
 
@@ -40,7 +40,7 @@ class ModeRequest:
 
     @property
     def reported(self) -> Callable[..., None] | bool:
-        """What a long analysis is given as ``progress``."""
+        """Argument ``progress`` of a long analysis."""
         return sys.stderr.isatty() if self.progress is None else self.progress
 
     def checked(self) -> Model:
@@ -53,7 +53,7 @@ class ModeRequest:
         return self.model
 
     def about(self, lin: Linearization) -> Linearization:
-        """Note the linearisation that is answered about, and warn of what nothing holds there."""
+        """Note the linearisation of the answer, and warn of degrees of freedom that nothing holds."""
         self.lin = lin
         self.warnings += loose_warnings(lin)
         return lin
@@ -69,12 +69,12 @@ class ModeRequest:
 
 
 class Found(NamedTuple):
-    """What a mode answers.
+    """Outcome of a mode.
 
     Attributes:
-        data: Keys and values beside those that all answers have; "status" and "message" where it is not "ok".
-        result: What the analysis returned, which pictures show.
-        picture: Function of :mod:`flexmb.plot` that draws the linearisation, in place of the result's own.
+        data: Keys and values of this mode; "status" and "message" if the status is not "ok".
+        result: Result of the analysis, which pictures show.
+        picture: Function of :mod:`flexmb.plot` that draws the linearisation instead of the result.
     """
 
     data: dict[str, Any]
@@ -86,14 +86,14 @@ class Mode(NamedTuple):
     """One mode.
 
     Attributes:
-        run: The analysis. What it raises, and a status other than "ok", are failures.
-        table: Lines of the terminal, of the answer's keys and values, which are few where it failed.
+        run: The analysis. Errors, and a status other than "ok", are failures.
+        table: Lines of the terminal from the answer's keys and values, of which a failed answer has few.
         increments: Whether incremental loads act.
-        structural: Whether the structure alone is asked about: no loads act, and a status is a finding, not a failure.
-        needs: What it is told beside the mechanism, or cannot do without: "times", "trajectory" and "steps" (of a
-            path); "loads", "cause" (of a motion: loads, start values or what is prescribed) and "signals".
-        number: By which it is asked for, as in SPACAR; both this and the name are read from the name of the file.
-        name: The same as a word.
+        structural: Whether only the structure is asked about: no loads act, and a status is a finding, not a failure.
+        needs: Statements that the mode needs beside the mechanism: "times", "trajectory" and "steps" (of a path);
+            "loads", "cause" (of a motion: loads, start values or prescribed motion) and "signals".
+        number: Number as in SPACAR, from the name of the file.
+        name: Name, from the name of the file.
     """
 
     run: Callable[[ModeRequest], Found]

@@ -48,7 +48,7 @@ def _path(found: Path) -> dict[str, Any]:
 
 def _run(asked: ModeRequest) -> Found:
     model = asked.checked()
-    # Its answer tells matrices and all frequencies of each state.
+    # The answer has matrices and all frequencies of each state.
     found = path(model, max_steps=asked.max_steps, progress=asked.reported, sparse=False, throw=False)
     asked.about(found.linearization())
     return Found(_path(found), found)

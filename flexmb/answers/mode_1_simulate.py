@@ -1,4 +1,4 @@
-"""Mode 1: motion in time; and what modes 2 to 6 share with it."""
+"""Mode 1: motion in time; and functions that modes 2 to 6 share with it."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -28,8 +28,8 @@ from .answer_parts import SHOWN_VALUES, is_shown, row
 from .mode import Found, Mode, ModeRequest
 
 RTOL = 1e-5
-# What the output times of one motion may take. A number is kept in arrays, in lists and as text, 300 bytes in all, as
-# 200 000 times of a truss are measured to take; the arrays of the linearised equations beside their numbers 24 000.
+# Most bytes of the output times of a motion. A number is kept in arrays, in lists and as text: 300 bytes, measured with
+# 200 000 times of a truss. The arrays of the linearised equations take 24 000 bytes a time beside their numbers.
 LARGEST_ANSWER = 4 * 2**30
 BYTES_A_NUMBER = 300
 BESIDE_MATRICES = 80
@@ -43,7 +43,7 @@ def _uniformly_accelerated(
 
 
 def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
-    """Functions of time of what INPUTX and INPUTE prescribe with a velocity or an acceleration."""
+    """Functions of time of INPUTX and INPUTE with a velocity or an acceleration."""
     found = {}
     for keyword, entries, start in (
         ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
@@ -58,7 +58,7 @@ def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
 
 
 NAMES = ("value", "velocity", "acceleration")
-# Of a motion that ended so there are states up to then; any other has not begun.
+# A motion that ended with one of these has states. Any other has not begun.
 PARTLY = (
     RESULTS.successful,
     RESULTS.step_too_small,
@@ -92,7 +92,7 @@ def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str 
 
 
 def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
-    """Columns of a history by the node or element they belong to, one row a time."""
+    """Columns of a history by their node or element, one row per time."""
     grouped: dict[str, list[int]] = {}
     for i, entry in enumerate(entries):
         if is_shown(entry):
@@ -102,23 +102,23 @@ def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
 
 
 def origins(model: Model) -> np.ndarray:
-    """What outputs are counted from: coordinates of a file are those themselves, not displacements, (n_y,)."""
+    """Origins of the outputs, (n_y,): a file means coordinates, not displacements."""
     start = np.asarray(model.parameters.reference)
     there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
     return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
 
 
 def _signals(found: Motion) -> dict[str, Any]:
-    """Inputs, zero but where they move what is held, and outputs along a motion."""
+    """Inputs, zero unless they prescribe motion, and outputs along a motion."""
     outputs = np.asarray(outputs_of(found)) + origins(found.model)
     return {"u0": np.asarray(inputs_that_move(found)), "y0": outputs}
 
 
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
-    """Linearised equations at every time, null where there are none, and what to say of that."""
+    """Linearised equations at every time, null where there are none, with a warning."""
     along, labels = linearize_motion(found), found.labels
     named = {"inputs": [s.name for s in labels.inputs], "outputs": [s.name for s in labels.outputs]}
-    # Once as numpy's, of which the parts at a time cost nothing.
+    # One conversion to numpy, whose slices cost nothing.
     matrices, steps, lost = jax.tree.map(np.asarray, along.matrices), [], []
     state_spaces = _state_spaces(matrices, found.model) if all(named.values()) else {}
     for i, t in enumerate(np.asarray(found.t).tolist()):
@@ -129,7 +129,7 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
             steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in own}})
             continue
         values, _ = general_spectrum(own["K0"] + own["N0"] + own["G0"], own["M0"])
-        # What has no mass is infinite.
+        # Massless motions have infinite frequencies.
         values = values[np.isfinite(values)]
         real = is_real(values) & (values.real >= 0)
         hertz = [f if known else None for f, known in zip(to_frequency(values.real).tolist(), real, strict=True)]
@@ -145,7 +145,7 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
 
 
 def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.ndarray]]:
-    """A, B, C, D by the places of the times that have them; those at which the same motions carry no mass in one."""
+    """A, B, C, D by the indices of their times; times with the same massless motions are taken together."""
     alike: dict[tuple[int, ...], list[int]] = {}
     for i in np.flatnonzero(matrices.result == RESULTS.successful).tolist():
         alike.setdefault(tuple(massless_freedoms(np.asarray(matrices.M0[i]))), []).append(i)
@@ -159,7 +159,7 @@ def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.nd
 
 
 def _idle_ways(asked: ModeRequest) -> list[str]:
-    """What to say where a degree of freedom, which moves by itself, is led somewhere."""
+    """Warnings of prescribed ways of degrees of freedom, which move by themselves."""
     return [
         f"{way.keyword} on line {way.legs[0].line} is of a degree of freedom, which moves by itself here; it acts in"
         " modes 2, 3, 5 and 6."
@@ -178,11 +178,11 @@ def run(asked: ModeRequest, linearised: bool = False) -> Found:
     error = settings.get("ERROR", {})
     extent = extent_of(model.topology, model.parameters)
     rtol = error.get("relative", RTOL)
-    # Metres and radians alike; an integrator takes it as share of the extent, and in radians.
+    # ERROR holds in metres and radians. An integrator takes shares of the extent, and radians.
     atol = error["absolute"] / max(extent, 1.0) if "absolute" in error else None
     driven = motions_of(model, settings) | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)
     asked.warnings += _idle_ways(asked)
-    # That incremental loads are left out is said by the keywords of the file.
+    # Idle incremental loads are reported by the keywords of the file.
     with heard():
         found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
     code = RESULTS(int(found.result))

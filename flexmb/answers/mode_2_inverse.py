@@ -1,4 +1,4 @@
-"""Mode 2: what drives a mechanism along a trajectory; and what modes 3, 5 and 6 share with it."""
+"""Mode 2: inverse dynamics along a trajectory; and functions that modes 3, 5 and 6 share with it."""
 
 from typing import Any
 
@@ -36,7 +36,7 @@ def linearised(asked: ModeRequest, found: Nominal) -> dict[str, Any]:
 
 
 def run(asked: ModeRequest, matrices: bool = False) -> Found:
-    """Inverse dynamics along the trajectory; with ``matrices`` those of the linearised equations at every time."""
+    """Inverse dynamics along the trajectory; with ``matrices`` also the linearised equations at every time."""
     found, _ = nominal_motion(asked, 3 if matrices else 2)
     return Found({**told(found), **(linearised(asked, found) if matrices else {})}, found.motion)
 

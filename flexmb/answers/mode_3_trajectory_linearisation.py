@@ -1,4 +1,4 @@
-"""Mode 3: what drives a mechanism along a trajectory, and its linearised equations there."""
+"""Mode 3: inverse dynamics along a trajectory, with the linearised equations along it."""
 
 import functools
 

@@ -1,4 +1,4 @@
-"""Mode 5: the force on what is let go along a trajectory, of the perturbation method; and what mode 6 adds to it."""
+"""Mode 5: force on released degrees of freedom along a trajectory, by the perturbation method; shared with mode 6."""
 
 from typing import Any
 
@@ -13,19 +13,19 @@ from .nominal_motion import nominal_motion
 
 
 def _force(found: Any) -> np.ndarray:
-    """Force on the degrees of freedom once what held them is let go, (n_t, n_q) [N, N m]."""
+    """Force on the released degrees of freedom, (n_t, n_q) [N, N m]."""
     return -np.asarray(found.f0)
 
 
 def _start(model: Model, led: list[str]) -> np.ndarray:
-    """Velocities at the start of what is not led along the trajectory, (n_q,)."""
+    """Start velocities of degrees of freedom that the trajectory does not lead, (n_q,)."""
     names = model.q_labels
     given = np.zeros(len(names)) if model.parameters.start is None else np.asarray(model.parameters.start[1])
     return np.where([name in led for name in names], 0.0, given)
 
 
 def run(asked: ModeRequest, integrated: bool = False) -> Found:
-    """The linearised equations with the force on what is let go; with ``integrated`` also what vibrates then."""
+    """The linearised equations with the force; with ``integrated`` also the vibrations."""
     found, led = nominal_motion(asked, 6 if integrated else 5)
     along = linearised(asked, found)
     for step, force in zip(along["steps"], _force(found), strict=True):
@@ -33,7 +33,7 @@ def run(asked: ModeRequest, integrated: bool = False) -> Found:
     if not integrated:
         return Found({**told(found), **along}, found.motion)
     if not found.motion.model.topology.n_q:
-        # Nothing is held that could vibrate.
+        # No released degree of freedom can vibrate.
         return Found({**told(found), "dq": np.zeros((len(found.t), 0)), **along}, found.motion)
     rtol = asked.settings.get("ERROR", {}).get("relative", RTOL)
     vibrations = perturbation(found, qd=_start(found.motion.model, led), rtol=rtol)

@@ -14,7 +14,7 @@ def _run(asked: ModeRequest) -> Found:
     if not lin.matrices.symmetric:
         silent = "The stiffness is unsymmetric (moments about fixed axes, follower loads): `poles` answers alone."
         asked.warnings.append(silent)
-        # The keys of the answer all the same, as what is not finite is null.
+        # The answer keeps its keys. Numbers that are not finite are null.
         none = dict.fromkeys(("eigenvalues", "frequencies_hz", "massless", "modes"))
         return Found({**state_of(lin), **none, **poles_of(lin, always=True)})
     found = modes(lin)

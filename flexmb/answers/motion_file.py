@@ -1,4 +1,4 @@
-"""A motion and all that follows from it, as a file."""
+"""A motion with forces and energies as a file."""
 
 import os
 

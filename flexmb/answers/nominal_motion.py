@@ -1,4 +1,4 @@
-"""What a file says of a trajectory, as a model that follows it: what modes 2, 3, 5 and 6 begin with."""
+"""The nominal motion along the trajectory of a file, with which modes 2, 3, 5 and 6 begin."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
@@ -26,10 +26,7 @@ def _channels(settings: dict[str, Any], keywords: Any) -> Iterator[tuple[str, Ch
 
 
 def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoReturn]) -> list[Key]:
-    """What is PRESCRIBED in the file and is driven by nominal inputs instead.
-
-    An input that acts on it drives it; as many others as there are inputs left are driven by these.
-    """
+    """PRESCRIBED motions of the file that nominal inputs drive: inputs that act on them, then the remaining inputs."""
     roles = {key: role_of(asked.builder, key) for key in ways}
     nominal = list(_channels(asked.settings, NOMINAL))
     by_key = {(KINDS[keyword], str(own.of), own.component) for keyword, own in nominal}
@@ -60,7 +57,7 @@ def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoRe
 
 
 def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
-    """Nominal inputs and reference outputs in place of the inputs and outputs of the state space."""
+    """Builder with nominal inputs and reference outputs instead of the inputs and outputs of the state space."""
     for side, keywords in (("input", NOMINAL), ("output", tuple(REFERENCES))):
         signals: list[NamedSignal] = []
         for keyword, own in _channels(settings, keywords):
@@ -76,7 +73,7 @@ def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
 
 
 def _idle_velocities(asked: ModeRequest, released: bool) -> list[str]:
-    """What to say of start velocities that have no effect."""
+    """Warnings of start velocities that have no effect."""
     keys = [key for key, (_, velocity) in asked.builder.starts.items() if velocity != 0]
     idle = [key for key in keys if not released or key in ways_of(asked.settings)]
     return [

@@ -43,7 +43,7 @@ def _entries(title: str, entries: Sequence[Entry], roles: Sequence[Role]) -> lis
 
 
 def _series(model: Model) -> list[str]:
-    """What the numbers of spectral beams stand for."""
+    """Meaning of the numbers of spectral beams."""
     blocks = [b for b in model.topology.blocks if b.element.fields and "deformation" in b.companions]
     firsts = [(model.labels.e[row[0]].of, described(b.element)) for b in blocks for row in np.asarray(b.e).tolist()]
     return ["SPECTRAL BEAMS", *(f"  {name:<10}{text}" for name, text in firsts)] if firsts else []
@@ -58,7 +58,7 @@ def log(found: Answer, source: str) -> str:
     """Log of a run: input, structure, numbers, transfer functions and results."""
     data, model, lin = found.data, found.model, found.lin
     lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
-    # Letters that a terminal would act on as their escapes, line by line.
+    # Control letters are escaped: a terminal would act on them.
     lines += ["  " + "".join(clean(c) for c in s.raw) for s in statements(source)]
     if model is not None:
         x_roles, e_roles = model.roles()

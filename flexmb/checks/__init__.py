@@ -1,4 +1,4 @@
-"""Mobility: which constraints are too many or too few, and what moves; asked by the builder and by users."""
+"""Mobility: over- and under-constraints and free motions, for the builder and for users."""
 
 from ..lazy import names
 

@@ -16,17 +16,11 @@ from ..mechanics.deformation import undeformed
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Entry, Model, Signal, as_known
+from ..numerical_limits import LOCKED_INPUT, NOT_VANISHING, SAME_SHARE, SMALLEST_SHARE
 from .releases import Release, one_by_one, proposals
 
-# Shares below this of the largest in a mode are not listed.
-SHOWN = 1e-3
-# What moves by less than this share is locked, and how far along its motions (extents, radians) that is looked at.
-LOCKED = 1e-9
+# How far along its motions a mechanism is looked at for locked inputs [extents, rad].
 SHIFT = 1e-2
-# Deformations above this share of what the mechanism's extent would make of them do not vanish.
-VANISHING = 1e-9
-# Entries closer than this share of the largest are equal but for round-off.
-ALIKE = 1e-6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -126,8 +120,9 @@ class Mobility(Result):
             parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i))
             if not self.stresses(i):
                 # Unit norms are no deformations, and stress against nothing but held Euler parameters.
-                own = [e.of for e, s in zip(self.model.labels.e, self.self_stress[:, i], strict=True) if abs(s) > SHOWN]
-                parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(own))
+                stressed = np.abs(self.self_stress[:, i]) > SMALLEST_SHARE
+                nodes = [e.of for e, s in zip(self.model.labels.e, stressed, strict=True) if s]
+                parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(nodes))
             lines.append(f"self-stress {i + 1}: {parts}")
             if own := self.candidates[i]:
                 lines.append(f"  to remove it, release {own[0].words}: {own[0]}")
@@ -142,9 +137,9 @@ class Mobility(Result):
 
 
 def shares(vector: np.ndarray, entries: Sequence[Entry]) -> list[Share]:
-    """Parts of a motion or a self-stress, whose largest is 1, the largest first, without those below ``SHOWN``."""
-    order = np.argsort(-np.round(np.abs(vector) / ALIKE), kind="stable")
-    shown = [i for i in order if abs(vector[i]) > SHOWN and entries[i].kind != "norm"]
+    """Parts of a motion or a self-stress, whose largest is 1, the largest first, without small ones."""
+    order = np.argsort(-np.round(np.abs(vector) / SAME_SHARE), kind="stable")
+    shown = [i for i in order if abs(vector[i]) > SMALLEST_SHARE and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
 
 
@@ -177,7 +172,7 @@ def _unit(columns: np.ndarray) -> np.ndarray:
     if not columns.size:
         return columns
     sizes = np.abs(columns)
-    first = np.argmax(sizes > (1 - ALIKE) * sizes.max(axis=0), axis=0)
+    first = np.argmax(sizes > (1 - SAME_SHARE) * sizes.max(axis=0), axis=0)
     return columns / columns[first, np.arange(columns.shape[1])]
 
 
@@ -205,17 +200,14 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
         if not np.isfinite(value) or not np.isfinite(size):
             part = "its derivative is" if np.isfinite(value) else "it is"
             raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Write it so that it is.")
-        if abs(value) > VANISHING * size:
+        if abs(value) > NOT_VANISHING * size:
             raise ModelError(
                 f"{what} is {value:.6g} where it must be zero: in the undeformed mechanism, which it is told as `ref`."
             )
 
 
 def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int]:
-    """Scaled motions that the constraints alone allow, (n_x, f), and the number of over-constraints.
-
-    They are sparse where the constraints are, which do not depend on roles.
-    """
+    """Scaled motions that the constraints allow, (n_x, f), sparse if the constraints are; and the over-constraints."""
     found, topology = found or constraints(model), model.topology
     held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
     rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
@@ -223,13 +215,9 @@ def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int
 
 
 def locked_inputs(model: Model) -> list[Signal]:
-    """Inputs on what no motion moves, in the undeformed mechanism and near to it.
+    """Inputs that no motion moves, in the undeformed mechanism and in one built a little further along its motions.
 
-    At a dead point an input moves nothing, but does so as soon as the mechanism has moved: what is locked is so too in
-    a mechanism that is built a little further along its motions.
-
-    Args:
-        model: Mechanism, with concrete numbers.
+    The second mechanism tells an input that is locked from one at a dead point.
     """
     locked = list(model.labels.inputs)
     motions, _ = motions_of(model)
@@ -239,7 +227,7 @@ def locked_inputs(model: Model) -> list[Signal]:
     moved = np.array(model.parameters.reference) + columns * away
     for place, entry in enumerate(model.labels.x):
         if entry.kind in ("internal", "warping"):
-            # Undeformed elements have none, wherever they are built.
+            # Undeformed elements have none of these.
             moved[place] = model.parameters.reference[place]
         if entry.symbol == "l0":
             own = model.labels.coordinates(entry.of)
@@ -248,12 +236,12 @@ def locked_inputs(model: Model) -> list[Signal]:
     for one in (model, dataclasses.replace(model, parameters=parameters)):
         motions, _ = motions_of(one)
         found, x = constraints(one), np.asarray(one.parameters.reference)
-        locked = [s for s in locked if np.linalg.norm(motions.T @ _acting(one, s, found, x)) <= LOCKED]
+        locked = [s for s in locked if np.linalg.norm(motions.T @ _acting(one, s, found, x)) <= LOCKED_INPUT]
     return locked
 
 
 def _acting(model: Model, signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
-    """As :func:`_input_row`, of an actuator that of its parts, weighted, the largest of unit size."""
+    """Row of :func:`_input_row`; of an actuator its weighted parts, the largest of unit size."""
     if not signal.parts:
         return _input_row(signal, found, x)
     inputs, weights = model.labels.inputs, model.parameters.weights
@@ -263,7 +251,7 @@ def _acting(model: Model, signal: Signal, found: Constraints, x: np.ndarray) -> 
 
 
 def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
-    """What an input does to scaled coordinates, of unit size."""
+    """Effect of an input on scaled coordinates, of unit size."""
     if signal.quantity == "stress":
         return dense(found.jacobian[[signal.index]])[0]
     row = np.zeros(len(x))

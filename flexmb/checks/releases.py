@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from ..elements.element import ELASTIC
 from ..math.linear import uneven
@@ -11,17 +12,14 @@ from ..math.subspace import dense, null_spaces
 from ..mechanics.deformation import on_host
 from ..model.by_name import FRAME_OF, TURN_OF, TURNS, turned_by
 from ..model.model import Entry, Model
+from ..numerical_limits import CLOSED_LOOP, SAME_RANGE, SELF_STRESS, TAKES_NO_PART
 
-# A constraint with less than this part in all self-stresses of norm 1 takes no part in them.
-LEAST = 1e-6
-# The motion is followed to either side in so many steps, each of this many extents or radians at most: half a turn.
+# Steps of the motion to either side, and their largest size [extents, rad]: together half a turn.
 STEPS, STEP = 20, 0.2
-# Mechanisms of more coordinates are looked at where they are undeformed: each step takes singular value decompositions.
+# Larger mechanisms are looked at undeformed only: each step takes singular value decompositions.
 MOST_FOLLOWED = 150
-# Scaled deformations that are FIXED must come below this in so many iterations of Newton's method.
-CLOSED, ITERATIONS = 1e-10, 8
-# Scaled singular values below this are those of a self-stress; near a branching point the others come close.
-SMALL = 1e-6
+# Newton's method closes what is FIXED in so many iterations.
+ITERATIONS = 8
 
 
 class Release(NamedTuple):
@@ -69,21 +67,15 @@ class Release(NamedTuple):
 
 
 class _Motion(NamedTuple):
-    """States along the motion from one end to the other, (k,), the undeformed one at `start`.
+    """States along the motion: parts of the constraints in the self-stresses, values of x and e, the undeformed one."""
 
-    Attributes:
-        parts: Of each constraint in each self-stress, whose basis changes little from state to state, (k, m, n).
-        values: Coordinates and deformations, (k, n_x + n_e).
-        start: Index of the undeformed state.
-    """
-
-    parts: np.ndarray
-    values: np.ndarray
+    parts: Float[np.ndarray, "k m n"]
+    values: Float[np.ndarray, "k n_x+n_e"]
     start: int
 
 
 def _of_elements(model: Model, only_elastic: bool) -> list[int]:
-    """FIXED deformations of elements of which others are not; no closure, whose release cuts a spectral beam."""
+    """FIXED deformations of elements that have other ones; no closure, whose release cuts a spectral beam."""
     found = []
     fixed = set(np.asarray(model.topology.e.fixed).tolist())
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
@@ -93,7 +85,7 @@ def _of_elements(model: Model, only_elastic: bool) -> list[int]:
             continue
         measured = {n - 1 for n in element.measured}
         kept = measured | {n - 1 for n in element.closure}
-        # A rigid beam has no deformation that is not FIXED but some of its closure, such as its warping.
+        # Of a rigid beam only deformations of its closure, such as warping, are not FIXED.
         aside = measured if not only_elastic else kept if element.fields else ()
         for row in np.asarray(block.e).tolist():
             if any(i not in fixed for n, i in enumerate(row) if n not in aside):
@@ -104,7 +96,7 @@ def _of_elements(model: Model, only_elastic: bool) -> list[int]:
 def _supports(model: Model) -> tuple[list[tuple[str, str]], np.ndarray]:
     """Names of FIXED coordinates that can be released one by one, and how each moves scaled coordinates, (n_x, s)."""
     labels, fixed = model.labels, set(np.asarray(model.topology.x.fixed).tolist())
-    # What a signal moves, or whose reaction it measures, must stay held.
+    # Coordinates that a signal moves, or whose reaction it measures, must stay held.
     fixed -= {part.index for s in (*labels.inputs, *labels.outputs) for part in s.terms if not part.of_element}
     names, moves = [], []
     reference = np.asarray(model.parameters.reference)
@@ -128,10 +120,10 @@ def _supports(model: Model) -> tuple[list[tuple[str, str]], np.ndarray]:
 
 
 def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple[Release, ...], ...]:
-    """Candidates for each over-constraint, those first whose release leaves the smallest self-stress.
+    """Candidates for each over-constraint; the release of the first leaves the smallest self-stress.
 
-    Elastic deformations come first; joints and supports are looked at only where no elastic one takes part. ``stress``
-    are orthonormal self-stresses in scaled rows, (n_e, over).
+    Joints and supports are candidates where no elastic deformation takes part. ``stress`` are orthonormal self-stresses
+    in scaled rows, (n_e, over).
     """
     if not stress.shape[1]:
         return ()
@@ -145,7 +137,7 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
     names: list[tuple[str, int | str]] = []
     for i in sorted(set(_of_elements(model, False)).difference(own)):
         entry, turn = labels.e[i], turned_by(labels.e[i].of)
-        # The hinge that holds a node about a global axis is a support; one about another axis has no such name.
+        # A hinge that holds a node about a global axis is named as its support. About other axes it has no name.
         if not entry.of.startswith(TURN_OF) or (turn[1] and entry.component == 1):
             rows.append(i)
             names.append(turn if entry.of.startswith(TURN_OF) else (entry.of, entry.component))
@@ -159,41 +151,37 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
 
 
 def one_by_one(model: Model, rows: Sequence[int], stress: np.ndarray) -> Iterator[list[Release]]:
-    """Deformations among some rows that remove an over-constraint each, by their parts in the undeformed mechanism."""
+    """Deformations among some rows that each remove an over-constraint, by their parts in the undeformed mechanism."""
     for order in _in_turn(stress[None, list(rows)], 0):
         entries = [(model.labels.e[rows[k]], part) for k, part, _ in order]
         yield [Release(entry.of, entry.component, part) for entry, part in entries]
 
 
 def _in_turn(parts: np.ndarray, start: int) -> Iterator[list[tuple[int, float, float | None]]]:
-    """Constraints that remove one over-constraint after the other, the best first, which is taken as released.
+    """Constraints that remove one over-constraint after the other: index, smallest part, nearest place of lost rank.
 
-    Args:
-        parts: Of each constraint in each self-stress, in states along the motion, (k, m, n).
-        start: State in which each must take part.
-
-    Yields:
-        Index of the constraint, its smallest part, and the state nearest to the start where it loses rank.
+    ``parts`` are those of each constraint in each self-stress, in states along the motion, (k, m, n). Each constraint
+    takes part at ``start``. The best constraint is released before the next over-constraint is looked at.
     """
     count, taken, rest = parts.shape[2], [], parts
     while len(taken) < count:
         sizes = np.linalg.norm(rest, axis=2)
         least, gaps = sizes.min(axis=0), [None] * parts.shape[1]
         if len(taken) == count - 1 and len(parts) > 1:
-            # The last part has a sign, which the volume that all of them span changes where the last one vanishes.
+            # Where the last part vanishes, the volume that all parts span changes its sign.
             sets = np.array([[*taken, k] for k in range(parts.shape[1])], int).reshape(-1, count)
             volumes = np.linalg.det(parts[:, sets])
             for k in np.flatnonzero(np.any(volumes[1:] * volumes[:-1] < 0, axis=0)):
                 crossed = np.flatnonzero(volumes[1:, k] * volumes[:-1, k] < 0)
                 at = int(crossed[np.argmin(np.abs(crossed + 0.5 - start))])
                 least[k], gaps[k] = 0.0, at + volumes[at, k] / (volumes[at, k] - volumes[at + 1, k])
-        best = [k for k in range(parts.shape[1]) if sizes[start, k] > LEAST and k not in taken]
+        best = [k for k in range(parts.shape[1]) if sizes[start, k] > TAKES_NO_PART and k not in taken]
         best.sort(key=lambda k: (round(-least[k], 9), round(-sizes[start, k], 9), k))
         if not best:
             return
         yield [(k, float(least[k]), gaps[k]) for k in best]
         taken.append(best[0])
-        # What is left of the self-stresses once this constraint is released.
+        # Self-stresses that are left once this constraint is released.
         row = rest[:, best[0]] / np.maximum(sizes[:, best[0], None], np.finfo(float).tiny)
         rest = rest - (rest @ row[:, :, None]) * row[:, None]
 
@@ -201,12 +189,7 @@ def _in_turn(parts: np.ndarray, start: int) -> Iterator[list[tuple[int, float, f
 def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[int], moves: np.ndarray) -> _Motion:
     """Parts of deformations and of supports in the self-stresses, as far as the mechanism moves to either side.
 
-    Args:
-        model: Mechanism.
-        constraints: Its constraints.
-        taken: Deformations that are released already, indices in e.
-        rows: Deformations, indices in e.
-        moves: What each support moves, (n_x, s).
+    ``taken`` deformations are released already; ``moves`` are the coordinates that each support moves, (n_x, s).
     """
     top = model.topology
     held, free = np.setdiff1d(top.e.held, taken), np.asarray(top.x.free)
@@ -214,7 +197,7 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
     rows = [row_of[i] for i in rows]
 
     def parts_of(jacobian: Any, left: Any) -> np.ndarray:
-        # A support bears what the self-stress does to its coordinate.
+        # A support bears the force of the self-stress on its coordinate.
         return np.concatenate([left[rows], -dense(jacobian[held] @ moves).T @ left])
 
     reference = np.asarray(model.parameters.reference)
@@ -225,7 +208,7 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
     sides = (1, -1) if right.shape[1] and left.shape[1] and top.n_x <= MOST_FOLLOWED else ()
 
     def closed(x: np.ndarray, near: np.ndarray):
-        """The state of the mechanism near to coordinates; None where its FIXED deformations do not vanish."""
+        """The state near to coordinates by Newton's method; None if its FIXED deformations do not vanish."""
         for _ in range(ITERATIONS):
             e, jacobian = on_host(top, model.parameters, x, near)
             jacobian = dense(jacobian) * constraints.columns * constraints.rows[:, None]
@@ -233,7 +216,7 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
                 return None
             u, values, vh = np.linalg.svd(jacobian[np.ix_(held, free)])
             excess = (constraints.rows * e)[held]
-            if np.max(np.abs(excess), initial=0.0) < CLOSED:
+            if np.max(np.abs(excess), initial=0.0) < CLOSED_LOOP:
                 return x, e, jacobian, u, values, vh
             change = vh[:rank].T @ ((u[:, :rank].T @ excess) / values[:rank])
             x = x.copy()
@@ -247,11 +230,11 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
             x = x.copy()
             x[free] += STEP * constraints.columns[free] * way / np.max(np.abs(way))
             state = closed(x, near)
-            if state is None or np.max(state[4][rank:], initial=0.0) > SMALL:
+            if state is None or np.max(state[4][rank:], initial=0.0) > SELF_STRESS:
                 break
             x, near, jacobian, u, values, vh = state
             way = vh[rank:].T @ (vh[rank:] @ way)
-            if values[rank - 1] < SMALL:
+            if values[rank - 1] < SELF_STRESS:
                 continue
             turned, _, back = np.linalg.svd(u[:, rank:].T @ before)
             before = u[:, rank:] @ (turned @ back)
@@ -261,7 +244,7 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
 
 
 def _place(model: Model, motion: _Motion, gap: float | None) -> str:
-    """Where along the motion a release loses rank: a deformation or coordinate that moves much, and its value there."""
+    """Place where a release loses rank: a coordinate or deformation that moves, and its value there."""
     if gap is None:
         return ""
     top, entries = model.topology, (*model.labels.x, *model.labels.e)
@@ -272,7 +255,7 @@ def _place(model: Model, motion: _Motion, gap: float | None) -> str:
         sizes = np.array([entry.kind == "position" or entry.symbol == "phi" for entry in model.labels.x])
         shown = [int(np.argmax(sizes * ranges[: top.n_x]))]
     # Among equals the first: a rounding difference must not decide.
-    most = next(i for i in shown if ranges[i] > (1 - 1e-6) * max(ranges[shown]))
+    most = next(i for i in shown if ranges[i] > (1 - SAME_RANGE) * max(ranges[shown]))
     value = np.interp(gap, np.arange(len(motion.values)), motion.values[:, most])
     # Between two states it is known to a thousandth of the way.
     return f"{entries[most]} = {np.round(value / ranges[most], 3) * ranges[most]:.3g}"

@@ -11,22 +11,19 @@ from ..display import Result
 from ..linear.linearize import Linearization
 from ..linear.stress import stress
 
-# The same file for the same answer: no date in it, no random names.
+# The same answer gives the same file: without date and random names.
 CONSTANT: Any = {"backend": "agg", "svg.hashsalt": "flexmb"}
 DATES = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def image(answer: Any, format: str) -> bytes:
-    """Draw an answer: by the picture that its mode names, or by that of its result; where there is stress, it too.
-
-    Returns the content of the file.
-    """
+    """Content of a file with the picture of an answer: of its mode or result, and the stress if there is any."""
     stressed = answer.lin if answer.data.get("stress", {}).get("maximum") and not answer.picture else None
     return image_of(answer.lin if answer.picture else answer.shown, format, answer.picture, stressed)
 
 
 def image_of(found: Result, format: str, picture: str = "", stressed: Linearization | None = None) -> bytes:
-    """Content of a file with the picture of a result: its own, or that which is named."""
+    """Content of a file with a picture of a result: its own or a named one."""
 
     def draw() -> Any:
         figure = getattr(plot, picture)(found) if picture else _figure(found)
@@ -38,7 +35,7 @@ def image_of(found: Result, format: str, picture: str = "", stressed: Linearizat
 
 
 def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
-    """Content of a file with a figure, the same for the same figure, which is closed again."""
+    """Content of a file with a figure, which is then closed. The same figure gives the same bytes."""
     import matplotlib
 
     with matplotlib.rc_context(CONSTANT):
@@ -52,7 +49,7 @@ def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
 
 
 def _figure(found: Result) -> Any:
-    """The picture of a result; where it has several states, beside it where the mechanism ends."""
+    """The picture of a result; of several states also the mechanism in the last one."""
     import matplotlib.pyplot as plt
 
     draw, states = getattr(plot, found.summary().picture or "mechanism"), found.states()
@@ -66,7 +63,7 @@ def _figure(found: Result) -> Any:
 
 
 def _add_stress(figure: Any, lin: Linearization) -> None:
-    """Draw von Mises stress beside what a figure shows, as wide as two columns of it."""
+    """Draw von Mises stress at the right of a figure."""
     from matplotlib.gridspec import GridSpec
 
     placed = [(ax, own) for ax in figure.axes if (own := ax.get_subplotspec()) is not None]

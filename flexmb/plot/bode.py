@@ -12,21 +12,21 @@ from ..control.state_space import to_statespace
 from ..display import kind_of
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..numerical_limits import SMALLEST_RESPONSE
+from ..numerical_limits import PHASE_OF_MINUS_180, POLE_AT_ZERO, SMALLEST_RESPONSE
 from .canvas import BLUE
 
-# Responses are those at s = (i + this) omega: so phases of an undamped mechanism turn as those of a damped one.
+# Responses are taken at s = (i + DECAY) omega, so that phases of an undamped mechanism turn at its poles.
 DECAY = 1e-6
-# Where a phase turns by more than this between two frequencies, one is put between them, so many times.
+# A frequency is inserted where a phase turns by more than this between two, in so many rounds.
 TURN = np.radians(20.0)
-# Of a model up to so many times the lowest pole is drawn unless asked for more: stiff ones may be far away.
+# Models are drawn up to this many times the lowest pole by default: stiff poles may be far away.
 FARTHEST = 1e4
 ROUNDS = 6
-# Ticks of the phase are multiples of one of these [degrees], at most so many.
+# Ticks of the phase are multiples of one of these [degrees]. There are at most TICKS.
 PHASES = (15, 30, 45, 90, 180, 360, 720)
 TICKS = 6
 WIDTH, HEIGHT = 4.3, 3.5
-# A longer title is two lines.
+# Letters of a title in one line.
 LONGEST = 44
 
 
@@ -94,7 +94,7 @@ def bode(
         frequencies, responses, moved = _responses(*triangular, system.D, frequencies)
     if not np.any(moved):
         raise ValueError("No output responds to the inputs: there is nothing to draw.")
-    # What was not asked for by name takes no place where it is not moved, or moves nothing.
+    # Signals that were not asked for by name get no panel if they do not respond or have no effect.
     ys = [i for i in range(len(rows)) if outputs is not None or np.any(moved[i])]
     us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
     names = [[names[0][i] for i in rows], [names[1][j] for j in columns]]
@@ -112,7 +112,7 @@ def bode(
 
 
 def _system(found: Any) -> tuple[Any, float]:
-    """The state-space model to draw, and up to how many times its lowest pole."""
+    """The state-space model to draw, and the multiple of its lowest pole up to which it is drawn."""
     import control
 
     if isinstance(found, Model | Linearization):
@@ -137,7 +137,7 @@ def _triangular(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _responses(
     triangular: np.ndarray, right: np.ndarray, left: np.ndarray, through: np.ndarray, frequencies: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Frequencies, with some between, responses at them, (n, outputs, inputs), and which of these are not round-off."""
+    """Frequencies with inserted ones, responses, (n, outputs, inputs), and which responses are not round-off."""
 
     def at(hertz: np.ndarray) -> np.ndarray:
         """Responses by back substitution, at all frequencies at once."""
@@ -186,7 +186,7 @@ def _drawn(
                 text = textwrap.fill(f"{outputs[i]} does not respond to {inputs[j]}", 30)
                 ax.text(0.5, 0.5, text, ha="center", va="center", transform=ax.transAxes)
                 continue
-            # Titles and labels that a panel's neighbours have, too, stand once.
+            # Labels that neighbouring panels share stand once.
             upper, lower = (figure.add_subplot(part) for part in place.subgridspec(2, 1, height_ratios=(3, 2)))
             _panels(upper, lower, frequencies, responses[:, i, j])
             upper.set_title(title, fontsize=10)
@@ -203,7 +203,7 @@ def _panels(upper: Any, lower: Any, frequencies: np.ndarray, response: np.ndarra
 
     phase = np.degrees(np.unwrap(np.angle(response)))
     # Of a mass without support the phase is -180 rather than 180 degrees.
-    if phase[0] > 180 - 1e-3:
+    if phase[0] > 180 - PHASE_OF_MINUS_180:
         phase = phase - 360
     upper.loglog(frequencies, np.abs(response), color=BLUE)
     lower.semilogx(frequencies, phase, color=BLUE)
@@ -223,12 +223,12 @@ def _panels(upper: Any, lower: Any, frequencies: np.ndarray, response: np.ndarra
 
 
 def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
-    """Frequencies around the poles, closer beside each of them, [Hz], and how many poles are too far away.
+    """Frequencies around the poles, dense beside each of them [Hz], and the number of poles too far away.
 
-    python-control asks for the zeros too, which it does not know of several outputs.
+    python-control needs the zeros too, which it does not find for several outputs.
     """
     poles = np.abs(poles[np.imag(poles) >= 0]) / (2 * np.pi)
-    poles = poles[poles > 1e-9 * np.max(poles, initial=0.0)]
+    poles = poles[poles > POLE_AT_ZERO * np.max(poles, initial=0.0)]
     poles = poles if poles.size else np.ones(1)
     near = poles[poles <= farthest / 10 * np.min(poles)]
     beyond, poles = len(poles) - len(near), near

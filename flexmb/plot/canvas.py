@@ -11,7 +11,7 @@ from ..display import prefix_of
 from ..linear.state_series import Series
 from .geometry import Line, extent_of
 
-# Colours that also those who see few colours, and printers, tell apart (Okabe and Ito).
+# Colours that the colour-blind and printers tell apart (Okabe and Ito).
 BLUE, GREEN, RED, GREY, BLACK = "#0072B2", "#009E73", "#D55E00", "#BBBBBB", "#222222"
 STYLES: dict[str, dict[str, Any]] = {
     "beam": {"color": BLUE, "linewidth": 2.0},
@@ -20,10 +20,10 @@ STYLES: dict[str, dict[str, Any]] = {
     "spring": {"color": GREEN, "linewidth": 1.2},
     "joint": {"color": "#777777", "linewidth": 1.0},
 }
-# Share of the picture that arrows take.
+# Length of arrows over the extent of the picture.
 ARROW = 0.15
 
-# Letters of a title in an inch.
+# Letters of a title per inch.
 LETTERS = 11.5
 
 
@@ -47,7 +47,7 @@ def plain_axes(ax: Any = None) -> Any:
 
 
 def prefixed(drawn: Series) -> tuple[float, str]:
-    """By what to multiply a quantity so that it is read without powers of ten, and the label of its axis then."""
+    """Factor by which a quantity is read without powers of ten, and the label of its axis then."""
     if drawn.unit == "-" or "," in drawn.unit:
         return 1.0, drawn.axis
     factor, unit = prefix_for(largest_of(drawn.values), drawn.unit)
@@ -55,7 +55,7 @@ def prefixed(drawn: Series) -> tuple[float, str]:
 
 
 def largest_of(values: Any) -> float:
-    """Largest size of the finite ones of some values, 0 of none."""
+    """Largest size of the finite values, 0 if there are none."""
     values = np.abs(np.asarray(values, float))
     return float(np.max(values[np.isfinite(values)], initial=0.0))
 
@@ -76,7 +76,7 @@ def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
         from matplotlib.ticker import Formatter
 
         factor, unit = prefix_for(largest, unit)
-        # Few numbers, none of which is longer than it must be: round-off of the product is no digit.
+        # Few and short numbers, without digits of the round-off.
         axis.set_major_formatter(lambda value, _: Formatter.fix_minus(f"{round(value * factor, 6) + 0.0:.10g}"))
     axis.set_label_text(f"{name} [{unit}]" if unit else name)
     return unit
@@ -102,7 +102,7 @@ def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
 
 
 def entitle(figure: Any, text: str) -> None:
-    """Write a title above all panels, in as many lines as the width of the figure asks for."""
+    """Write a title above all panels, in lines as wide as the figure."""
     figure.suptitle(textwrap.fill(text, int(LETTERS * figure.get_figwidth())), fontsize=10)
 
 
@@ -119,7 +119,7 @@ def polylines(ax: Any, lines: Sequence[Float[np.ndarray, "n d"]], label: str, va
 
 
 def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None:
-    """Elements in the style of their kind, each kind with its name as label."""
+    """Elements in the style of their kind, labelled by the kind."""
     if ghost:
         drawn = [line.points for line in lines if line.kind != "hinge"]
         polylines(ax, drawn, "undeformed", color=GREY, linewidth=1.0, linestyle="--", zorder=1)
@@ -174,10 +174,10 @@ def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> No
 
 
 def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
-    """Limits around points, equal scales and labels with units, of lengths with the prefix that suits the extent."""
+    """Limits around points, equal scales, and labels with the unit that suits the extent."""
     around = margin * extent_of(points)
     low, high = np.min(points, axis=0) - around, np.max(points, axis=0) + around
-    # A flat direction keeps some thickness, so that its axis can be read.
+    # A flat direction keeps some thickness, to make its axis readable.
     size = np.maximum(high - low, 0.25 * np.max(high - low))
     for name, a, b, s in zip("xyz", low, high, size, strict=False):
         getattr(ax, f"set_{name}lim")((a + b - s) / 2, (a + b + s) / 2)
@@ -187,7 +187,7 @@ def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> No
         axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
     if ax.name == "3d":
         ax.set_box_aspect(size, zoom=0.76)
-        # A flat mechanism is seen from the side that shows it.
+        # A flat mechanism is viewed from its broad side.
         thin = np.min(size[:2]) < 0.5 * np.max(size[:2])
         ax.view_init(elev=22, azim=-55 if not thin else 25 if size[0] < size[1] else -65)
     else:
@@ -212,7 +212,7 @@ def spread(ax: Any) -> None:
         return
     root = ax.figure.canvas.figure
     root.draw_without_rendering()
-    # The whole of what the layout gave to these axes: those of equal scales fill part of it.
+    # The area that the layout gave to these axes. Axes of equal scales fill part of it.
     bounds = ax.get_position(original=True).transformed(root.transSubfigure)
     taken = [own for other in root.axes if other is not ax and (own := other.get_tightbbox()) is not None]
     taken += _numbers_along(ax)
@@ -233,7 +233,7 @@ def _box_of(text: Any, ax: Any) -> Any:
         return box
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-    # A text in space has its place on paper while it is drawn, and not before or after.
+    # A text in space has a place on paper only while it is drawn.
     x, y, z = text.get_position_3d()
     place = proj_transform(x, y, z, ax.M)[:2]
     return box.translated(*(ax.transData.transform(place) - ax.transData.transform(text.get_position())))
@@ -244,14 +244,14 @@ def _numbers_along(ax: Any) -> list[Any]:
     found = []
     for name in "xyz"[: 3 if ax.name == "3d" else 2]:
         axis, (low, high) = getattr(ax, f"{name}axis"), sorted(getattr(ax, f"get_{name}lim")())
-        # As they were drawn: in space, asking for the ticks by a function moves them from there.
+        # The ticks as drawn: functions that return the ticks of axes in space move them.
         found += [tick.label1.get_window_extent() for tick in axis.majorTicks if low <= tick.get_loc() <= high]
         found.append(axis.label.get_window_extent())
     return found
 
 
 def _free(box: Any, bounds: Any, taken: list[Any]) -> Any:
-    """The box nearest to one that lies within bounds and on none of the others; the box itself where there is none."""
+    """The nearest box within bounds that covers no other box; the box itself if there is none."""
     left, right = min(bounds.x0 - box.x0, 0.0), min(bounds.x1 - box.x1, 0.0)
     aside = right or (left if box.x0 < bounds.x0 else 0.0)
     across = aside + np.array([0.0, -0.25, 0.25, -0.5, 0.5, -1.0, 1.0]) * box.width

@@ -1,4 +1,4 @@
-"""Where the elements of a mechanism are: lines to draw, from node kinds and companions alone."""
+"""Lines of the elements of a mechanism, from node kinds and companions alone."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from ..model.model import Model
 from ..model.roles import Role
 from ..model.topology import Block
 
-# Places along an element. Multiples of 1/96: halves and thirds are among them, where a shape may have a corner.
+# Places along an element: multiples of 1/96 include halves and thirds, where a shape may have a corner.
 PLACES = np.linspace(0.0, 1.0, 97)
 # Teeth of a spring to either side.
 TEETH = 5
@@ -42,7 +42,7 @@ def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
 
 
 def extent_of(points: Float[np.ndarray, "n d"]) -> float:
-    """Largest size of a set of points along an axis, 1 where they are one point, [m]."""
+    """Largest size of a set of points along an axis, 1 of a single point [m]."""
     return (float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0) or 1.0
 
 
@@ -151,7 +151,7 @@ def names_of(model: Model, block: Block) -> list[str]:
 
 
 def _companions(model: Model) -> dict[str, set[str]]:
-    """Companions of each element, whose blocks may be several."""
+    """Companions of each element, from all of its blocks."""
     found: dict[str, set[str]] = {}
     for block in model.topology.blocks:
         for name in names_of(model, block):
@@ -175,7 +175,7 @@ def _kind(block: Block, companions: set[str], fixed: bool) -> str:
 def _meeting(
     model: Model, block: Block, row: int, x: np.ndarray, paired: dict[str, list[str]]
 ) -> Float[np.ndarray, "n d"]:
-    """The one point of all bodies that an element without points joins, or one of the first body's; (0, d) if none."""
+    """The common point of the bodies that an element joins, else a point of the first body; (0, d) if there is none."""
     index, starts = np.asarray(block.x)[row], [0, *block.splits]
     points = [paired.get(model.labels.x[index[k]].of, []) for k in starts]
     points = [own for own in points if own]

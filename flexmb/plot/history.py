@@ -1,4 +1,4 @@
-"""Coordinates, forces, stress, energies and what else a motion tells of, over time or over each other."""
+"""Quantities of a motion, such as coordinates, forces, stress and energies, over time or over each other."""
 
 from collections.abc import Sequence
 from typing import Any

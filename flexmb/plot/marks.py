@@ -1,4 +1,4 @@
-"""What is marked on a mechanism: supports, degrees of freedom and loads, at the nodes they belong to."""
+"""Marks at the nodes of a mechanism: supports, degrees of freedom and loads."""
 
 import dataclasses
 from typing import NamedTuple
@@ -55,7 +55,7 @@ def supports(model: Model) -> dict[str, list[str]]:
 
 
 def dofs(model: Model) -> list[Mark]:
-    """Degrees of freedom that are coordinates of nodes: a unit vector for each position."""
+    """Degrees of freedom that are coordinates of nodes, with a unit vector for each position."""
     places, found = _Places(model), []
     for index in np.asarray(model.topology.x.dof).tolist():
         entry = model.labels.x[index]
@@ -68,7 +68,7 @@ def dofs(model: Model) -> list[Mark]:
 
 
 def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
-    """Nodal forces and moments of all loads but gravity, incremental ones added."""
+    """Nodal forces and moments of all loads except gravity, incremental ones included."""
     forces, places = _forces(model, x), _Places(model)
     found = [
         Mark("force", name, name, forces[i], sized(float(np.linalg.norm(forces[i])), "N"))
@@ -88,13 +88,13 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
 
 
 def sized(size: float, unit: str) -> str:
-    """The size of a load with its unit, with a prefix where it would be long without: "12.5 N", "2 µN"."""
+    """Size of a load with its unit, with a prefix if that is shorter: "12.5 N", "2 µN"."""
     factor, prefixed = (1.0, unit) if 1e-3 <= size < 1e4 else prefix_for(size, unit)
     return f"{size * factor:.4g} {prefixed}"
 
 
 class _Places:
-    """The node where a node or a rotation is drawn."""
+    """Nodes at which nodes and rotations are drawn."""
 
     def __init__(self, model: Model):
         self.points, self.paired = nodes_of(model), places_of_rotations(model)
@@ -104,7 +104,7 @@ class _Places:
 
 
 def _forces(model: Model, x: np.ndarray) -> np.ndarray:
-    """Nodal forces of all loads but gravity, (n_x,)."""
+    """Nodal forces of all loads except gravity, (n_x,)."""
     p = model.parameters
     light = [None if own is None else dataclasses.replace(own, gravity=None) for own in (p.loads, p.increment)]
     parameters = dataclasses.replace(p, loads=light[0], increment=light[1])

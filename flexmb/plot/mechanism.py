@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..model.model import Model
+from ..numerical_limits import NOT_MOVED
 from . import marks as marked
 from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, spread, write
 from .geometry import extent_of, lines, masses, nodes_of, scaled_lines
@@ -61,7 +62,7 @@ def mechanism(
     reference = np.asarray(model.parameters.reference)
     ax = new_axes(model.labels.dimension, ax)
     seen = []
-    moved = not np.allclose(x, reference, rtol=0, atol=1e-12)
+    moved = not np.allclose(x, reference, rtol=0, atol=NOT_MOVED)
     if moved if ghost is None else ghost:
         still = lines(model, reference)
         mechanism_lines(ax, still, ghost=True)
@@ -97,7 +98,7 @@ def draw_supports(ax: Any, model: Model, points: dict[str, np.ndarray]) -> None:
 
 
 def _dofs(ax: Any, model: Model, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
-    """An arrow for each degree of freedom that is a position, its name for one that is a rotation."""
+    """Arrow for each degree of freedom that is a position, name for each that is a rotation."""
     ends = []
     for dof in marked.dofs(model):
         start, vector = points[dof.node], np.zeros(model.labels.dimension)
@@ -110,7 +111,7 @@ def _dofs(ax: Any, model: Model, points: dict[str, np.ndarray], size: float) -> 
 
 
 def _loads(ax: Any, model: Model, x: np.ndarray, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
-    """Arrows of nodal forces, scaled to the largest; moments as arrows along their axis, or written in the plane."""
+    """Arrows of nodal forces, scaled to the largest, and of moments along their axes; texts of moments in the plane."""
     found = marked.loads(model, x)
     largest = max((np.linalg.norm(m.vector) for m in found if m.kind == "force" and m.vector is not None), default=1.0)
     ends = []

@@ -16,9 +16,9 @@ from .mechanism import draw_supports
 from .sections import across_of, shapes_of, strips
 from .state import displaced
 
-# Modes are drawn by this share of the mechanism's extent.
+# Amplitude of modes over the extent of the mechanism.
 AMPLITUDE = 0.15
-# Step of the difference that finds how far a shape moves its lines; their displacement is linear in it but for 1e-6.
+# Step of the difference that finds the displacement of lines, which is linear in it within 1e-6.
 STEP = 1e-6
 # Largest turn of a section at that amplitude [rad].
 LARGEST_TURN = 1.0
@@ -94,5 +94,5 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
     extent = extent_of(points)
     largest = rate * np.max(np.linalg.norm(moved, axis=1)) / extent
     twist = rate * AMPLITUDE / LARGEST_TURN * np.max(turned, initial=0.0)
-    # A mode that only turns what has no length: a tenth of a radian.
+    # A mode that only turns points is drawn with a tenth of a radian.
     return amplitude / max(largest, twist) if max(largest, twist) > SMALLEST_SHAPE * size else 0.1 / size

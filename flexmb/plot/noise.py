@@ -1,4 +1,4 @@
-"""Noise of an output over frequency, source by source, and what it adds up to."""
+"""Noise of an output over frequency by its sources, and the cumulative sum."""
 
 from typing import Any
 

@@ -6,14 +6,15 @@ import numpy as np
 
 from ..display import unit_of
 from ..model.model import Labels
+from ..numerical_limits import BETWEEN_ENDS
 from ..paths.path import Path
 from ..paths.sparse_path import SparsePath
 from .canvas import BLACK, BLUE, GREY, RED, label_axis, largest_of, plain_axes, prefixed
 
 MARKERS = {"limit": "o", "bifurcation": "s"}
-# What is drawn over a coordinate has a slope at the start that says how far the mechanism is from a linear one.
+# Curves over a coordinate get their slope at the start, which shows how nonlinear the mechanism is.
 FORCES = ("force", "moment", "reaction")
-# States at the start that the slope is taken from.
+# States at the start from which the slope is taken.
 FIRST = 4
 
 
@@ -80,10 +81,7 @@ def path(
 
 
 def _draw_slope(ax: Any, at: np.ndarray, height: np.ndarray) -> None:
-    """Thin line with the slope of a curve at its start, as far as the curve reaches.
-
-    The slope is that of the polynomial through the first states, whose steps are small beside what bends the curve.
-    """
+    """Thin line with the slope of a curve at its start, from a polynomial through the first states."""
     a, b = at[:FIRST] - at[0], height[:FIRST] - height[0]
     if len(a) < 2 or np.any(np.diff(a) * np.sign(a[-1]) <= 0):
         return
@@ -119,8 +117,7 @@ def _with_critical(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
-    Critical points lie between the steps at which stability changes, in the order of the path; a piece that has an end
-    in an unstable state, and no critical point between, is drawn as unstable.
+    A piece is drawn as unstable if one of its ends is, and no critical point lies between.
     """
     (at, height), x = steps, np.asarray(found.x)
     left = list(zip(found.critical_points, *critical, strict=True))
@@ -137,14 +134,14 @@ def _with_critical(
 
 
 def _between(x: np.ndarray, ends: np.ndarray) -> bool:
-    """Whether a state lies between two others: within the ball around both."""
+    """Whether a state lies within the ball on two others."""
     scale = np.where(np.ptp(ends, axis=0) > 0, np.ptp(ends, axis=0), np.inf)
     a, b, c = ends[0] / scale, ends[1] / scale, x / scale
-    return bool((c - a) @ (c - b) <= 1e-9 * ((b - a) @ (b - a)))
+    return bool((c - a) @ (c - b) <= BETWEEN_ENDS * ((b - a) @ (b - a)))
 
 
 def _runs(at: np.ndarray, height: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Pieces that were chosen as one line with gaps, (n, 2)."""
+    """Chosen pieces as one line with gaps, (n, 2)."""
     rows = []
     for i in np.flatnonzero(chosen):
         rows += [(at[i], height[i]), (at[i + 1], height[i + 1]), (np.nan, np.nan)]

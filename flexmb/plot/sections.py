@@ -1,4 +1,4 @@
-"""Cross-sections as they are drawn: their sides, and where their width points along an element."""
+"""Drawn cross-sections: their sides, and the direction of their width along an element."""
 
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from ..math.rotation import initial_frame
 from ..mechanics.centreline import parts_of, turns_of
 from ..model.model import Model
 from ..model.topology import Block
+from ..numerical_limits import OPPOSITE_TANGENTS
 from .geometry import Line, names_of
 
 
@@ -101,9 +102,9 @@ def _frames(p: Float[Array, "n 3"], q: Float[Array, "n 3"], y: Float[Array, "n 3
 def _carried(
     points: Float[np.ndarray, "n places 3"], axes: Float[np.ndarray, "2 n 3"], sides: Float[np.ndarray, "2 n 3"]
 ) -> Float[np.ndarray, "n places 3"]:
-    """Sides of the sections along lines, from those at the ends, (ends, n, 3)."""
+    """Sides of the sections along lines, from the sides at the ends, (ends, n, 3)."""
     tangents = _unit(np.gradient(points, axis=1, edge_order=2))
-    # An arc is tilted at its ends, in its plane, from the axis that its ends turn with.
+    # The ends of an arc are tilted, in its plane, against the axis that turns with them.
     first, last = (_bent(axes[i], tangents[:, at], sides[i]) for i, at in ((0, 0), (1, -1)))
     carried = (_along(tangents) @ first[:, None, :, None])[..., 0]
     sides_along = _unit(carried - np.einsum("npi,npi->np", carried, tangents)[..., None] * tangents)
@@ -121,12 +122,13 @@ def _along(tangents: Float[np.ndarray, "n places 3"]) -> Float[np.ndarray, "n pl
     axis, cosine = _cross(start, end), np.einsum("npi,npi->np", start, end)[..., None, None]
     steps = np.empty((*tangents.shape, 3))
     steps[:, 0] = np.eye(3)
-    steps[:, 1:] = cosine * np.eye(3) + axis[..., :, None] * axis[..., None, :] / np.maximum(1 + cosine, 1e-9)
-    # What multiplies a vector as the cross product does.
+    below = np.maximum(1 + cosine, OPPOSITE_TANGENTS)
+    steps[:, 1:] = cosine * np.eye(3) + axis[..., :, None] * axis[..., None, :] / below
+    # The matrix of the cross product.
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         steps[:, 1:, k, j] += axis[..., i]
         steps[:, 1:, j, k] -= axis[..., i]
-    # Products of all steps up to each place in as many multiplications as it takes to double them to the length.
+    # Products of all steps up to each place, by doubling their reach.
     reach, count = 1, tangents.shape[1]
     while reach < count:
         steps[:, reach:] = steps[:, reach:] @ steps[:, :-reach]
@@ -140,7 +142,7 @@ def _bent(
     """Vectors turned by the smallest rotation that takes one unit vector to another, made normal to the latter."""
     axis, cosine = _cross(start, end), np.einsum("ni,ni->n", start, end)[:, None]
     along = np.einsum("ni,ni->n", axis, vectors)[:, None] * axis
-    turned = cosine * vectors + _cross(axis, vectors) + along / np.maximum(1 + cosine, 1e-9)
+    turned = cosine * vectors + _cross(axis, vectors) + along / np.maximum(1 + cosine, OPPOSITE_TANGENTS)
     return _unit(turned - np.einsum("ni,ni->n", turned, end)[:, None] * end)
 
 
@@ -150,11 +152,11 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """As ``np.cross`` of vectors in space, in a quarter of its time."""
+    """``np.cross`` of vectors in space, in a quarter of its time."""
     return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]
 
 
-# Of the places of a line, every so many is a corner of a strip.
+# Stride of the corners of a strip among the places of a line.
 STRIDE = 6
 
 

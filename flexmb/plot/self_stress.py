@@ -12,7 +12,7 @@ from .mechanism import draw_supports
 from .sections import strips
 from .state import states_of
 
-# Resultants written beside an element: as many as there is room for where few elements take part, or where many do.
+# Resultants written beside an element if few elements take part, and if many do.
 LABELS, FEW = (3, 1), 4
 
 

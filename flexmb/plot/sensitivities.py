@@ -1,4 +1,4 @@
-"""Which dimension matters for which answer."""
+"""Bars of the effect of each dimension on each answer."""
 
 from typing import Any
 
@@ -34,7 +34,7 @@ def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
     order = np.argsort(np.max(np.abs(finite), axis=0))
     height = 0.8 / len(found.answers)
     for i, answer in enumerate(found.answers):
-        # From top to bottom in the order of the answers.
+        # Answers in their order from top to bottom.
         at = np.arange(len(order)) + (len(found.answers) / 2 - i - 0.5) * height
         drawn = ax.barh(at, finite[i, order], height=height, label=answer)
         ax.bar_label(

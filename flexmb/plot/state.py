@@ -1,4 +1,4 @@
-"""Which model and which coordinates a picture is of."""
+"""Model and coordinates of a picture."""
 
 from typing import Any
 

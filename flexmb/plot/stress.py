@@ -7,6 +7,7 @@ import numpy as np
 from ..display import kind_of
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
+from ..numerical_limits import NOT_MOVED, SAME_PLACE_ON_LINE
 from .canvas import BLACK, faces, frame, marks, mechanism_lines, new_axes, polylines, spread, write
 from .geometry import PLACES, Line, extent_of, lines, nodes_of, scaled_lines
 from .sections import STRIDE, strips
@@ -60,7 +61,7 @@ def stress(
     if missing := set(found.names) - {line.element for line in drawn}:
         raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
-    if not np.allclose(x, reference, rtol=0, atol=1e-12):
+    if not np.allclose(x, reference, rtol=0, atol=NOT_MOVED):
         mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}
@@ -89,7 +90,7 @@ def stress(
 
 
 def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: str, drawn: list[Line]) -> None:
-    """A ring around the largest value, and beside it how much it is, and where."""
+    """Ring around the largest value, with its size and place."""
     if not np.any(values):
         return
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
@@ -97,11 +98,11 @@ def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: 
     points = next(line.points for line in drawn if line.element == name)
     at = np.array([np.interp(place, PLACES, along) for along in points.T])
     marks(ax, at[None], "largest", marker="o", markersize=9, color=BLACK, markerfacecolor="none", zorder=5)
-    # At its ends an element of the undeformed mechanism has nodes, whose names say more than a number.
+    # An end of an element is named by its node.
     reference = np.asarray(model.parameters.reference)
     line = next(line for line in lines(model, reference) if line.element == name).points
     end = {0.0: line[0], 1.0: line[-1]}.get(place)
-    near = 1e-9 * extent_of(line)
+    near = SAME_PLACE_ON_LINE * extent_of(line)
     nodes = nodes_of(model).items() if end is not None else ()
     node = next((own for own, index in nodes if np.linalg.norm(reference[index] - end) <= near), None)
     unit = label[label.rindex("[") + 1 : -1].strip("-")
@@ -134,7 +135,7 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
 
 
 def colours_of(values: np.ndarray, label: str) -> tuple[str, float, float]:
-    """Name of the colours for values, and the values at their ends: from zero, or to both sides of it."""
+    """Name of the colours for values, and the values at their ends: from zero, or symmetric about it."""
     largest = float(np.max(np.abs(values))) or 1.0
     positive = label.startswith(("von Mises", "utilisation"))
     return ("viridis", 0.0, largest) if positive else ("coolwarm", -largest, largest)

@@ -1,4 +1,4 @@
-"""Answers over the dimensions of many designs, and over each other."""
+"""Answers of many designs, over their dimensions and over each other."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,9 +8,9 @@ import numpy as np
 from ..design.swept import Front, Sweep
 from .canvas import BLUE, GREY, RED, grid, label_axis, largest_of, plain_axes
 
-# More designs than these are drawn as density: their markers would cover each other.
+# More designs are drawn as density: their markers would cover each other.
 MANY = 2000
-# Hexagons in a row, at most, and designs in one of them on the average.
+# Most hexagons in a row, and mean number of designs in a hexagon.
 HEXAGONS, EACH = 60, 16
 
 
@@ -107,7 +107,7 @@ def _against(
     over: Sequence[str] | str | None,
     ax: Any,
 ) -> Any:
-    """One number of each design over another, those of the front marked and joined."""
+    """One number of each design over another; designs of the front are marked and joined."""
     if x is None or y is None:
         raise ValueError("Give both `x` and `y`, names of what is drawn over what.")
     if answer is not None or over is not None:
@@ -117,7 +117,7 @@ def _against(
     _points(ax, horizontal[~failed], vertical[~failed], "designs")
     if front:
         rows = front.rows[np.argsort(horizontal[front.rows])]
-        # Two criteria that are shown make a line; of more it would zigzag.
+        # A front of two criteria is a line. Of more criteria it would zigzag.
         line = "-" if set(front.criteria) == {x, y} else "none"
         style = {"color": RED, "marker": "o", "markersize": 4, "linewidth": 1.2, "linestyle": line}
         ax.plot(horizontal[rows], vertical[rows], label=f"front, {len(rows)} designs", zorder=3, **style)
@@ -129,21 +129,21 @@ def _against(
 
 
 def _points(ax: Any, x: np.ndarray, y: np.ndarray, label: str) -> None:
-    """Markers of designs; how many there are, where they would cover each other."""
+    """Markers of designs, or their density where markers would cover each other."""
     if len(x) <= MANY:
         ax.plot(x, y, ".", color=BLUE, markersize=4, label=label)
         return
     import matplotlib as mpl
     from matplotlib.colors import ListedColormap
 
-    # One design alone is to be seen too.
+    # A single design needs a marker to be seen.
     colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.25, 1, 256)))
     drawn = ax.hexbin(x, y, gridsize=_hexagons(x), bins="log", mincnt=1, cmap=colours, linewidths=0.2)
     ax.figure.colorbar(drawn, ax=ax, label="number of designs")
 
 
 def _curve(ax: Any, found: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> None:
-    """An answer over one dimension: a line along a grid, points otherwise."""
+    """An answer over one dimension: a line of a grid, points of other designs."""
     failed = ~np.isfinite(z)
     if found.axes:
         order = np.argsort(x)
@@ -155,7 +155,7 @@ def _curve(ax: Any, found: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> N
 
 
 def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z: np.ndarray, label: str) -> None:
-    """Colours over two dimensions: fields with contours of a grid, points or hexagons otherwise."""
+    """An answer over two dimensions: fields with contours of a grid, points or hexagons of other designs."""
     x, y = places
     failed = ~np.isfinite(z)
     if found.axes:
@@ -179,18 +179,18 @@ def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z: n
 
 
 def _failed(ax: Any, x: np.ndarray, y: np.ndarray, count: int) -> None:
-    """Where designs failed, of so many: below the hexagons, so that those are seen where all failed."""
+    """Failed designs, drawn below the hexagons."""
     style = {"marker": "x"} if count <= MANY else {"marker": ".", "markersize": 3, "zorder": 0}
     ax.plot(x, y, color=GREY, linestyle="none", label="failed", **style)
 
 
 def _hexagons(values: np.ndarray) -> int:
-    """Hexagons in a row for so many designs."""
+    """Number of hexagons in a row for a number of designs."""
     return int(np.clip((len(values) / EACH) ** 0.5, 10, HEXAGONS))
 
 
 def _title(ax: Any, titles: list[str], failed: np.ndarray) -> None:
-    """What is held, and how many designs failed; few numbers along the axis, since those of small lengths are long."""
+    """Title with held dimensions and the number of failed designs; few ticks, as numbers of small lengths are long."""
     ax.locator_params(axis="x", nbins=6)
     told = [f"{np.sum(failed)} of {len(failed)} designs failed"] if np.any(failed) else []
     ax.set_title(", ".join([*titles, *told]), fontsize=9)
@@ -216,5 +216,5 @@ def _label(found: Sweep, name: str) -> str:
 
 
 def _name(axis: Any, found: Sweep, name: str) -> None:
-    """Label an axis with what is along it."""
+    """Label an axis."""
     label_axis(axis, name, found.unit_of(name), largest_of(found.column(name)))

@@ -7,7 +7,7 @@ import numpy as np
 from ..design.tuned import Tuned
 from .canvas import BLACK, BLUE, GREY, entitle
 
-# A quantity of more entries is drawn in one colour; so many lines stand in a column of a legend.
+# Most entries of a quantity with colours of their own, and most lines in a column of a legend.
 APART = 6
 
 
@@ -32,7 +32,7 @@ def tuning(found: Tuned) -> Any:
     import matplotlib.pyplot as plt
 
     others = [name for name in found.answers if name not in found.curves]
-    # Nothing violated is no point of a logarithmic axis.
+    # A logarithmic axis has no zero.
     positive = found.history["violation"] > 0
     panels = 2 + bool(np.any(positive)) + bool(others)
     columns = -(-(panels + len(found.curves)) // 2)
@@ -72,7 +72,7 @@ def tuning(found: Tuned) -> Any:
 
 
 def _relative(ax: Any, count: np.ndarray, name: str, values: np.ndarray) -> None:
-    """Lines of a quantity, all its entries, over the first value; many entries are of one colour."""
+    """Lines of all entries of a quantity over its first value; many entries share a colour."""
     places = list(np.ndindex(values.shape[1:]))
     color = ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color() if len(places) > APART else None
     for place in places:
@@ -83,7 +83,7 @@ def _relative(ax: Any, count: np.ndarray, name: str, values: np.ndarray) -> None
 
 
 def _returned(found: Tuned) -> int:
-    """Number of the evaluation whose dimensions are those returned, or the nearest to them."""
+    """Number of the evaluation with the returned dimensions, or the nearest to them."""
     distance = np.zeros(found.evaluations)
     for name, value in found.dimensions.items():
         along = np.asarray(found.history[name], float).reshape(found.evaluations, -1)

@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from ..design.judgement import STRAIGHT, Verdict
+from ..design.judgement import Verdict
 from ..display import prefix_of
+from ..numerical_limits import STRAIGHT_MOTION
 from .canvas import BLACK, GREY, RED, entitle
 
 PANEL = 3.7, 2.9
-# What is drawn together: title, beginnings of the names of curves, and whether as a share of what it is at rest.
+# Panels: title, first words of the curves' names, and whether they are drawn as share of the value at rest.
 PANELS = (
     ("force of the drive", ("force",), False),
     ("support stiffness, share of that at rest", ("stiffness",), True),
@@ -64,13 +65,13 @@ def verdict(found: Verdict) -> Any:
 
 
 def _curves(found: Verdict, names: tuple[str, ...], as_share: bool) -> dict[str, np.ndarray]:
-    """Those of the named curves in which there is something to see."""
+    """Named curves in which there is something to see."""
     rest, kept = found.stroke == 0, {}
     for name, values in found.curves.items():
         finite = np.where(np.isfinite(values), values, np.nan)
         if not name.startswith(names) or np.sum(np.isfinite(finite)) < 2:
             continue
-        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT * np.max(np.abs(found.stroke)):
+        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT_MOTION * np.max(np.abs(found.stroke)):
             continue
         if not as_share:
             kept[name] = finite
@@ -80,7 +81,7 @@ def _curves(found: Verdict, names: tuple[str, ...], as_share: bool) -> dict[str,
 
 
 def _lines(ax: Any, found: Verdict, by: float, curves: dict[str, np.ndarray], as_share: bool) -> None:
-    """Curves over the stroke, and of the force the slope that it begins with."""
+    """Curves over the stroke; of the force also its slope at the start."""
     from matplotlib.ticker import EngFormatter, PercentFormatter
 
     for name, values in curves.items():
@@ -102,7 +103,7 @@ def _lines(ax: Any, found: Verdict, by: float, curves: dict[str, np.ndarray], as
 
 
 def _shares(ax: Any, found: Verdict, by: float) -> None:
-    """How much of each limit is used; the limit itself as a line."""
+    """Used share of each limit, and the limit as a line."""
     for limit in found.limits:
         used = np.where(np.isfinite(limit.used), limit.used, np.nan)
         if np.any(np.isfinite(used)):

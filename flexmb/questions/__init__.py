@@ -1,1 +1,1 @@
-"""What can be asked of a mechanism in a state: a file a question, found by looking into this folder."""
+"""Questions of a mechanism in a state: one file a question, found by looking into this folder."""

@@ -19,7 +19,7 @@ def _coordinate(state: Any, text: str) -> Any:
         return on_host(state, at_rest(state).x)[..., names.index(text)]
     node, _, component = text.rpartition(".")
     if labels.coordinates(node) and component.isdecimal():
-        # By its number, as lines of input files have it.
+        # Input files name components by numbers.
         places = labels.coordinates(node)
         if not 1 <= int(component) <= len(places):
             raise KeyError(f"component = {component}, but node '{node}' has coordinates 1 to {len(places)}")
@@ -47,7 +47,7 @@ def _displacement(state: Any, text: str) -> Any:
         return at_rest(state).rotation(node, component)
     entry = f"{node}.rotation.phi" if component == "phi" and f"{node}.rotation.phi" in names else text
     if entry not in names:
-        # Says which nodes and components there are.
+        # The error names the nodes and components.
         at_rest(state).position(node, component)
         raise KeyError(f"no coordinate '{text}' in this model")
     at = names.index(entry)

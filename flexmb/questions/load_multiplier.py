@@ -11,7 +11,7 @@ from .question import Question, finite_or_nan, is_many, numbered
 
 def _multiplier(state: Any, rest: str) -> Any:
     if not is_many(state):
-        # Buckling scales incremental loads, which have no part in the state.
+        # Buckling scales incremental loads, which do not act in the state.
         raised = not isinstance(state, Model) and state.model.parameters.increment is not None
         model = state if isinstance(state, Model) else state.model
         return numbered(buckling_loads(model, increment=0.0 if raised else None), "multiplier", rest)

@@ -1,4 +1,4 @@
-"""What a path and a motion answer of each of their states, for axes of pictures."""
+"""Answers of all states of a path or a motion."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from .question import Asked, Series
 
 
 class Along(ManyStates):
-    """Base class of a path and a motion, which answer questions of all of their states at once."""
+    """Base class of a path and a motion."""
 
     def along(self: Any, text: str) -> Series:
         """One quantity in every state, asked for by name.

@@ -1,4 +1,4 @@
-"""What the states of a path or a motion stand over: "load factor" and "time"."""
+"""Progress along a path or a motion: "load factor" and "time"."""
 
 from typing import Any
 

@@ -78,7 +78,7 @@ class Asked:
 
     @property
     def question(self) -> Question:
-        """Which question it is; a KeyError where there is none."""
+        """The question; a KeyError if there is none."""
         return self.parsed()[0]
 
     @property
@@ -139,7 +139,7 @@ def asked(text: str) -> Asked:
 
 
 def unit_of_question(text: str) -> str:
-    """SI unit of a question by its text; "-" of what is no question."""
+    """SI unit of a question by its text; "-" if it is no question."""
     try:
         return Asked(text).unit
     except KeyError:
@@ -156,7 +156,7 @@ def each_linearization(result: Any) -> Iterator[Any]:
 
 
 def at_rest(state: Any) -> Any:
-    """A state with coordinates, deformations and forces: of a Model its equilibrium."""
+    """A state with coordinates, deformations and forces; the equilibrium of a Model."""
     return equilibrium(state) if isinstance(state, Model) else state
 
 
@@ -183,7 +183,7 @@ def split(text: str) -> tuple[str, str]:
 
 
 def numbered(values: Any, word: str, text: str) -> Any:
-    """One of numbers that stand along the last axis.
+    """One of the numbers along the last axis.
 
     Raises:
         KeyError: There is no such number.
@@ -213,7 +213,7 @@ def axes_of(labels: Labels, node: str) -> list[str]:
 
 
 def of_component(method: str, about: str = "") -> Callable[[Any, str], Any]:
-    """Value that a result answers by a method of node and component; about axes by another one, where it is named."""
+    """Answer by a method of node and component; about axes by another method if there is one."""
 
     def value(state: Any, rest: str) -> Any:
         node, component = split(rest)
@@ -223,15 +223,15 @@ def of_component(method: str, about: str = "") -> Callable[[Any, str], Any]:
 
 
 def by_component(along: str, about: str) -> Callable[[str, Labels | None], str]:
-    """Unit of a component of a node: one along axes, another about them."""
+    """Unit of a component of a node, along or about an axis."""
     return lambda rest, labels: about if rest.rpartition(".")[2] in ANGLES else along
 
 
 def on_host(state: Any, values: Any) -> Any:
-    """Values of a path or a motion as numpy's, since JAX compiles a program for each place; others as they are."""
+    """Values of a path or a motion as numpy arrays, of which JAX compiles no programs; others as they are."""
     return np.asarray(values) if is_many(state) else values
 
 
 def finite_or_nan(values: np.ndarray) -> np.ndarray:
-    """The same, NaN where it is not finite."""
+    """The numbers, NaN where one is not finite."""
     return np.where(np.isfinite(values), values, np.nan)

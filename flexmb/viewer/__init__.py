@@ -1,4 +1,4 @@
-"""Pictures to turn and to play: a page that opens in any browser without a network, and what notebooks show.
+"""Pictures to turn and to play: a page that opens in any browser without a network, and tables in notebooks.
 
 What the page does is JavaScript, in the folder ``src``; ``viewer.js`` here is built from it.
 """

@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: a small table of the numbers that matter, and a small picture."""
+"""Results in notebooks: a small table of the main numbers, and a small picture."""
 
 import base64
 import html
@@ -14,7 +14,7 @@ COLOURS = 32
 
 
 def card(found: Result) -> str | None:
-    """Summary of a result as a table beside a picture, as HTML without a script; None where it has neither."""
+    """Summary of a result as HTML without a script: a table beside a picture; None if it has neither."""
     _, rows, picture, small = found.summary()
     if not rows and picture is None:
         return None
@@ -37,7 +37,7 @@ def _picture(found: Result, name: str, small: Mapping[str, Any]) -> str:
     import matplotlib
     import matplotlib.pyplot as plt
 
-    # A backend is loaded with the first figure and stays, whatever a context says: it is to be the user's.
+    # The first figure loads a backend for good, even within a context. It must be the user's backend.
     with matplotlib.rc_context({"font.size": 9}):
         figure = getattr(plot, name)(found, **small).figure
         buffer = io.BytesIO()
@@ -47,7 +47,7 @@ def _picture(found: Result, name: str, small: Mapping[str, Any]) -> str:
 
 
 def _small(picture: io.BytesIO) -> bytes:
-    """A PNG with a palette: a notebook keeps every picture that it shows."""
+    """A PNG with a palette, as notebooks keep every picture."""
     from PIL import Image
 
     buffer = io.BytesIO()

@@ -1,4 +1,4 @@
-"""The page: everything that the viewer needs in one HTML document."""
+"""The page of the viewer as one HTML document."""
 
 import base64
 import dataclasses
@@ -103,9 +103,9 @@ def document(view: View) -> str:
     """The page of a view."""
     folder = files("flexmb.viewer")
     page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
-    # Inside a script element only "</" and "<!--" would end or change it; JSON may write "<" as an escape.
+    # "</" and "<!--" would end or change a script element. JSON may escape "<".
     data = json.dumps(page_data(view), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    # The data may hold any text, so each piece is put into the page once, none of them searched again.
+    # Data may contain any text: each piece is inserted once, and never searched.
     before, rest = page.replace("{{title}}", html.escape(view.title)).split("{{data}}")
     between, after = rest.split("{{script}}")
     return "".join([before, data, between, script, after])
@@ -121,7 +121,7 @@ def framed(view: View) -> str:
 
 
 def page_data(view: View) -> dict[str, Any]:
-    """What the page reads, arrays as base64 of 32-bit floats."""
+    """Data of the page, with arrays as base64 of 32-bit floats."""
     lines, nodes = view.lines, view.nodes
     index = {name: i for i, name in enumerate(nodes.names)}
     ribbons = bool(np.any(lines.across))

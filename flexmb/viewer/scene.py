@@ -1,4 +1,4 @@
-"""What the viewer shows, as arrays: every element a line of points, in the base state and in those it moves through."""
+"""Arrays for the viewer: each element as a line of points, in its base state and in the states it moves through."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -12,30 +12,21 @@ from ..plot.geometry import PLACES, Line, extent_of, lines, nodes_of, places_of_
 from ..plot.modes import AMPLITUDE, STEP
 from ..plot.sections import Shape, across_of, shapes_of
 
-# A line has as few points as leave it within this share of the mechanism's extent of the one with all of them, in every
-# state that is looked at; where there are many lines, within the second share. Its colours are within a share of their
-# range.
+# Points are left out while a line moves by less than this share of the mechanism's extent in all states looked at; by
+# less than the second share in mechanisms of many lines. Colours may change by a share of their range.
 CLOSE, CLOSE_OF_MANY, MANY = 3e-4, 1e-3, 500
 CLOSE_COLOUR = 1e-2
 LOOKED_AT = 9
-# Steps through the places of a line; the last leaves its ends alone.
+# Strides through the places of a line. The largest keeps only its ends.
 STRIDES = (1, 3, 6, 12, 24, 48, 96)
-# A path or motion is thinned to so many states, and to as many as keep their coordinates below this number.
+# A path or motion is thinned to this many states, and to this many coordinates.
 MOST_STATES = 500
 MOST_NUMBERS = 3_000_000
 
 
 @dataclasses.dataclass(frozen=True)
 class Drawn:
-    """One element as it is drawn.
-
-    Attributes:
-        name: Name of the element.
-        kind: As of :class:`flexmb.plot.geometry.Line`.
-        start: Its first point.
-        count: Number of its points.
-        shape: Its cross-section; None where the model does not say.
-    """
+    """One element: kind as :class:`flexmb.plot.geometry.Line` has it, its first point and number of points."""
 
     name: str
     kind: str
@@ -49,11 +40,11 @@ class Lines(NamedTuple):
 
     Attributes:
         parts: Elements in the order of the model.
-        places: Where each point is along its element, from 0 to 1, (points,) [-].
-        base: Points in the base state, (points, 3) [m].
-        states: Points in the other states, or for modes their displacement, (states, points, 3) [m].
-        across: Direction of the section's width in the base state, zero where it has none, (points, 3) [-].
-        across_states: The same in the states, or its change, (states, points, 3) [-].
+        places: Place of each point along its element, from 0 to 1 [-].
+        base: Points in the base state [m].
+        states: Points in the other states, or their displacements in modes [m].
+        across: Direction of the section's width in the base state, zero where it has none [-].
+        across_states: The same in the other states, or its changes in modes [-].
     """
 
     parts: tuple[Drawn, ...]
@@ -65,13 +56,7 @@ class Lines(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Nodes of the mechanism.
-
-    Attributes:
-        names: Their names.
-        base: Where they are in the base state, (nodes, 3) [m].
-        states: In the states, or for modes their displacement, (states, nodes, 3) [m].
-    """
+    """Nodes of the mechanism, in the base state and in other states, or their displacements in modes [m]."""
 
     names: tuple[str, ...]
     base: Float[np.ndarray, "nodes 3"]
@@ -79,24 +64,16 @@ class Nodes(NamedTuple):
 
 
 def nodes_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray]) -> Nodes:
-    """Nodes in the base state and in others.
-
-    Args:
-        base: Nodal coordinates, (n_x,).
-        states: Nodal coordinates of the others, or changes of them, each (n_x,).
-    """
+    """Nodes in the base state and in other states, or their displacements in modes; all of them (n_x,)."""
     found = nodes_of(model)
     index = np.array(list(found.values()), int).reshape(len(found), model.labels.dimension)
     return Nodes(tuple(found), in_space(base[index]), in_space(_stacked([x[index] for x in states], index.shape)))
 
 
 def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
-    """Lines of a model in its base state and in others.
+    """Lines of a model in its base state and in other states, all (n_x,).
 
-    Args:
-        base: Nodal coordinates of the base state, (n_x,).
-        states: Those of the others, each (n_x,).
-        values: What colours the elements, (sets, elements drawn, places), NaN where nothing does; or None.
+    Values colour the elements, (sets, elements drawn, places), NaN where there is no colour.
     """
     shapes = shapes_of(model)
     still, seen = lines(model, base), []
@@ -111,13 +88,7 @@ def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], value
 
 
 def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
-    """Lines of a model about a state, and their displacements in modes.
-
-    Args:
-        base: Nodal coordinates of the state, (n_x,).
-        moves: Change of the coordinates in each mode, (n_x,), to which the displacement is linear.
-        values: As for :func:`lines_at`.
-    """
+    """Lines of a model in a state, and their displacements by small changes of the coordinates, each (n_x,)."""
     shapes, still = shapes_of(model), lines(model, base)
     found = [_displacement(model, base, move, shapes) for move in moves]
     across = across_of(model, base, still, shapes)
@@ -140,26 +111,22 @@ def kept_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets poi
 
 
 def in_space(points: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n 3"]:
-    """Points with a third coordinate, zero in the plane.
-
-    Args:
-        points: (*n, 2) or (*n, 3) [m].
-    """
+    """Points with a third coordinate, zero in the plane."""
     return np.concatenate([points, np.zeros((*points.shape[:-1], 3 - points.shape[-1]))], axis=-1)
 
 
 def most_states(found: Lines) -> int:
-    """How many states of a path or motion are shown."""
+    """Number of states of a path or motion that are shown."""
     return max(2, min(MOST_STATES, MOST_NUMBERS // max(found.base.size, 1)))
 
 
 def thinned(count: int, most: int) -> np.ndarray:
-    """Which of many states are taken: evenly chosen ones, the first and the last among them."""
+    """Indices of evenly chosen states, among them the first and the last."""
     return np.unique(np.rint(np.linspace(0, count - 1, min(count, most))).astype(int))
 
 
 def _displacement(model: Model, base: np.ndarray, move: np.ndarray, shapes: dict[str, Shape]):
-    """Displacement of every place of every line by a mode, and the change of what lies across it."""
+    """Displacement of every line by a mode, and the change of the directions across it."""
     step = STEP / (np.max(np.abs(move), initial=0.0) or 1.0)
     states = [base + sign * step * move for sign in (-1, 1)]
     ends = [lines(model, x, straight=True) for x in states]
@@ -180,7 +147,7 @@ def _displacement(model: Model, base: np.ndarray, move: np.ndarray, shapes: dict
 def _drawn(
     model: Model, x: np.ndarray, shapes: dict[str, Shape], keep: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points of all lines that are kept, and what lies across them."""
+    """Kept points of all lines, and the directions across them."""
     drawn = lines(model, x)
     across = across_of(model, x, drawn, shapes)
     sides = [across.get(line.element, np.zeros((len(line.points), 3))) for line in drawn]
@@ -212,7 +179,7 @@ def _stacked(pieces: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[str, Shape]) -> list[np.ndarray]:
-    """Points of every line beside those of an edge of its section, so that twist counts too, each (places, 2 d)."""
+    """Points of every line beside points of an edge of its section, which twist moves too, each (places, 2 d)."""
     edges = [
         line.points + shapes[line.element].width / 2 * across[line.element] if line.element in across else line.points
         for line in drawn
@@ -221,7 +188,7 @@ def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[s
 
 
 def _kept(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:
-    """Which points of every line are drawn; ``seen`` holds the lines in several states."""
+    """Kept points of every line; ``seen`` holds the lines in several states."""
     everything = np.concatenate(seen[0]) if seen[0] else np.zeros((0, 2))
     close = (CLOSE if len(seen[0]) < MANY else CLOSE_OF_MANY) * extent_of(everything)
     finite = None if values is None else values[np.isfinite(values)]

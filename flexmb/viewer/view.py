@@ -8,6 +8,7 @@ import numpy as np
 from ..display import States, counted
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
+from ..numerical_limits import NOT_MOVED
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import dofs, loads, supports
 from ..plot.modes import AMPLITUDE, chosen_modes, factor_of
@@ -17,7 +18,7 @@ from .page import Colours
 from .page import View as View
 from .scene import LOOKED_AT, Lines, Nodes, kept_values, lines_at, lines_of_modes, most_states, nodes_at, thinned
 
-# Modes in one page, unless it is said which.
+# Default number of modes in a page.
 AT_MOST = 12
 # Largest displacement in a mode that the page offers, as share of the extent.
 LARGEST_AMPLITUDE = 0.5
@@ -74,7 +75,7 @@ def view(
     elif found.shares:
         colours, states, options = _of_shares(found), [], {"choices": tuple(found.titles)}
     else:
-        states, options = [] if np.allclose(x, base, rtol=0, atol=1e-12) else [x], {}
+        states, options = [] if np.allclose(x, base, rtol=0, atol=NOT_MOVED) else [x], {}
     drawn = lines_at(model, base, states, None if colours is None else colours.values)
     loaded = x[-1] if several else x
     return _view(model, found.kind, drawn, nodes_at(model, base, states), colours, loaded, **options)
@@ -100,7 +101,7 @@ def _of_shares(found: States) -> Colours:
 def _view(
     model: Model, kind: str, drawn: Lines, nodes: Nodes, colours: Colours | None, loaded: np.ndarray, **options: Any
 ) -> View:
-    """``colours`` has values at all places of all lines, ``loaded`` is the state in which the loads are told."""
+    """The page; ``colours`` have values at all places of all lines, loads are drawn in the state ``loaded``."""
     if colours is not None:
         colours = colours._replace(values=kept_values(drawn, colours.values))
     settings: dict[str, Any] = {
