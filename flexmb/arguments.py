@@ -329,7 +329,9 @@ def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError
 # What an argument must be, as its annotation declares it for :func:`checked`. A choice is a ``Literal``.
 Positive = Annotated[float, partial(check_number, above=0)]
 Count = Annotated[int, partial(check_whole, least=1)]
+WholeFromZero = Annotated[int, partial(check_whole, least=0)]
 Flag = Annotated[bool, check_flag]
+ByName = Annotated[Mapping[str, Any], check_by_name]
 
 
 def checked(function: Function) -> Function:

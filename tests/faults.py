@@ -2062,7 +2062,7 @@ FAULTS = [
         "design/test_tune.py -k wishes",
     ),
     Fault("spacar/read.py", "if free and ", "if not free and ", "spacar/test_read.py -k test_warning"),
-    Fault("design/stroke.py", "int(own[number - 1]) if", "int(own[-number]) if", "test_cli.py -k by_its_number"),
+    Fault("design/stroke.py", "int(indices[number - 1]) if", "int(indices[-number]) if", "test_cli.py -k by_its"),
     Fault("cli.py", 'f"{warnings}{text}"', 'f"{text}"', "design/test_study.py -k warnings_stand"),
     Fault(
         "motion/moving_matrices.py",
@@ -2626,14 +2626,14 @@ FAULTS = [
     ),
     Fault("design/stroke.py", "margins = 1 + ", "margins = ", "design/test_verdict.py -k buckling", slow=True),
     Fault("design/stroke.py", "1 / (row @ ", "(row @ ", "design/test_verdict.py -k snaps"),
-    Fault("design/over_stroke.py", "gives, 1 / jnp", "gives, 2 / jnp", "design/test_verdict.py -k snaps"),
+    Fault("design/over_stroke.py", "yields, 1 / jnp", "yields, 2 / jnp", "design/test_verdict.py -k snaps"),
     Fault(
         "design/over_stroke.py",
-        "turned else x[own] - rest[own]",
-        "turned else x[own]",
+        "turned else x[part] - rest[part]",
+        "turned else x[part]",
         "design/test_verdict.py -k reached_is_found",
     ),
-    Fault("design/over_stroke.py", "> ALONG:", "> 2:", "design/test_verdict.py -k in_space"),
+    Fault("design/over_stroke.py", "> ALONG_AXIS:", "> 2:", "design/test_verdict.py -k in_space"),
     Fault(
         "design/over_stroke.py",
         "[:, :1] == index",
@@ -2839,7 +2839,7 @@ FAULTS = [
         "asarray(2 * ratio, float), (n,)",
         "test_jobs.py -k stage",
     ),
-    Fault("design/front.py", "candidates[~own.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
+    Fault("design/front.py", "candidates[~worse.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
     Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),
@@ -4430,7 +4430,7 @@ FAULTS = [
     Fault("spacar/write.py", "and name in self.warmed ", "", "spacar/test_read.py -k expansion"),
     Fault(
         "design/judgement.py",
-        "if sizes[i] > ALIKE * max(1.0, np.max(sizes)):",
+        "if sizes[i] > EQUAL_OVER_STROKE * max(1.0, np.max(sizes)):",
         "if True:",
         "design/test_verdict.py -k say_what_moves_it",
         slow=True,

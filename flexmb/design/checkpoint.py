@@ -1,9 +1,8 @@
-"""What is known of a sweep so far, in a file that grows by one record a chunk.
+"""The computed part of a sweep, in a file that grows by one record a chunk.
 
-The file begins with a line that says what it is, a record that says of which sweep, and one with its designs. Every
-chunk adds a record: a head with its length and checksums, and named arrays, that is their names, types and shapes as
-JSON, then their numbers.
-A kill leaves the last record incomplete, at worst, which is then dropped.
+The file begins with its format, a record about the sweep, and a record with the designs. Every chunk adds a record: a
+head with length and checksums, then named arrays (names, types and shapes as JSON, and the numbers). A kill leaves at
+worst an incomplete last record, which is dropped.
 """
 
 import errno
@@ -24,7 +23,7 @@ from ..results import RESULTS
 from .designs import Designs
 
 MAGIC = b"flexmb checkpoint 2\n"
-# Length of the content, its SHA-256, and a CRC of both.
+# Length of the content and its SHA-256; a CRC of both follows.
 HEAD = struct.Struct("<Q32s")
 HEAD_SIZE = HEAD.size + 4
 TYPES = ("<i8", "<i4", "<f8")
@@ -33,28 +32,22 @@ Arrays = dict[str, np.ndarray]
 
 
 class Stored:
-    """What the file of a checkpoint says, read and never written.
+    """The contents of a checkpoint, read only.
 
     Attributes:
-        path: Of the file.
-        meaning: Of which sweep it is, by the words for what is compared.
-        answers: Their names.
+        meaning: Description of the sweep, by words.
+        answers: Names of answers.
         designs: All designs of the sweep.
         units: Units by name.
     """
 
     def __init__(self, path: Path, file: BinaryIO):
-        """Read the beginning.
-
-        Raises:
-            ValueError: The file is no checkpoint, or is damaged.
-        """
         self.path, self.file = path, file
         if file.read(len(MAGIC)) != MAGIC:
-            raise refusal(path, "is no checkpoint of a sweep, or the beginning of it is damaged")
+            raise refusal(path, "is no checkpoint of a sweep, or its beginning is damaged")
         head, of_designs = _next(file), _next(file)
         if not head or not of_designs:
-            raise refusal(path, "is damaged: it does not say of which sweep it is")
+            raise refusal(path, "is damaged: it does not name its sweep")
         try:
             said = json.loads(head)
             self.meaning, self.answers, self.units = said["meaning"], list(said["answers"]), dict(said["units"])
@@ -63,14 +56,10 @@ class Stored:
             values = {name.removeprefix("dimension "): a for name, a in named.items() if name.startswith("dim")}
             self.designs = Designs(values, axes)
         except (ValueError, KeyError, TypeError):
-            raise refusal(path, "is damaged: it does not say of which sweep it is") from None
+            raise refusal(path, "is damaged: it does not name its sweep") from None
 
     def parts(self) -> Iterator[tuple[np.ndarray, Arrays, np.ndarray]]:
-        """Designs, answers by name and codes of every record that is complete.
-
-        Raises:
-            ValueError: A record is damaged.
-        """
+        """Designs, answers by name and codes of every complete record."""
         number = 0
         while (content := _next(self.file)) is not None:
             number += 1
@@ -88,7 +77,7 @@ class Stored:
             raise refusal(self.path, f"is damaged: its record {number} is not as it was written") from None
         wrong = rows.ndim != 1 or codes.shape != rows.shape or rows.dtype != "<i8" or codes.dtype != "<i4"
         wrong = wrong or len(rows) == 0 or rows.min() < 0 or rows.max() >= self.designs.count
-        wrong = wrong or not np.all(np.isin(codes, [int(one) for one in RESULTS]))
+        wrong = wrong or not np.all(np.isin(codes, [int(code) for code in RESULTS]))
         if wrong or any(v.shape[:1] != rows.shape or v.dtype != "<f8" for v in values.values()):
             raise refusal(self.path, f"is damaged: its record {number} has wrong shapes")
         if values and set(values) != set(self.answers):
@@ -97,16 +86,12 @@ class Stored:
 
 
 def refusal(path: Path, why: str) -> ValueError:
-    """What to raise where a file is not what is needed; it is left as it is."""
+    """An error about a checkpoint, which is left unchanged."""
     return ValueError(f"Checkpoint '{clean(path)}' {why}. Delete it or name another file.")
 
 
 class Checkpoint:
-    """A file with the answers of some designs of one sweep.
-
-    Attributes:
-        parts: Which designs it held when it was opened, with answers by name and codes.
-    """
+    """A file with the answers of some designs of one sweep; ``parts`` are its contents when it was opened."""
 
     parts: list[tuple[np.ndarray, Arrays, np.ndarray]]
 
@@ -118,12 +103,7 @@ class Checkpoint:
         answers: list[str],
         units: dict[str, str],
     ):
-        """Open the file, or begin it.
-
-        Raises:
-            ValueError: The file is no checkpoint, is damaged, belongs to another sweep or is in use.
-            OSError: It cannot be read or written.
-        """
+        """Open the file, or begin it."""
         self.path, self.answers = Path(path), answers
         self.is_empty = not self.path.exists()
         if not self.is_empty and not self.path.is_file():
@@ -139,11 +119,7 @@ class Checkpoint:
             raise
 
     def add(self, rows: np.ndarray, values: Arrays, codes: np.ndarray) -> None:
-        """Write the answers of some designs.
-
-        Raises:
-            OSError: It cannot be written.
-        """
+        """Write the answers of some designs."""
         named = {"": np.asarray(rows, "<i8"), "codes": np.asarray(codes, "<i4")}
         named |= {f"answer {name}": np.ascontiguousarray(v, "<f8") for name, v in values.items()}
         with naming(self.path):
@@ -152,7 +128,7 @@ class Checkpoint:
         self.is_empty = False
 
     def close(self) -> None:
-        """End writing; what was begun in vain is removed."""
+        """Close the file, and remove an empty one."""
         with naming(self.path):
             self.file.close()
         if self.is_empty:
@@ -165,7 +141,7 @@ class Checkpoint:
         self.close()
 
     def _lock(self) -> None:
-        """Keep a second sweep from writing in between; the lock ends with the process."""
+        """Lock out a second sweep until the process ends."""
         try:
             import fcntl
         except ImportError:
@@ -189,7 +165,7 @@ class Checkpoint:
             good = self.file.tell()
         if good < self.path.stat().st_size:
             warn(
-                f"The last record of checkpoint '{clean(self.path)}' is incomplete, as after a kill: its designs are"
+                f"The last record of checkpoint '{clean(self.path)}' is incomplete, as after a kill. Its designs are"
                 " computed again."
             )
             self.file.truncate(good)
@@ -209,7 +185,7 @@ def _record(content: bytes) -> bytes:
 
 
 def _next(file: BinaryIO) -> bytes | None:
-    """Content of the next record; empty if it is damaged; None at the end and where it is incomplete."""
+    """Content of the next record; empty if damaged; None at the end or if incomplete."""
     head = file.read(HEAD_SIZE)
     if len(head) < HEAD_SIZE:
         return None

@@ -1,4 +1,4 @@
-"""Choices: values of arguments that no derivative reaches, in every combination."""
+"""Choices: values without derivatives, in every combination."""
 
 import itertools
 import math
@@ -9,43 +9,37 @@ import numpy as np
 
 from ..errors import clean
 
-# Each combination is compiled for itself, which takes seconds.
+# Compiling a combination takes seconds.
 MOST = 100
-# A longer text is no label.
+# Longest text of a label.
 LONGEST_LABEL = 24
 
 Options = dict[str, dict[str, Any]]
 
 
 def options_of(choices: Mapping[str, Any], dimensions: Sequence[str]) -> Options:
-    """Values by label, by the name of the choice.
-
-    Raises:
-        ValueError: No list, an empty one, a name that a dimension has, or too many combinations.
-    """
+    """Values by label, by the name of the choice."""
     found: Options = {}
     for name, given in choices.items():
         if name in dimensions:
-            raise ValueError(f"'{clean(name)}' is a choice and a dimension: give it once.")
+            raise ValueError(f"'{clean(name)}' is a choice and a dimension. Give it once.")
         if isinstance(given, str) or not isinstance(given, Mapping | Sequence | np.ndarray):
-            raise ValueError(
-                f"Choice '{clean(name)}' must be a list of values, or of values by name, not {_of(given)}."
-            )
+            raise ValueError(f"Choice '{clean(name)}' must be a list of values, or a table by name, not {_of(given)}.")
         if not len(given):
-            raise ValueError(f"Choice '{clean(name)}' has no value to choose from.")
+            raise ValueError(f"Choice '{clean(name)}' has no values. Give at least one.")
         found[name] = {clean(k): v for k, v in given.items()} if isinstance(given, Mapping) else _labelled(name, given)
     count = math.prod(len(given) for given in found.values())
     if count > MOST:
         listed = ", ".join(f"{clean(name)} {len(given)}" for name, given in found.items())
         raise ValueError(
-            f"There are {count} combinations of choices ({listed}), and each is compiled for itself: at most {MOST}."
-            " Choose from fewer, or search one choice after the other."
+            f"There are {count} combinations of choices ({listed}), at most {MOST}: each is compiled by itself. Give"
+            " fewer values, or search one choice after the other."
         )
     return found
 
 
 def _labelled(name: str, values: Any) -> dict[str, Any]:
-    """Values by what they are printed as, or by their number where that says nothing."""
+    """Values by their printed text if it is short and unique, otherwise by their number."""
     listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
     labels = [_of(value) for value in listed]
     plain = len(set(labels)) == len(labels) and all(len(label) <= LONGEST_LABEL for label in labels)

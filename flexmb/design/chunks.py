@@ -1,4 +1,4 @@
-"""Some designs at a time: compiled once, on all cores or handed to an executor."""
+"""Chunks of designs: compiled once, on all cores or by an executor."""
 
 import functools
 import logging
@@ -18,22 +18,22 @@ from ..results import ANSWERED, RESULTS
 from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely
 from .possible import refusal
 
-# The process that has imported this module; a fork of it is another.
+# The process that imported this module; a fork has another number.
 _IMPORTED_BY = os.getpid()
 # Answers by name, (designs, ...), and codes, (designs,).
 Values = tuple[dict[str, np.ndarray], np.ndarray]
 
 
 class Task(NamedTuple):
-    """What is to be computed of every design.
+    """The computation for every design.
 
     Attributes:
         build: Function of named dimensions.
         functions: Answers by name.
-        compiled: Whether they are compiled.
-        together: Designs that are computed at once.
-        example: Dimensions of a design that can be built, whose degrees of freedom the others take over; None where
-            each has its own.
+        compiled: Whether to compile.
+        together: Number of designs computed at once.
+        example: Dimensions of a design that can be built, whose degrees of freedom all designs have; None if each
+            design has its own.
     """
 
     build: Build
@@ -44,33 +44,27 @@ class Task(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """Some designs, filled up with the last so that all parts have one size.
-
-    Attributes:
-        designs: Dimensions by name, (size, ...).
-        real: How many of them count.
-    """
+    """Some designs, filled up with the last to a constant size; ``real`` of them count."""
 
     designs: dict[str, np.ndarray]
     real: int
 
 
 def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Chunk:
-    """Some of the designs."""
+    """A chunk of some designs."""
     filled = np.concatenate([rows, np.repeat(rows[-1:], size - len(rows))])
     return Chunk({name: array[filled] for name, array in designs.items()}, len(rows))
 
 
 class Worker:
-    """Computes parts, on the cores of this machine or by an executor, and compiles once."""
+    """Computes chunks, on the cores of this machine or by an executor, and compiles once."""
 
     def __init__(self, task: Task, executor: Executor | None):
-        """Begin."""
         self.executor = executor
         self.work: Any = kernel_of(task, threads=cores()) if executor is None else _packed(task)
 
     def results(self, parts: list[Chunk]) -> Iterator[tuple[int, Values]]:
-        """Number and answers of each part, as they are done."""
+        """Number and answers of each chunk, as soon as they are known."""
         if self.executor is None:
             for index, part in enumerate(parts):
                 yield index, self.work(part)
@@ -89,7 +83,7 @@ class Worker:
 
 
 def _packed(task: Task) -> Any:
-    """The task as bytes, so that a worker unpacks and compiles it once; as it is where it cannot be packed."""
+    """The task as bytes, which a worker unpacks and compiles once; unchanged if it cannot be packed."""
     try:
         return pickle.dumps(task)
     except (pickle.PicklingError, AttributeError, TypeError):
@@ -101,11 +95,11 @@ def _packed(task: Task) -> Any:
 
 
 def _work(sent: Any, part: Chunk, asking: int, cache: str | None) -> Values:
-    """One part in a worker, which may be another process than the one that asks."""
+    """One chunk in a worker, which may be another process."""
     if os.getpid() not in (asking, _IMPORTED_BY):
-        # A copy of a process with threads of JAX, which do not run here: what waits for them waits for ever.
+        # A fork copies no threads of JAX, and would wait for them for ever.
         raise ValueError(
-            "Argument `executor` is a pool whose processes are forks, in which JAX hangs. Take"
+            "Argument `executor` is a pool of forked processes, in which JAX hangs. Use"
             " ProcessPoolExecutor(mp_context=multiprocessing.get_context('spawn'))."
         )
     from ..setup import enable_cache, enable_x64
@@ -126,17 +120,16 @@ def _unpacked(sent: bytes) -> Callable[[Chunk], Values]:
 
 
 def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
-    """What computes a part."""
+    """The function that computes a chunk."""
     if not task.compiled or task.example is None:
         return functools.partial(_one_by_one, task.build, task.functions)
     return _Compiled(task, task.example, threads)
 
 
 class _Compiled:
-    """Designs in one compiled program, each thread with an equal number of them.
+    """Designs in one compiled program, with an equal number for each thread.
 
-    Those whose leaf springs are clamped otherwise than those of the example have another structure: they are computed
-    by a program of their own.
+    Designs with other clamps than the example have another structure, and a program of their own.
     """
 
     def __init__(self, task: Task, example: dict[str, np.ndarray], threads: int):
@@ -152,7 +145,7 @@ class _Compiled:
         while len(rows):
             example = {name: array[rows[0]] for name, array in part.designs.items()}
             if all(np.array_equal(array, self.example[name]) for name, array in example.items()):
-                # No design is clamped otherwise than itself.
+                # A design has the clamps of itself.
                 codes[rows] = RESULTS.successful
                 break
             try:
@@ -161,21 +154,23 @@ class _Compiled:
                 codes[rows[0]], rows = RESULTS.impossible_design, rows[1:]
                 continue
             try:
-                own, found = self.others(part_of(part.designs, rows, len(next(iter(part.designs.values())))))
+                other_values, other_codes = self.others(
+                    part_of(part.designs, rows, len(next(iter(part.designs.values()))))
+                )
             except (ValueError, *REFUSED):
-                # An answer that the other structure does not have.
+                # The other structure lacks an answer.
                 break
-            if all(array.shape[1:] == values[name].shape[1:] for name, array in own.items()):
+            if all(array.shape[1:] == values[name].shape[1:] for name, array in other_values.items()):
                 values = {name: array.copy() for name, array in values.items()}
-                for name, array in own.items():
+                for name, array in other_values.items():
                     values[name][rows] = array
-                codes[rows] = found
+                codes[rows] = other_codes
             break
         return values, codes
 
     def _computed(self, part: Chunk) -> Values:
         refused = self.refused(part.designs)
-        # A design that can be built stands in for one that cannot: numbers without sense may take long.
+        # The example replaces designs that cannot be built: their numbers could take long.
         designs = {n: np.where(_like(refused, a), self.example[n], a) for n, a in part.designs.items()}
         count = len(refused)
         size = -(-count // self.threads)
@@ -183,7 +178,7 @@ class _Compiled:
         pieces = [part_of(designs, own, size).designs for own in rows]
         done = []
         if not self.is_compiled:
-            # Before several threads ask for it.
+            # Compile before several threads run.
             done, self.is_compiled = [self.program(pieces[0])], True
         done += each(self.program, pieces[len(done) :], self.threads)
         values = {name: np.concatenate([own[name] for own, _ in done])[: part.real] for name in done[0][0]}
@@ -192,7 +187,7 @@ class _Compiled:
 
 
 def _like(rows: np.ndarray, array: np.ndarray) -> np.ndarray:
-    """Rows with as many axes as an array has."""
+    """Rows with as many axes as an array."""
     return rows.reshape(-1, *(1,) * (array.ndim - 1))
 
 
@@ -225,20 +220,20 @@ def _one_by_one(build: Build, functions: dict, part: Chunk) -> Values:
 
 
 def one_shape(name: str, shape: tuple, other: tuple) -> str:
-    """What is wrong where an answer has not the same shape in all designs."""
-    return f"Answer '{name}' has shape {shape} in one design and {other} in another: make it of one."
+    """Message about an answer with different shapes."""
+    return f"Answer '{name}' has shape {shape} in one design and {other} in another. Make the shapes equal."
 
 
 def gathered(
     count: int, names: list[str], parts: list[tuple[np.ndarray, Values]]
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Answers and codes of all designs, NaN where a design failed or is not among the parts."""
+    """Answers and codes of all designs, NaN if a design failed or is missing."""
     codes, answers = np.full(count, int(RESULTS.successful), np.int32), {}
-    for rows, (_, own) in parts:
-        codes[rows] = own
+    for rows, (_, codes_of_part) in parts:
+        codes[rows] = codes_of_part
     failed = ~np.isin(codes, ANSWERED)
     for name in names:
-        # A chunk of which no design was answered does not know the shape.
+        # A chunk without any answer does not know the shape.
         known = [(rows, values[name]) for rows, (values, _) in parts if name in values]
         shape = known[0][1].shape[1:] if known else ()
         answers[name] = np.full((count, *shape), np.nan)

@@ -1,4 +1,4 @@
-"""A whole curve as a target: values that an answer should have along a stroke or another axis."""
+"""Curves as targets: values of an answer along a stroke or another axis."""
 
 import dataclasses
 from typing import Any
@@ -10,15 +10,15 @@ from .designs import numbers
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Curve:
-    """Values that an answer should come near to, as a target of ``fm.tune``.
+    """Target values of an answer along an axis, for ``fm.tune``.
 
-    An array as a target counts each difference relative to its own value, so that a force near zero would weigh most;
-    of a curve all count relative to its largest value.
+    Differences count relative to the largest value of the curve. In a target that is an array each difference counts
+    relative to its own value: a force near zero would weigh most.
 
     Attributes:
-        over: Where: strokes, times, load factors, (n,) [their unit].
-        values: What the answer should be there, (n,) [unit of the answer].
-        label: What a picture writes below the places, such as "stroke [m]".
+        over: Places: strokes, times, load factors, (n,) [their unit].
+        values: Target values there, (n,) [unit of the answer].
+        label: Label of the places in a picture, such as "stroke [m]".
     """
 
     over: np.ndarray
@@ -29,19 +29,17 @@ class Curve:
         """Keep two lists of one length.
 
         Args:
-            over: Where, (n,) [any].
-            values: What the answer should be there, (n,), or one number for all [unit of the answer].
-            label: What a picture writes below the places, such as "stroke [m]".
+            over: Places, (n,) [any].
+            values: Target values there, (n,), or one number for all [unit of the answer].
+            label: Label of the places in a picture, such as "stroke [m]".
 
         Raises:
-            ValueError: They are no finite numbers, or their lengths differ.
+            ValueError: Numbers are not finite, or the lengths differ.
         """
         where, wanted = numbers("The places of a curve", over), numbers("The values of a curve", values)
         if where.ndim != 1 or not len(where) or wanted.shape not in ((), where.shape):
-            raise ValueError(
-                f"A curve has one value for each of its places, but {where.shape} places and {wanted.shape} values are"
-                " given."
-            )
+            shapes = f"{where.shape} places and {wanted.shape} values"
+            raise ValueError(f"A curve has {shapes}. Give one value for each place.")
         if not (np.all(np.isfinite(where)) and np.all(np.isfinite(wanted))):
             raise ValueError("The places and values of a curve must be finite.")
         object.__setattr__(self, "over", where)

@@ -2,23 +2,25 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arguments import check_whole
+from ..arguments import WholeFromZero, check_whole, checked
 from ..display import Result, Summary, span
 from ..errors import clean
 
-# Designs are held in memory, 8 bytes for each number of each; a thousand a second take three hours.
+# Memory: 8 bytes for each number. At a thousand designs a second they take three hours.
 MOST = 10_000_000
+DesignCount = Annotated[int, partial(check_whole, least=1, most=MOST)]
 
 
 class Designs(Result, dict[str, np.ndarray]):
     """Dimensions by name, each with the designs along its first axis.
 
     Attributes:
-        axes: Of a grid, the values along each axis by name, the last running fastest; otherwise empty.
+        axes: Values along each axis of a grid by name, the last running fastest; empty without a grid.
     """
 
     axes: dict[str, np.ndarray]
@@ -28,25 +30,25 @@ class Designs(Result, dict[str, np.ndarray]):
 
         Args:
             values: Dimensions by name, (designs, ...).
-            axes: Of a grid.
+            axes: Axes of a grid.
 
         Raises:
-            ValueError: There are no designs, their numbers differ, or something else than numbers is given.
+            ValueError: There are no designs, their numbers differ, or a value is no number.
         """
         super().__init__({name: numbers(f"Dimension '{name}'", v) for name, v in values.items()})
         self.axes = {name: numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
         for name, v in self.items():
             if v.ndim == 0 or len(v) == 0:
-                raise ValueError(f"Dimension '{name}' has no designs: give one value for each.")
+                raise ValueError(f"Dimension '{name}' has no designs. Give one value for each design.")
         lengths = {name: len(v) for name, v in self.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{name} {n}" for name, n in lengths.items())
-            raise ValueError(f"All dimensions need one value for each design, but their numbers differ: {listed}.")
+            raise ValueError(f"Numbers of designs differ: {listed}. Give one value for each design.")
         if not lengths:
             raise ValueError("Give at least one dimension.")
 
     def summary(self) -> Summary:
-        """Between which values each dimension varies."""
+        """Return the range of each dimension."""
         return Summary(f"Designs: {self.count}", {name: span(values) for name, values in self.items()})
 
     @property
@@ -60,7 +62,7 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
 
     Args:
         axes: Values of each dimension by name, (n,) [SI].
-        named: The same as keywords, for names that Python takes.
+        named: The same as keywords.
 
     Returns:
         Designs, the last axis running fastest.
@@ -81,17 +83,12 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
 
 
 def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bound of a dimension.
-
-    Raises:
-        ValueError: Not two, not finite, or the lower one is not below the upper one.
-    """
+    """Lower and upper bound of a dimension, finite and in this order."""
     try:
         lower, upper = (numbers(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
-        raise ValueError(
-            f"Bounds of '{name}' must be two numbers, lower and upper, but are {clean(repr(bounds))}."
-        ) from None
+        given = clean(repr(bounds))
+        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {given}.") from None
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
         raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
     if not np.all(lower < upper):
@@ -99,14 +96,17 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     return lower, upper
 
 
-def latin_hypercube(count: int, bounds: Mapping[str, Any] | None = None, /, *, seed: int = 0, **named: Any) -> Designs:
-    """Designs that cover the bounds evenly: each of ``count`` slices of every dimension holds one.
+@checked
+def latin_hypercube(
+    count: DesignCount, bounds: Mapping[str, Any] | None = None, /, *, seed: WholeFromZero = 0, **named: Any
+) -> Designs:
+    """Designs that cover the bounds evenly: each of ``count`` slices of every dimension contains one.
 
     Args:
         count: Number of designs.
         bounds: Lower and upper value of each dimension by name [SI].
-        seed: Of the random numbers.
-        named: Bounds as keywords, for names that Python takes.
+        seed: Seed of the random numbers.
+        named: Bounds as keywords.
 
     Returns:
         Designs.
@@ -119,27 +119,27 @@ def latin_hypercube(count: int, bounds: Mapping[str, Any] | None = None, /, *, s
     """
     from scipy.stats import qmc
 
-    checked = {name: checked_bounds(name, b) for name, b in _together(bounds, named).items()}
-    for name, (lower, upper) in checked.items():
+    checked_ = {name: checked_bounds(name, b) for name, b in _together(bounds, named).items()}
+    for name, (lower, upper) in checked_.items():
         if lower.shape or upper.shape:
-            raise ValueError(f"Bounds of '{name}' must be two numbers here: an array is drawn entry by entry.")
-    lower, upper = (np.array([b[i] for b in checked.values()]) for i in range(2))
-    rng, count = np.random.default_rng(check_whole("seed", seed, 0)), check_whole("count", count, 1, MOST)
-    unit = qmc.LatinHypercube(len(checked), rng=rng).random(count)
-    return Designs(dict(zip(checked, (lower + unit * (upper - lower)).T, strict=True)))
+            raise ValueError(f"Bounds of '{name}' must be two numbers here. Draw each entry of an array by itself.")
+    lower, upper = (np.array([b[i] for b in checked_.values()]) for i in range(2))
+    unit = qmc.LatinHypercube(len(checked_), rng=np.random.default_rng(seed)).random(count)
+    return Designs(dict(zip(checked_, (lower + unit * (upper - lower)).T, strict=True)))
 
 
+@checked
 def monte_carlo(
-    count: int, distributions: Mapping[str, Any] | None = None, /, *, seed: int = 0, **named: Any
+    count: DesignCount, distributions: Mapping[str, Any] | None = None, /, *, seed: WholeFromZero = 0, **named: Any
 ) -> Designs:
     """Random designs, every dimension by itself.
 
     Args:
         count: Number of designs.
-        distributions: By name: lower and upper value for a uniform one [SI], or anything with ``rvs``, such as
-            ``scipy.stats.norm(0.5e-3, 5e-6)``.
-        seed: Of the random numbers.
-        named: Distributions as keywords, for names that Python takes.
+        distributions: By name: lower and upper value of a uniform distribution [SI], or an object with ``rvs``, such
+            as ``scipy.stats.norm(0.5e-3, 5e-6)``.
+        seed: Seed of the random numbers.
+        named: Distributions as keywords.
 
     Returns:
         Designs.
@@ -150,40 +150,33 @@ def monte_carlo(
     Source:
         Independent samples.
     """
-    rng, drawn = np.random.default_rng(check_whole("seed", seed, 0)), {}
+    rng, drawn = np.random.default_rng(seed), {}
     for name, given in _together(distributions, named).items():
         if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=check_whole("count", count, 1, MOST), random_state=rng)
+            drawn[name] = given.rvs(size=count, random_state=rng)
         else:
             lower, upper = checked_bounds(name, given)
-            drawn[name] = rng.uniform(lower, upper, (check_whole("count", count, 1, MOST), *lower.shape))
+            drawn[name] = rng.uniform(lower, upper, (count, *lower.shape))
     return Designs(drawn)
 
 
 def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
-    """Dimensions of a dictionary and of keywords, none twice."""
+    """Dimensions of a dictionary and of keywords, without repetition."""
     if given is not None and not isinstance(given, Mapping):
-        # How many designs of chance there are comes first.
         raise TypeError(
-            f"Dimensions are given as a dictionary by name, or as keywords, not as {clean(repr(given))}; where a number"
-            " of designs is, it goes before them."
+            f"Dimensions are {clean(repr(given))}. Give a dictionary by name, or keywords, after the number of designs."
         )
-    twice = [name for name in named if name in (given or {})]
-    if twice:
-        raise TypeError(f"Dimension '{twice[0]}' is given twice: in the dictionary and as a keyword.")
+    if twice := [name for name in named if name in (given or {})]:
+        raise TypeError(f"Dimension '{twice[0]}' is in the dictionary and a keyword. Give it once.")
     return {**(given or {}), **named}
 
 
 def numbers(what: str, value: Any) -> np.ndarray:
-    """A number or an array of numbers, double precision.
-
-    Raises:
-        ValueError: It is something else.
-    """
+    """A number or an array of numbers in double precision."""
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):
-        # Lists of several lengths.
+        # Lists of different lengths.
         array = np.asarray(None)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{what} must be numbers, but got {clean(repr(value))}.")

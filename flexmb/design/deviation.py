@@ -1,4 +1,4 @@
-"""How far two models of a mechanism are apart, in the numbers that designers ask for."""
+"""The deviation of a model from another one, in the numbers of designers."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -11,10 +11,10 @@ from ..errors import AnalysisError
 from ..linear.linearize import Linearization
 from ..linear.spectrum import symmetric_eigenvalues, to_frequency
 from ..mechanics.extent import extent_of
+from ..numerical_limits import NEAR_RESONANCE, ZERO_FREQUENCY_OF_BAND
 
-# Frequencies of the band at which transfer functions are compared; nearer to a resonance than this they are not.
+# Number of frequencies of the band at which transfer functions are compared.
 POINTS = 40
-RESONANCE = 0.1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,11 +22,11 @@ class Deviation:
     """Largest relative differences between two models, at rest and at all increments.
 
     Attributes:
-        frequencies: Of the natural frequencies in the band, and of the first one in any case.
-        stiffness: Of the static response of the outputs to the inputs and of the compliance of the nodes asked for.
-        transfer: Of the frequency responses of outputs to inputs in the band, a tenth and more away from resonances,
-            over the largest of them to that input among the outputs of a kind; rotations count by what they move at
-            the mechanism's extent.
+        frequencies: Difference of the natural frequencies in the band, or of the first one.
+        stiffness: Difference of the static response of outputs to inputs, and of the compliance of nodes.
+        transfer: Difference of the frequency responses of outputs to inputs in the band, away from resonances, over the
+            largest response to that input among the outputs of a kind. Rotations are multiplied by the mechanism's
+            extent.
     """
 
     frequencies: float
@@ -35,27 +35,27 @@ class Deviation:
 
     @property
     def worst(self) -> float:
-        """The largest of them."""
+        """The largest difference."""
         return max(self.frequencies, self.stiffness, self.transfer)
 
     def plus(self, other: "Deviation") -> "Deviation":
-        """Bound of the differences one after the other."""
+        """Bound of the sum of two deviations."""
         return Deviation(*(a + b for a, b in zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)))
 
 
 @dataclasses.dataclass(frozen=True)
 class Response:
-    """Numbers of a linearised model that questions are answered by, on the host.
+    """Numbers of a linearised model on the host.
 
     Attributes:
         K, M, D: Stiffness, mass and damping, (n, n).
-        B: What inputs and their two rates do to the degrees of freedom, (3, n, n_u), as B0, B1 and B2 of
+        B: Inputs and their two rates on the degrees of freedom, (3, n, n_u), B0, B1 and B2 of
             :func:`flexmb.control.second_order`.
-        C: Outputs by the degrees of freedom and their two rates, (3, n_y, n), rotations times the mechanism's extent.
-        through: Outputs by inputs and their two rates, (3, n_y, n_u).
-        orders: Of which derivative of a displacement each input is, (n_u,).
-        kinds: Quantity of each output.
-        nodes: Coordinates of the nodes asked for by them, (k, n).
+        C: Outputs from the degrees of freedom and their two rates, (3, n_y, n), rotations times the extent.
+        through: Outputs from inputs and their two rates, (3, n_y, n_u).
+        orders: Order of each input as a derivative of a displacement, (n_u,).
+        kinds: Kind of each output.
+        nodes: Coordinates of the given nodes from the degrees of freedom, (k, n).
     """
 
     K: np.ndarray
@@ -70,42 +70,38 @@ class Response:
 
     @property
     def directions(self) -> np.ndarray:
-        """What inputs do and what outputs see, along the degrees of freedom, one a row."""
+        """Directions of inputs, outputs and nodes in the degrees of freedom, one a row."""
         return np.concatenate([*self.B.mT, *self.C, self.nodes])
 
     def restricted(self, z: np.ndarray) -> "Response":
-        """The same where the degrees of freedom are z times new ones."""
+        """The same with degrees of freedom z times new ones."""
         k, m, d = (z.T @ matrix @ z for matrix in (self.K, self.M, self.D))
         parts = {"B": z.T @ self.B, "C": self.C @ z, "nodes": self.nodes @ z}
         return dataclasses.replace(self, K=k, M=m, D=d, **parts)
 
     def frequencies(self) -> np.ndarray:
-        """Ascending [Hz]."""
+        """Natural frequencies, ascending [Hz]."""
         return to_frequency(symmetric_eigenvalues(self.K, self.M))
 
     def static(self) -> tuple[np.ndarray, np.ndarray]:
-        """Outputs for inputs, and compliance of the nodes."""
+        """Static response of outputs to inputs, and compliance of the nodes."""
         moved = self.C[0] @ np.linalg.solve(self.K, self.B[0]) + self.through[0]
-        # What the integrals of an input do has no end.
+        # The integral of an input has no static response.
         return moved * (self.orders == 0), self.nodes @ np.linalg.solve(self.K, self.nodes.T)
 
     def transfer(self, hertz: np.ndarray) -> np.ndarray:
-        """Outputs for inputs at each frequency."""
+        """Response of outputs to inputs at each frequency."""
         found = []
         for w in 2 * np.pi * hertz:
             rates = (1j * w) ** np.arange(3)
-            b, c, d = (np.tensordot(rates, of, 1) for of in (self.B, self.C, self.through))
+            b, c, d = (np.tensordot(rates, matrices, 1) for matrices in (self.B, self.C, self.through))
             h = c @ np.linalg.solve(self.K - w**2 * self.M + 1j * w * self.D, b) + d
             found.append(h / (1j * w) ** self.orders)
         return np.array(found)
 
 
 def response(lin: Linearization, nodes: Sequence[str]) -> Response:
-    """Numbers of a linearised model that questions are answered by.
-
-    Raises:
-        AnalysisError: The state is not stable.
-    """
+    """Numbers of a linearised model; AnalysisError if the state is unstable."""
     m, labels = lin.matrices, lin.labels
     K = np.asarray(m.K)
     scale = np.sqrt(np.abs(np.diag(K)))
@@ -113,17 +109,17 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
     if np.min(np.linalg.eigvalsh(K / np.outer(scale, scale)), initial=1.0) <= len(K) * np.finfo(float).eps:
         raise AnalysisError(
             "unstable",
-            "A model is compared with leaner ones about a stable state, and here the stiffness K0 + N0 is not positive"
-            " definite: support or stiffen the free motion, or lower the load.",
+            "The state is unstable: the stiffness K0 + N0 is not positive definite. Support or stiffen the free motion,"
+            " or lower the load.",
         )
     whole: Any = second_order(lin)
     whole, dfx = whole._replace(M=np.asarray(whole.M)), np.asarray(m.DFx)
     extent = extent_of(lin.model.topology, lin.model.parameters)
     turns = [not s.of_element and not s.parts and labels.x[s.index].kind == "rotation" for s in labels.outputs]
     motions = [s.quantity in ("position", "velocity", "acceleration") for s in labels.outputs]
-    # What is measured in the same unit is of a kind; a sensor is one of its own.
+    # Outputs with the same unit are of a kind; each sensor is a kind of its own.
     kinds = [s.name if s.parts else s.quantity for s in labels.outputs]
-    kinds = [f"{kind} {turn and not of}" for kind, turn, of in zip(kinds, turns, motions, strict=True)]
+    kinds = [f"{kind} {turn and not motion}" for kind, turn, motion in zip(kinds, turns, motions, strict=True)]
     size = np.where(np.logical_and(turns, motions), extent, 1.0)[:, None]
     rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
     return Response(
@@ -140,24 +136,24 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
 
 
 def in_band(frequencies: np.ndarray, bandwidth: float) -> int:
-    """Number of frequencies that matter: those in the band, and the first in any case."""
+    """Number of frequencies in the band, but at least one."""
     return max(int(np.sum(frequencies <= bandwidth)), 1)
 
 
 def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
     """Largest relative differences of a lean model from a full one."""
-    ours, theirs = lean.frequencies(), full.frequencies()
+    ours, theirs, zero = lean.frequencies(), full.frequencies(), ZERO_FREQUENCY_OF_BAND * bandwidth
     count = in_band(theirs, bandwidth)
     if len(ours) < count:
         return Deviation(np.inf, np.inf, np.inf)
-    frequencies = np.max(np.abs(ours[:count] - theirs[:count]) / np.maximum(np.abs(theirs[:count]), 1e-9 * bandwidth))
+    frequencies = np.max(np.abs(ours[:count] - theirs[:count]) / np.maximum(np.abs(theirs[:count]), zero))
     (h, c), (h0, c0) = lean.static(), full.static()
     stiffness = _largest(h - h0, _sizes(h0[None], full.kinds)[0])
-    own = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
-    stiffness = max(stiffness, _largest(c - c0, own))
+    size = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
+    stiffness = max(stiffness, _largest(c - c0, size))
     hertz = bandwidth * np.linspace(1 / POINTS, 1, POINTS)
-    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), 1e-9 * bandwidth) - 1)
-    hertz = hertz[np.min(near, axis=1) > RESONANCE]
+    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), zero) - 1)
+    hertz = hertz[np.min(near, axis=1) > NEAR_RESONANCE]
     t, t0 = lean.transfer(hertz), full.transfer(hertz)
     largest = np.max(_sizes(t0, full.kinds), axis=0, keepdims=True, initial=0.0)
     return Deviation(float(frequencies), stiffness, _largest(t - t0, np.broadcast_to(largest, t.shape)))
@@ -167,8 +163,8 @@ def _sizes(responses: np.ndarray, kinds: tuple[str, ...]) -> np.ndarray:
     """Largest response to each input among the outputs of a kind."""
     sizes = np.abs(responses)
     for kind in set(kinds):
-        own = [i for i, k in enumerate(kinds) if k == kind]
-        sizes[:, own] = np.max(sizes[:, own], axis=1, keepdims=True)
+        rows = [i for i, k in enumerate(kinds) if k == kind]
+        sizes[:, rows] = np.max(sizes[:, rows], axis=1, keepdims=True)
     return sizes
 
 
@@ -178,5 +174,5 @@ def _largest(difference: np.ndarray, size: np.ndarray) -> float:
 
 
 def largest_of(deviations: list[Deviation]) -> Deviation:
-    """The worst of several, each number by itself."""
+    """The largest of several deviations, for each number by itself."""
     return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))

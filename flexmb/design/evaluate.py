@@ -1,4 +1,4 @@
-"""Answers of a function of named dimensions, with the code of what failed."""
+"""Answers of a function of named dimensions, with the code of a failure."""
 
 import contextlib
 import difflib
@@ -25,35 +25,31 @@ Build = Callable[..., Any]
 Answer = Callable[[Any], Any] | str
 Answers = Answer | Sequence[Answer] | Mapping[str, Answer]
 
-# What the numbers of a design are refused with.
+# Faults of the numbers of a design.
 REFUSED = (ModelError, SpacarError)
 
 
 class UntraceableError(TypeError):
-    """A function needs the number of a dimension where JAX has none yet: it is compiled or differentiated."""
+    """A function needs the number of a dimension, which JAX does not know yet."""
 
 
 @contextlib.contextmanager
 def traceable(what: str) -> Iterator[None]:
-    """Within, functions of the user that cannot be traced are told with their line and a remedy.
-
-    Raises:
-        UntraceableError: In place of JAX's own.
-    """
+    """Turn errors of JAX within a user's function into an UntraceableError with its line and a remedy."""
     try:
         yield
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as fault:
         own = [frame for frame in traceback.extract_tb(fault.__traceback__) if not _is_of_libraries(frame.filename)]
         where = f" in line {own[-1].lineno} of {Path(own[-1].filename).name} ({own[-1].line})" if own else ""
         raise UntraceableError(
-            f"{what} asks for the number of a dimension{where}, which is not known while it is compiled or"
-            " differentiated. Take jax.numpy (jnp.cos) in place of numpy and math, jnp.where in place of `if`, and no"
-            " float() or int() of a dimension. fm.sweep(.., compiled=False) takes other functions."
+            f"{what} needs the number of a dimension{where}, which is unknown during compilation and differentiation."
+            " Use jax.numpy (jnp.cos) instead of numpy and math, jnp.where instead of `if`, and no float() or int() of"
+            " a dimension. fm.sweep(.., compiled=False) accepts other functions."
         ) from fault
 
 
 def told_of(build: Build) -> str:
-    """A function of dimensions, as the begin of a sentence."""
+    """A function of dimensions, as the subject of a sentence."""
     return f"The function of dimensions '{clean(str(getattr(build, '__name__', build)))}'"
 
 
@@ -65,18 +61,12 @@ def _is_of_libraries(file: str) -> bool:
 
 
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
-    """Answers by name.
-
-    Raises:
-        TypeError: Something among them is neither a function nor a text.
-        ValueError: None is given, or two have the same name.
-        KeyError: There is no such question.
-    """
+    """Functions of answers by name; TypeError, ValueError or KeyError if they are wrong."""
     if isinstance(answers, Mapping):
         found: dict[str, Any] = dict(answers)
     else:
         several = [answers] if isinstance(answers, str) or not isinstance(answers, Sequence) else list(answers)
-        found = {getattr(f, "__name__", str(f)): f for f in several}
+        found = {getattr(answer, "__name__", str(answer)): answer for answer in several}
         if len(found) < len(several):
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
     for name, function in found.items():
@@ -90,32 +80,23 @@ def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
 
 
 def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
-    """Refuse names that would meet in a table or a file.
-
-    Raises:
-        ValueError: Names the dimension or answer.
-    """
+    """Refuse names that would collide in a table or a file."""
     for kind, names in (("Dimension", dimensions), ("Answer", answers)):
         for name in names:
             if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
                 raise ValueError(f"{kind} '{clean(name)}' must have a name of printable letters, not ending in .npy.")
             if name in reserved:
-                raise ValueError(f"{kind} '{name}' must have another name: that one is used beside it in the result.")
+                raise ValueError(f"{kind} '{name}' must have another name. The result uses this one.")
     for name in answers:
         if name in dimensions:
-            raise ValueError(f"Answer '{name}' has the name of a dimension: give it another.")
+            raise ValueError(f"Answer '{name}' has the name of a dimension. Choose another name.")
 
 
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
-    """Refuse dimensions that a function does not take, and those that it lacks.
-
-    Raises:
-        ValueError: Names the dimension.
-    """
+    """Refuse dimensions that a function does not accept, and report missing ones."""
     if not callable(build):
-        raise TypeError(
-            f"Argument `build` must be a function of dimensions that returns a model, but is {clean(repr(build))}."
-        )
+        what = clean(repr(build))
+        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {what}.")
     try:
         parameters = inspect.signature(build).parameters
     except (TypeError, ValueError):
@@ -137,12 +118,7 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
 
 
 class Layout(NamedTuple):
-    """Named arrays laid end to end.
-
-    Attributes:
-        names: In order.
-        shapes: Of each.
-    """
+    """Named arrays laid end to end: names and shapes, in order."""
 
     names: tuple[str, ...]
     shapes: tuple[tuple[int, ...], ...]
@@ -161,7 +137,7 @@ class Layout(NamedTuple):
         return found
 
     def split(self, flat: Any) -> dict[str, Any]:
-        """Named arrays from one vector, also with further axes behind the first."""
+        """Named arrays from one vector, or from a vector with further axes."""
         ends = np.cumsum(self.sizes)
         parts = [flat[end - size : end] for size, end in zip(self.sizes, ends, strict=True)]
         return {
@@ -170,15 +146,11 @@ class Layout(NamedTuple):
         }
 
     def stacked(self, points: Any) -> dict[str, Any]:
-        """Named arrays with the designs first, from one row a design."""
+        """Named arrays with the designs first, from one row for each design."""
         return {name: np.moveaxis(np.asarray(part), -1, 0) for name, part in self.split(np.asarray(points).T).items()}
 
     def join(self, values: Mapping[str, Any]) -> np.ndarray:
-        """One vector from named arrays of these shapes or scalars.
-
-        Raises:
-            ValueError: An array has another shape.
-        """
+        """One vector from named arrays of these shapes or scalars."""
         parts = []
         for name, shape in zip(self.names, self.shapes, strict=True):
             array = np.asarray(values[name], float)
@@ -197,10 +169,10 @@ def layout_of(values: Mapping[str, Any]) -> Layout:
 def evaluate(
     build: Build, answers: Mapping[str, Callable[[Any], Any]], dimensions: Mapping[str, Any]
 ) -> tuple[dict[str, Float[Array, "..."]], Int[Array, ""]]:
-    """Answers and a code of RESULTS, for use under a trace."""
+    """Answers and a code of RESULTS, for use in a trace."""
     values = {}
     with collected() as codes:
-        # Designs that a concrete build refuses are found beforehand (`possible`).
+        # `possible` finds designs that a concrete build refuses.
         with traceable(told_of(build)), noting():
             made = build(**dimensions)
         for name, function in answers.items():
@@ -210,8 +182,8 @@ def evaluate(
     undefined = jnp.array(False)
     for value in values.values():
         undefined |= jnp.any(jnp.isnan(value))
-    for one in ANSWERED:
-        code = jnp.where((code == int(one)) & undefined, RESULTS.not_finite, code)
+    for answered in ANSWERED:
+        code = jnp.where((code == int(answered)) & undefined, RESULTS.not_finite, code)
     return values, code.astype(jnp.int32)
 
 
@@ -247,34 +219,26 @@ def _real(name: str, value: Any) -> Float[Array, "..."]:
 
 
 def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
-    """Build on concrete numbers, where everything is checked and degrees of freedom are found.
-
-    Raises:
-        ModelError: As ``build`` raises.
-    """
+    """Build on concrete numbers, which checks everything and finds degrees of freedom."""
     with recorded() as models:
         build(**dimensions)
     return models
 
 
 def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], list[Model]]:
-    """The first design that can be built, and its models.
-
-    Raises:
-        ModelError, SpacarError: Not one can be built; what is said of the first.
-    """
+    """The first design that can be built, and its models; the first fault if none can."""
     refused: Exception | None = None
     for i in range(len(next(iter(designs.values())))):
-        one = {name: array[i] for name, array in designs.items()}
+        design = {name: array[i] for name, array in designs.items()}
         try:
-            return one, build_once(build, one)
+            return design, build_once(build, design)
         except REFUSED as fault:
             refused = refused or fault
     raise refused or ModelError("There are no designs.")
 
 
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):
-    """A function from one vector of dimensions to one vector of answers, and their code."""
+    """A function from one vector of dimensions to one vector of answers and their code, and the layout of answers."""
 
     def function(flat: Float[Array, "n"]):
         with carried(models):

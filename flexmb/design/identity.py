@@ -1,4 +1,4 @@
-"""Whether two functions or models are alike, as far as that can be seen, equal from process to process."""
+"""The identity of functions and models, equal from process to process, as far as it can be seen."""
 
 import dataclasses
 import functools
@@ -11,17 +11,16 @@ from typing import Any
 import jax
 import numpy as np
 
-# Of these packages a function's name says what it is; of a user's, its code does.
+# The name of a function of these packages identifies it; a user's function is identified by its code.
 LIBRARIES = frozenset(("flexmb", "jax", "jaxlib", "numpy", "scipy", "math", "builtins", "functools", "operator"))
 
 
 def identity(*things: Any) -> str:
-    """A text that differs where things are seen to differ.
+    """A text that differs if things differ visibly.
 
-    Numbers, texts, arrays, containers and records are seen by value, functions by their code, defaults, what they
-    capture and what they name in their own module, but for lists, dictionaries and sets in functions and records, which
-    may be notes that change as a function is called. Of anything else the type is seen alone, so that two things of one
-    identity may still differ.
+    Numbers, texts, arrays, containers and records count by value. Functions count by code, defaults, captured values,
+    and names in their own module. Lists, dictionaries and sets in functions and records count by type: they may be
+    notes of calls. Other things count by type, so that different things may have one identity.
     """
     digest = hashlib.sha256()
     _add(digest, things, ())
@@ -29,7 +28,7 @@ def identity(*things: Any) -> str:
 
 
 def _add(digest: Any, thing: Any, within: tuple[int, ...]) -> None:
-    """Describe a thing; ``within`` are those that are being described, one of which may refer to itself."""
+    """Describe a thing; ``within`` are the things around it, to which it may refer."""
     digest.update(f"{type(thing).__module__}.{type(thing).__qualname__}(".encode())
     if id(thing) in within:
         digest.update(f"^{len(within) - within.index(id(thing))}".encode())
@@ -43,22 +42,22 @@ def _add(digest: Any, thing: Any, within: tuple[int, ...]) -> None:
 
 
 def _seen(thing: Any) -> list[Any]:
-    """What a thing consists of, as far as it lets itself be looked at."""
+    """Parts of a thing, as far as they can be read."""
     try:
         return list(_parts(thing))
-    except Exception:  # A user's class, a random key of JAX, an array that was given away.
+    except Exception:  # A user's class, a random key of JAX, a deleted array.
         return []
 
 
 def _parts(thing: Any) -> Iterator[Any]:
-    """Bytes, and further things to be described."""
+    """Bytes, and further things to describe."""
     if thing is None or isinstance(thing, bool | float | complex | str | bytes | type(...)):
         yield repr(thing).encode("utf-8", "surrogatepass")
     elif isinstance(thing, PurePath):
-        # The same file may be named from here or from there.
+        # The same file may have several paths.
         yield thing.name
     elif isinstance(thing, int):
-        # Hexadecimal, since Python does not print some thousand decimals.
+        # Hexadecimal, since Python prints no integers of thousands of decimals.
         yield f"{thing:x}".encode()
     elif isinstance(thing, np.ndarray | np.generic | jax.Array) and not np.asarray(thing).dtype.hasobject:
         array = np.asarray(thing)
@@ -70,7 +69,7 @@ def _parts(thing: Any) -> Iterator[Any]:
         for pair in thing.items():
             yield from pair
     elif isinstance(thing, set | frozenset):
-        yield from sorted(identity(one).encode() for one in thing)
+        yield from sorted(identity(entry).encode() for entry in thing)
     elif isinstance(thing, functools.partial):
         yield from (thing.func, thing.args, thing.keywords)
     elif isinstance(thing, types.MethodType):
@@ -96,7 +95,7 @@ def _parts_of_function(function: types.FunctionType) -> Iterator[Any]:
         try:
             yield _still(cell.cell_contents)
         except ValueError:
-            # A function that refers to what is not there yet.
+            # The captured variable is not set yet.
             yield None
     if root in LIBRARIES:
         return
@@ -108,11 +107,11 @@ def _parts_of_function(function: types.FunctionType) -> Iterator[Any]:
 
 
 def _still(thing: Any) -> Any:
-    """A thing, or its type where it may have changed since."""
+    """A thing, or the type of a thing that may have changed."""
     return type(thing) if isinstance(thing, list | dict | set) else thing
 
 
 def _names(code: types.CodeType) -> set[str]:
-    """Names that a function may look up globally, those within it included."""
-    inner = [_names(one) for one in code.co_consts if isinstance(one, types.CodeType)]
+    """Global names in a function's code, including inner functions."""
+    inner = [_names(constant) for constant in code.co_consts if isinstance(constant, types.CodeType)]
     return set(code.co_names).union(*inner)

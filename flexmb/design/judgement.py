@@ -1,4 +1,4 @@
-"""The judgement on a mechanism over its stroke: what limits it, the numbers, and the page that says so."""
+"""The verdict on a mechanism over its stroke: limits, numbers, and their page."""
 
 import dataclasses
 from typing import Any
@@ -9,26 +9,22 @@ from ..checks.mobility import Mobility
 from ..display import Column, Labelled, Quantities, States, Summary, listed, measured, short
 from ..linear.stress import Location
 from ..model.model import Model
+from ..numerical_limits import EQUAL_OVER_STROKE, STRAIGHT_MOTION
 from .sensitivities import Sensitivities
 
-# Parasitic motion below this share of the stroke is none.
-STRAIGHT = 1e-9
-# Subjects without which a mechanism is not judged as a whole, by the beginnings of their names.
+# Beginnings of subjects without which the verdict is incomplete.
 JUDGED = ("stress", "yield", "fatigue", "buckling")
-# Numbers closer than this share are equal but for round-off.
-ALIKE = 1e-9
 
 
 @dataclasses.dataclass(frozen=True)
 class Limit:
     """A limit of the stroke.
 
-    Attributes:
-        name: Of the curve that it limits.
-        lower: Least value, or None.
-        upper: Largest size, or None.
-        used: Share of it at each stroke, (states,) [-]; reached at 1.
-        stroke: Where it is reached, nearest to zero [m or rad]; None where it is not.
+    name: Name of the limited curve.
+    lower: Least value, or None.
+    upper: Largest size, or None.
+    used: Share of the limit at each stroke, (states,) [-]; reached at 1.
+    stroke: Stroke nearest to zero at which it is reached [m or rad], or None.
     """
 
     name: str
@@ -38,7 +34,7 @@ class Limit:
     stroke: float | None
 
     def share(self, value: float) -> float:
-        """How much of the limit a value of the curve uses [-]: 1 where it is reached."""
+        """Share of the limit that a value of the curve uses [-]: 1 if it is reached."""
         over = 0.0 if self.upper is None else abs(value) / self.upper
         under = 0.0 if self.lower is None else self.lower / value if value > 0 else np.inf
         return float(max(over, under)) if np.isfinite(value) or value > 0 else float(np.nan)
@@ -46,26 +42,26 @@ class Limit:
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Verdict(Labelled):
-    """What a mechanism does over its stroke, and what limits that first.
+    """Properties of a mechanism over its stroke, and its limits.
 
     Attributes:
-        driven: Name of the coordinate that is driven.
+        driven: Name of the driven coordinate.
         unit: Its unit, "m" or "rad".
-        node: Whose support stiffness and parasitic motion are asked.
-        stroke: From the least to the largest, (states,) [m or rad].
+        node: Node of support stiffness and parasitic motion.
+        stroke: Strokes, ascending, (states,) [m or rad].
         curves: By name, (states,) [unit]: "force" of the drive and "drive stiffness"; largest "stress", and its shares
             "yield" of the strength and "fatigue" of the fatigue limit; "buckling" multiplier of the constant loads;
-            "stiffness y" and so on of the node, the drive holding; "parasitic y" and so on, how the node moves from its
-            place at zero stroke; "frequency 1" and so on, the drive being a dead force.
-        units: Of each curve.
-        limits: Those asked and those usual, first the one that is reached at the smallest stroke, then the most used.
+            "stiffness y" and so on of the node, with the drive holding; "parasitic y" and so on, the motion of the node
+            from its place at zero stroke; "frequency 1" and so on, with the drive as a dead force.
+        units: Unit of each curve.
+        limits: Given and usual limits: first the one reached at the smallest stroke, then the most used one.
         mobility: Over-constraints.
-        sensitivities: Of all curves by the dimensions, where the first limit is reached or most used; None without a
-            function of dimensions.
-        unanswered: What could not be answered, and why.
-        places: Where the stress is largest at each stroke, with the element's name; empty without stress.
-        held_stable: Whether it stands at each stroke while the drive holds it, (states,).
-        free_stable: Whether it stands there with the drive a dead force, (states,).
+        sensitivities: Sensitivities of all curves to the dimensions, where the first limit is reached or most used;
+            None without a function of dimensions.
+        unanswered: Subjects without an answer, and why.
+        places: Place of the largest stress at each stroke, with the element's name; empty without stress.
+        held_stable: Whether it is stable at each stroke while the drive holds it, (states,).
+        free_stable: Whether it is stable there with the drive as a dead force, (states,).
         x: Nodal coordinates at each stroke, (states, n_x) [m, rad, -].
         model: The mechanism.
     """
@@ -88,33 +84,33 @@ class Verdict(Labelled):
 
     @property
     def good(self) -> bool:
-        """Whether the whole stroke is reached and no limit with it, as far as :attr:`not_judged` leaves it open."""
+        """Whether the whole stroke is reached without a limit; :attr:`not_judged` lists open subjects."""
         return "stroke" not in self.unanswered and all(limit.stroke is None for limit in self.limits)
 
     @property
     def not_judged(self) -> tuple[str, ...]:
-        """What could limit the stroke and has no answer, such as "stress of 'p'"; ``unanswered`` says why."""
+        """Subjects that could limit the stroke and have no answer; ``unanswered`` contains the reasons."""
         return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
 
     def measured(self, name: str, state: Any) -> str:
-        """A number of a curve with its unit.
+        """Return a number of a curve with its unit.
 
         Args:
-            name: Of the curve.
-            state: Which, from 0.
+            name: Name of the curve.
+            state: Index of the stroke, from 0.
         """
         return measured(float(self.curves[name][state]), self.units[name])
 
     def where(self, state: Any) -> str:
-        """The stroke of a state, as "at 5 mm".
+        """Return the stroke of a state, as "at 5 mm".
 
         Args:
-            state: Which, from 0.
+            state: Index of the stroke, from 0.
         """
         return f"at {measured(float(self.stroke[state]), self.unit)}"
 
     def states(self) -> States:
-        """The mechanism at each stroke."""
+        """Return the mechanism at each stroke."""
         return States(self.model, self.x, "path", self.stroke, f"stroke {self.driven} [{self.unit}]")
 
     def quantities_by_name(self) -> Quantities:
@@ -125,7 +121,7 @@ class Verdict(Labelled):
         return Quantities(over, {"stroke": Column(over, self.stroke, self.unit)}, {**curves, **stable})
 
     def summary(self) -> Summary:
-        """The page: a row a subject."""
+        """Return the page, with one row for each subject."""
         rows = {subject: text for subject, text in rows_of(self).items() if text}
         if self.unanswered:
             rows["not answered"] = "; ".join(f"{what}: {why}" for what, why in self.unanswered.items())
@@ -146,12 +142,12 @@ class Verdict(Labelled):
         width = max(len(name) for name in rows) + 2
         lines = [title, *(f"  {name:<{width}}{text}" for name, text in rows.items()), ""]
         names = {f"stroke [{self.unit}]": self.stroke, **{f"{n} [{self.units[n]}]": c for n, c in self.curves.items()}}
-        # A stroke a column, so that the page is no wider for more curves.
+        # One column a stroke: more curves make no wider page.
         left = max(map(len, names)) + 2
         return "\n".join(lines + [f"  {n:<{left}}" + "".join(f"{v:>10.3g}" for v in c) for n, c in names.items()])
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as plain keys and values, as the command line writes it."""
+        """Return plain keys and values, as the command line writes them."""
         found = self.sensitivities
         table = {} if found is None else dict(zip(found.answers, found.table, strict=True))
         return {
@@ -164,9 +160,7 @@ class Verdict(Labelled):
             "units": self.units,
             "limits": [dataclasses.asdict(limit) for limit in self.limits],
             "overconstraints": self.mobility.overconstraints,
-            "sensitivities": {n: dict(zip(found.dimensions, row, strict=True)) for n, row in table.items()}
-            if found
-            else {},
+            "sensitivities": {n: dict(zip(found.dimensions, row, strict=True)) for n, row in table.items() if found},
             "unanswered": self.unanswered,
             "not_judged": self.not_judged,
             "rows": self.summary().rows,
@@ -174,7 +168,7 @@ class Verdict(Labelled):
 
 
 def rows_of(page: Verdict) -> dict[str, str]:
-    """What the page says, a row a subject."""
+    """Rows of the page by subject."""
     curves, rest = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
     force = curves["force"]
     low, high = (page.measured("force", i) for i in (most(-force), most(force)))
@@ -183,41 +177,44 @@ def rows_of(page: Verdict) -> dict[str, str]:
         i = most(curves["stress"])
         place = page.places[i]
         rows["stress"] = f"{page.measured('stress', i)} in '{place.element}' at {place.place:g}, {page.where(i)}"
-        for name, of in (("yield", "the strength"), ("fatigue", "the fatigue limit")):
+        for name, limit in (("yield", "the strength"), ("fatigue", "the fatigue limit")):
             if name in curves:
-                rows["stress"] += f"; {short(np.nanmax(curves[name]))} of {of}"
+                rows["stress"] += f"; {short(np.nanmax(curves[name]))} of {limit}"
     rows["stability"] = _stability(page)
-    for subject, told in (("support stiffness", _stiffness), ("parasitic motion", _parasitic)):
-        own = [name for name in curves if name.startswith(subject.replace("support ", "").replace("motion", ""))]
-        rows[subject] = "; ".join(text for name in own if (text := told(page, name, rest))) or ("none" if own else "")
+    for subject, start, text_of in (
+        ("support stiffness", "stiffness", _stiffness),
+        ("parasitic motion", "parasitic", _parasitic),
+    ):
+        names = [name for name in curves if name.startswith(start)]
+        rows[subject] = "; ".join(text for name in names if (text := text_of(page, name, rest)))
+        rows[subject] = rows[subject] or ("none" if names else "")
     if hertz := [name for name in curves if name.startswith("frequency")]:
         at_rest = listed([page.measured(name, rest) for name in hertz])
         i = most(-curves["frequency 1"])
         rows["frequencies"] = f"{at_rest} at rest; least {page.measured('frequency 1', i)} {page.where(i)}"
-    titles = page.mobility.states().titles
-    rows["over-constraints"] = "; ".join(titles) or "none"
+    rows["over-constraints"] = "; ".join(page.mobility.states().titles) or "none"
     rows["limits first"] = _first(page)
     rows["by dimension"] = _by_dimension(page)
     return rows
 
 
 def most(values: np.ndarray) -> int:
-    """Place of the largest number, (n,); of those that only round-off tells apart the last, which is at most stroke."""
+    """Index of the largest number, (n,); the last one of several that only round-off separates."""
     known = np.where(np.isnan(values), -np.inf, values)
     top = np.max(known)
-    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * ALIKE))[-1])
+    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * EQUAL_OVER_STROKE))[-1])
 
 
 def _parasitic(page: Verdict, name: str, rest: int) -> str:
-    """How far the node moves along or about one axis; nothing where it does not."""
+    """Motion of the node along or about one axis; empty if there is none."""
     i = most(np.abs(page.curves[name]))
-    if abs(page.curves[name][i]) <= STRAIGHT * np.max(np.abs(page.stroke)):
+    if abs(page.curves[name][i]) <= STRAIGHT_MOTION * np.max(np.abs(page.stroke)):
         return ""
     return f"{name.split()[-1]} {page.measured(name, i)} {page.where(i)}"
 
 
 def _stiffness(page: Verdict, name: str, rest: int) -> str:
-    """Stiffness of the node along or about one axis, and what is lost of it."""
+    """Stiffness of the node along or about one axis, and its loss."""
     values, axis = page.curves[name], name.split()[-1]
     if np.all(np.isinf(values)):
         return f"{axis} rigid in this model"
@@ -229,7 +226,7 @@ def _stiffness(page: Verdict, name: str, rest: int) -> str:
 
 
 def _stability(page: Verdict) -> str:
-    """At which multiple of the constant loads it buckles, and where it does not stand by itself."""
+    """Multiple of the constant loads at which it buckles, and strokes at which it is unstable."""
     text = "stable"
     if not np.all(page.held_stable):
         falls = np.flatnonzero(~page.held_stable)
@@ -247,8 +244,8 @@ def _stability(page: Verdict) -> str:
 
 
 def _first(page: Verdict) -> str:
-    """Which limits are reached, or how near the nearest comes."""
-    reached = [f"{one.name} at {measured(one.stroke, page.unit)}" for one in page.limits if one.stroke is not None]
+    """Limits that are reached, or the nearest one."""
+    reached = [f"{limit.name} at {measured(s, page.unit)}" for limit in page.limits if (s := limit.stroke) is not None]
     if reached:
         return ", then ".join(reached)
     if not page.limits:
@@ -259,7 +256,7 @@ def _first(page: Verdict) -> str:
 
 
 def _by_dimension(page: Verdict) -> str:
-    """By which dimension to move the first limit, the one that matters most first."""
+    """Dimensions that move the first limit, the most effective first."""
     if page.sensitivities is None:
         return "give a function of them: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
     if not page.limits:
@@ -268,11 +265,12 @@ def _by_dimension(page: Verdict) -> str:
     row = found.table[found.answers.index(first.name)]
     if not np.any(np.isfinite(row)):
         return f"{first.name} has no derivative by them"
-    # Where both ends of a limit are given, the upper one is meant.
+    # Of two ends of a limit the upper one counts.
     wanted = 1 if first.upper is None else -1
-    told, sizes = [], np.abs(np.nan_to_num(row))
+    advice, sizes = [], np.abs(np.nan_to_num(row))
     for i in np.argsort(-sizes):
-        # What is but round-off is no advice.
-        if sizes[i] > ALIKE * max(1.0, np.max(sizes)):
-            told.append(f"{'larger' if row[i] * wanted > 0 else 'smaller'} {found.dimensions[i]} ({row[i]:+.3g})")
-    return f"{listed(told)}: percent of {first.name} for one percent" if told else f"none of them moves {first.name}"
+        if sizes[i] > EQUAL_OVER_STROKE * max(1.0, np.max(sizes)):
+            advice.append(f"{'larger' if row[i] * wanted > 0 else 'smaller'} {found.dimensions[i]} ({row[i]:+.3g})")
+    return (
+        f"{listed(advice)}: percent of {first.name} for one percent" if advice else f"none of them moves {first.name}"
+    )

@@ -1,4 +1,4 @@
-"""Whether a model leaves out what a question asks about."""
+"""Whether a model is too lean for a question."""
 
 from collections.abc import Sequence
 
@@ -13,39 +13,37 @@ from ..errors import ModelError
 from ..linear.linearize import linearize
 from ..mechanics.blocks import companion_of
 from ..model.model import Model
+from ..numerical_limits import NEAR_BAND
 from .deviation import deviation, response
 from .lean import check_question
 
-# First root of cosh(z) cos(z) = 1: a beam with both ends held.
+# First root of cosh(z) cos(z) = 1, for a beam with both ends held.
 CLAMPED = 4.730040744862704
-# Vibrations of a beam between its ends matter up to so many times the band. Our choice.
-MARGIN = 2.0
 
 
 @one_thread()
 def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: Sequence[str] = ()) -> tuple[str, ...]:
-    """Reasons why a model is too lean for a question; none where nothing was found.
+    """Reasons why a model is too lean for a question; empty if none was found.
 
-    Looked at are deformations that are FIXED though their stiffness is known, all released at once, and beams that
-    vibrate between their ends, where a SPACAR beam has no node.
+    Two reasons are checked: FIXED deformations with a known stiffness, all released at once, and SPACAR beams that
+    vibrate between their ends.
 
     Args:
         model: Mechanism.
-        bandwidth: Frequencies up to here matter [Hz].
+        bandwidth: Highest frequency of the question [Hz].
         tolerance: Relative error to allow.
         nodes: Nodes whose compliance matters, beside inputs and outputs.
 
     Returns:
-        Reasons, each of which says what to do.
+        Reasons, each with a remedy.
 
     Raises:
-        ModelError: It is asked of something else than a model, bandwidth or tolerance is not positive and finite, or a
-            node is not there.
-        AnalysisError: The equilibrium fails or is not stable, of the model or with those deformations released.
+        ModelError: The model is none, bandwidth or tolerance is not positive and finite, or a node does not exist.
+        AnalysisError: The equilibrium fails or is unstable, of the model or with those deformations released.
 
     Source:
-        Vibrations with both ends held, which are to be kept beside the static shapes: Craig, Bampton (1968), AIAA
-        Journal 6, 1313. How near to the band they may come is our choice.
+        Vibrations with both ends held, beside static shapes: Craig, Bampton (1968), AIAA Journal 6, 1313. The distance
+        to the band is our choice.
     """
     if not isinstance(model, Model):
         raise ModelError(f"Argument `model` must be a Model, not {type(model).__name__}.")
@@ -65,7 +63,7 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
         f"Beam '{name}' vibrates between its ends at {hertz:.4g} Hz, near the band: divide it into two or more, or take"
         " a spectral beam."
         for name, hertz in _own_vibrations(model)
-        if hertz < MARGIN * bandwidth
+        if hertz < NEAR_BAND * bandwidth
     ]
     return tuple(reasons)
 

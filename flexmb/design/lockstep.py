@@ -1,4 +1,4 @@
-"""Several searches at once, whose designs are computed in one call."""
+"""Several searches at once, with their designs in one call."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -11,10 +11,9 @@ Kernel = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]
 
 
 class _Meeting:
-    """Where searches wait until each that is still under way has a design to compute."""
+    """Searches wait here until each running one has a design to compute."""
 
     def __init__(self, kernel: Callable[[np.ndarray], tuple], size: int, count: int):
-        """Begin with so many searches."""
         self.kernel, self.size, self.under_way = kernel, size, count
         self.asked: dict[int, np.ndarray] = {}
         self.answered: dict[int, Any] = {}
@@ -32,7 +31,7 @@ class _Meeting:
         return found
 
     def leave(self) -> None:
-        """A search has ended."""
+        """End a search."""
         with self.changed:
             self.under_way -= 1
             self._meet()
@@ -42,7 +41,7 @@ class _Meeting:
             return
         searches = list(self.asked)
         rows = [self.asked[search] for search in searches]
-        # Always as many rows, so that one compiled program serves.
+        # A constant number of rows needs one compiled program.
         rows += [rows[-1]] * (self.size - len(rows))
         try:
             values, slopes, codes = self.kernel(np.array(rows))
@@ -57,22 +56,18 @@ class _Meeting:
 def in_lockstep(
     search: Callable[[Kernel, Any], Any], starts: Sequence[Any], kernel: Callable[[np.ndarray], tuple], size: int
 ) -> list[Any]:
-    """Results of a search from every start, some at a time, each as it would be alone.
-
-    Raises:
-        BaseException: As a search or the kernel raises.
-    """
+    """Results of a search from every start, some at a time, each as if it were alone."""
     found: list[Any] = []
     for first in range(0, len(starts), size):
         group = starts[first : first + size]
         meeting = _Meeting(kernel, size, len(group))
 
-        def one(number: int, start: Any, meeting: _Meeting = meeting) -> Any:
+        def run(number: int, start: Any, meeting: _Meeting = meeting) -> Any:
             try:
                 return search(lambda unit: meeting.compute(number, unit), start)
             finally:
                 meeting.leave()
 
         with ThreadPoolExecutor(len(group)) as pool:
-            found += list(pool.map(one, range(len(group)), group))
+            found += list(pool.map(run, range(len(group)), group))
     return found

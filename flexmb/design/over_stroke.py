@@ -1,4 +1,4 @@
-"""What is asked of a mechanism at each stroke: force, stress, stiffness, parasitic motion, buckling, frequencies."""
+"""Answers at each stroke: force, stress, stiffness, parasitic motion, buckling, frequencies."""
 
 import dataclasses
 from collections.abc import Callable
@@ -24,38 +24,34 @@ from ..math.rotation import rotation_since
 from ..mechanics.loads import has_loads
 from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Model
+from ..numerical_limits import ALONG_AXIS, RIGID_NODE
 from ..questions.question import asked, axes_of, unit_of_question
 from ..results import RESULTS
 from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
-# A node is rigid along an axis where it gives way less than this share of the node that does so most.
-RIGID = 1e-20
-# A unit vector lies along an axis where it has this much of it.
-ALONG = 1 - 1e-12
-
 
 class StrokeQuestions:
-    """The questions about one mechanism, and the states that were looked at.
+    """The questions about one mechanism, and its states so far.
 
-    A question is a function of a state, and of the coordinates at zero stroke, that gives numbers by name.
+    A question is a function of a state and of the coordinates at zero stroke. It returns numbers by name.
     """
 
     def __init__(self, model: Model, what: StrokeDrive, node: str | None, count: int):
         self.model, self.driven, self.count = model, what, count
-        own = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
+        driven_node = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
         about = None
-        if own is None and what.entry.of.startswith(TURN_OF):
-            # The hinge that Builder.prescribe puts on a node whose rotation it prescribes.
-            own, about = turned_by(what.entry.of)[0], _axis(model, what.index)
-        self.node, self.unit = own if node is None else str(node), unit_of_driven(model, what)
+        if driven_node is None and what.entry.of.startswith(TURN_OF):
+            # The hinge of a rotation that Builder.prescribe prescribes.
+            driven_node, about = turned_by(what.entry.of)[0], _axis(model, what.index)
+        self.node, self.unit = driven_node if node is None else str(node), unit_of_driven(model, what)
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
-            raise ModelError(f"Argument `node`: there is no node '{node}' in this model.")
+            raise ModelError(f"Argument `node`: the model has no node '{node}'.")
         self.axes = tuple(axes_of(model.labels, str(self.node))) if self.parts else ()
-        self.own = what.entry.symbol if self.node == own else None
-        # The axis about which the drive turns the node, (3,), which may lie along one of its own.
-        self.about = about if self.node == own else None
-        if self.about is not None and np.max(np.abs(self.about)) > ALONG:
+        self.own = what.entry.symbol if self.node == driven_node else None
+        # Axis of rotation of the drive, (3,), which may be a coordinate axis.
+        self.about = about if self.node == driven_node else None
+        if self.about is not None and np.max(np.abs(self.about)) > ALONG_AXIS:
             self.own = self.axes[-3:][int(np.argmax(np.abs(self.about)))]
         self.at: dict[float, AtStroke] = {}
         self.values: dict[float, dict[str, float]] = {}
@@ -71,41 +67,37 @@ class StrokeQuestions:
         }
 
     def ask_too(self, name: str) -> None:
-        """Ask another question by its text, of the state that the drive holds; at zero stroke at once.
-
-        Raises:
-            KeyError, ValueError: There is no such question of a state.
-        """
+        """Ask another question by its text about the held state, at once at zero stroke; KeyError, ValueError."""
         question = asked(name)
         self.questions[name] = lambda at, rest: {name: question(at.held)}
         self.values.clear()
         self.look(0.0)
 
     def look(self, stroke: float, throw: bool = False) -> bool:
-        """Find the state at a stroke and ask everything; False, with a note, where there is none."""
+        """Find the state at a stroke and answer all questions; False, with a note, if there is none."""
         if stroke in self.values:
             return True
-        at, own = self._state(stroke, throw), {}
+        at, answers = self._state(stroke, throw), {}
         if at is None:
             return False
         self.at[stroke] = at
         for subject, ask in list(self.questions.items()):
             try:
                 with heard():
-                    own |= {name: float(value) for name, value in ask(at, self.at[0.0].held.x).items()}
+                    answers |= {name: float(value) for name, value in ask(at, self.at[0.0].held.x).items()}
             except (ModelError, AnalysisError, NotImplementedError) as fault:
-                # What has no answer at rest is not asked again; at other strokes it is missing there alone.
+                # A question without an answer at zero stroke is not asked again.
                 if stroke == 0:
                     self.unanswered[subject] = " ".join(str(fault).split()).rstrip(".")
                     del self.questions[subject]
-        self.values[stroke] = own
+        self.values[stroke] = answers
         return True
 
     def approach(self, last: float, missing: float, close: float) -> None:
-        """Look at the last stroke that has an equilibrium, between one that has and one that has none.
+        """Find the last stroke with an equilibrium, by bisection between one with and one without.
 
-        Each is looked for from the undeformed mechanism: the search goes there by load steps of its own, and from the
-        equilibrium before it comes no further.
+        The search for each equilibrium begins at the undeformed mechanism: it has load steps of its own, and reaches no
+        further from a neighbouring equilibrium.
         """
         while abs(missing - last) > close:
             middle = (last + missing) / 2
@@ -113,7 +105,7 @@ class StrokeQuestions:
         self.look(last)
 
     def _state(self, stroke: float, throw: bool = False) -> AtStroke | None:
-        """The state at a stroke; None, with a note, where there is none."""
+        """The state at a stroke; None, with a note, if there is none."""
         at = self.driven.at(self.model, stroke, throw=throw)
         code = RESULTS(int(at.held.result))
         if code is RESULTS.successful:
@@ -121,71 +113,71 @@ class StrokeQuestions:
         self.missing[stroke] = code.name
         sides = ([s for s in self.missing if s < 0], [s for s in self.missing if s > 0])
         nearest = [min(side, key=abs) for side in sides if side]
-        told = " and ".join(f"{measured(s, self.unit)} ({self.missing[s]})" for s in nearest)
-        self.unanswered["stroke"] = f"no equilibrium was found at {told}"
+        strokes = " and ".join(f"{measured(s, self.unit)} ({self.missing[s]})" for s in nearest)
+        self.unanswered["stroke"] = f"no equilibrium was found at {strokes}"
         return None
 
     def _stiffnesses(self, at: AtStroke, rest: Any) -> dict[str, Any]:
-        """Of the node along every axis but the driven one, infinite where this model is rigid."""
-        if self.node is None:
-            raise ModelError("a deformation belongs to no one node: give `node`")
-        m = at.held.matrices
+        """Stiffness of the node along every axis but the driven one, infinite if the model is rigid there."""
+        node, m = self._checked_node(), at.held.matrices
         positions = np.isin(np.arange(len(m.x)), np.asarray(at.held.model.topology.axes))
         alike = np.stack([positions == (axis in "xyz") for axis in self.axes])
-        stiffness = _along_axes(m.K, m.DFx, compliance(at.held, self.node), alike)
+        stiffness = _along_axes(m.K, m.DFx, compliance(at.held, node), alike)
         return {f"stiffness {axis}": k for axis, k in zip(self.axes, stiffness, strict=True) if axis != self.own}
 
     def _parasitic(self, at: AtStroke, rest: Any) -> dict[str, Any]:
-        """How the node moves besides, from its place at zero stroke."""
-        if self.node is None:
-            raise ModelError("a deformation belongs to no one node: give `node`")
+        """Motion of the node from its place at zero stroke, along every axis but the driven one."""
+        self._checked_node()
         parts = [self.model.labels.known(part) for part in self.parts]
         moved = _moved(rest, at.held.x, parts, np.zeros(3) if self.about is None else self.about)
         return {f"parasitic {axis}": value for axis, value in zip(self.axes, moved, strict=True) if axis != self.own}
+
+    def _checked_node(self) -> str:
+        if self.node is None:
+            raise ModelError("a deformation belongs to no one node: give `node`")
+        return self.node
 
     def _frequencies(self, at: AtStroke, rest: Any) -> dict[str, Any]:
         found = frequencies(at.free, count=self.count)
         if is_concrete(found) and 0.0 not in self.values:
             self.count = int(np.sum(np.isfinite(found)))
         if not self.count:
-            raise ModelError("no motion of this model moves a mass")
+            raise ModelError("no motion of the model moves a mass")
         return {f"frequency {i + 1}": found[i] for i in range(self.count)}
 
     def say_what_is_missing(self) -> None:
-        """What materials do not state, and loads that have no place here."""
+        """Note limits that materials lack, and incremental loads, which the stroke replaces."""
         if "stress" in self.questions:
             at_rest = _stress(self.at[0.0])
             if at_rest.left_out:
-                of = listed([repr(name) for name in at_rest.left_out])
-                self.unanswered[f"stress of {of}"] = "the section is given by its rigidities and has no shape"
-            for what, quantity in (("yield", "strength"), ("fatigue", "fatigue")):
+                names = listed([repr(name) for name in at_rest.left_out])
+                self.unanswered[f"stress of {names}"] = "the section is given by its rigidities and has no shape"
+            for what, quantity, limit in (("yield", "strength", "strength"), ("fatigue", "fatigue", "fatigue limit")):
                 borne = getattr(at_rest, quantity)
                 silent = np.ones(len(at_rest.names), bool) if borne is None else np.all(np.isinf(borne), axis=1)
                 if np.any(silent):
-                    of = listed([repr(name) for name, one in zip(at_rest.names, silent, strict=True) if one])
-                    limit = "strength" if what == "yield" else "fatigue limit"
-                    self.unanswered[what] = f"the material of {of} states no {limit}"
+                    names = listed([repr(name) for name, lacks in zip(at_rest.names, silent, strict=True) if lacks])
+                    self.unanswered[what] = f"the material of {names} states no {limit}"
         increment = self.model.parameters.increment
         others = () if increment is None else ("force", "gravity", "prestress", "temperature", "x", "e")
         if any(getattr(increment, n) is not None for n in others if not (self.driven.given and n == self.driven.kind)):
             self.unanswered["incremental loads"] = "left out, the stroke takes their place"
 
     def curves(self) -> dict[str, np.ndarray]:
-        """Numbers at all strokes that were looked at, ascending, by name; NaN where there is none."""
-        return {
-            name: np.array([self.values[s].get(name, np.nan) for s in sorted(self.values)]) for name in self.values[0.0]
-        }
+        """Numbers at all strokes so far, ascending, by name; NaN if missing."""
+        strokes = sorted(self.values)
+        return {name: np.array([self.values[s].get(name, np.nan) for s in strokes]) for name in self.values[0.0]}
 
     def places(self) -> tuple[Location, ...]:
-        """Where the stress is largest at each stroke."""
+        """Place of the largest stress at each stroke."""
         return tuple(_stress(self.at[s]).where for s in sorted(self.at)) if "stress" in self.questions else ()
 
     def stable(self, how: str) -> np.ndarray:
-        """Whether it stands at each stroke, "held" or "free", (states,)."""
+        """Whether it is stable at each stroke, "held" or "free", (states,)."""
         return np.array([bool(_stands(getattr(self.at[s], how))) for s in sorted(self.at)])
 
     def numbers_at(self, model: Model, stroke: float, names: list[str]) -> Any:
-        """Numbers of a model whose own may be traced, at a stroke, (names,)."""
+        """Numbers at a stroke of a model that may be traced, (names,)."""
         model = with_turn(model, self.driven.entry.of.removeprefix(TURN_OF))
         at, rest = self.driven.at(model, stroke), model.parameters.reference
         if has_loads(self.driven.free, dataclasses.replace(model.parameters, increment=None)):
@@ -197,7 +189,7 @@ class StrokeQuestions:
 
 
 def _axis(model: Model, index: int) -> np.ndarray | None:
-    """Unit vector about which a hinge turns whose angle is a deformation, (3,); None where it is none, as of a tilt."""
+    """Unit vector of the hinge whose angle is a deformation, (3,); None for another deformation."""
     for block, own in zip(model.topology.blocks, model.parameters.properties, strict=True):
         rows = np.flatnonzero(np.asarray(block.e)[:, :1] == index)
         if block.element is spatial.hinge and len(rows):
@@ -212,7 +204,7 @@ def _stress(at: AtStroke) -> Stress:
 
 
 def _stresses(found: Stress) -> dict[str, Any]:
-    """The largest, and its largest share of what materials bear."""
+    """The largest stress, and its largest shares of strength and fatigue limit."""
     numbers_of = {"stress": found.maximum}
     if found.strength is not None:
         numbers_of["yield"] = jnp.max(found.utilisation)
@@ -228,22 +220,22 @@ def _along_axes(
     compliance: Float[Array, "a a"],
     alike: Bool[Array, "a n_x"],
 ) -> list[Float[Array, ""]]:
-    """Stiffness of a node along each axis, infinite where it gives less than RIGID of what gives most of its kind."""
+    """Stiffness of a node along each axis, infinite if it yields less than a share of the most compliant node."""
     every = jnp.einsum("ij,ji->i", DFx, factorise(k).solve(DFx.T))
-    own, most = jnp.diagonal(compliance), jnp.max(jnp.where(alike, every, 0.0), axis=1, initial=0.0)
-    gives = own > RIGID * most
-    return list(jnp.where(gives, 1 / jnp.where(gives, own, 1.0), jnp.inf))
+    diagonal, most = jnp.diagonal(compliance), jnp.max(jnp.where(alike, every, 0.0), axis=1, initial=0.0)
+    yields = diagonal > RIGID_NODE * most
+    return list(jnp.where(yields, 1 / jnp.where(yields, diagonal, 1.0), jnp.inf))
 
 
 @jit
 def _moved(
     rest: Float[Array, "n_x"], x: Float[Array, "n_x"], parts: list[Int[Array, "_n"]], about: Float[Array, "3"]
 ) -> list[Float[Array, ""]]:
-    """How parts of a node have moved, in space without their turn about an axis, if this is not zero."""
+    """Displacements of parts of a node, in space without the rotation about an axis unless it is zero."""
     moved = []
-    for own in parts:
-        turned = len(own) == ROTATION3.size
-        change = rotation_since(rest[own], x[own]) if turned else x[own] - rest[own]
+    for part in parts:
+        turned = len(part) == ROTATION3.size
+        change = rotation_since(rest[part], x[part]) if turned else x[part] - rest[part]
         moved.append(change - about * (about @ change) if turned else change)
     return list(jnp.concatenate(moved))
 
@@ -259,9 +251,9 @@ def _is_positive(k: Float[Array, "n n"]) -> Bool[Array, ""]:
 
 
 def _buckling(at: AtStroke, rest: Any) -> dict[str, Any]:
-    """Multiplier of the constant loads; zero where the mechanism does not stand though the drive holds it."""
+    """Multiplier of the constant loads; zero if the mechanism is unstable though the drive holds it."""
     if any(block.element.force is not None for block in at.free.model.topology.blocks):
-        raise ModelError("loads that turn with the mechanism are not scaled here: follow them by fm.path")
+        raise ModelError("loads that turn with the mechanism have no multiplier: follow them by fm.path")
     least = jnp.array(jnp.inf) if at.margins is None else at.margins[0]
     return {"buckling": jnp.where(_stands(at.held), least, 0.0)}
 
@@ -272,6 +264,6 @@ def unit_of_curve(name: str, of_stroke: str) -> str:
     if name in ("force", "drive stiffness"):
         return force if name == "force" else f"{force}/{of_stroke}"
     kind, _, axis = name.partition(" ")
-    along = axis in ("x", "y", "z")
-    by_kind = {"parasitic": "m" if along else "rad"}
-    return by_kind.get(kind) or unit_of_question(name)
+    if kind == "parasitic":
+        return "m" if axis in ("x", "y", "z") else "rad"
+    return unit_of_question(name)

@@ -1,6 +1,6 @@
-"""Which of many designs cannot be built: the checks of a concrete build, on the numbers of every design.
+"""Designs that cannot be built: the checks of a concrete build, on the numbers of many designs.
 
-A traced build sees no numbers and refuses none: a thickness below zero would have a frequency like any other.
+A traced build does not know its numbers: a negative thickness would have a frequency.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -23,12 +23,12 @@ from .evaluate import told_of, traceable
 def refusal(
     build: Callable[..., Any], models: list[Model], example: Mapping[str, Any]
 ) -> Callable[[Mapping[str, Any]], np.ndarray]:
-    """What says of many designs whether a concrete build would refuse their numbers.
+    """A function that tells of many designs whether a concrete build would refuse them.
 
-    The build is traced to a program from dimensions to the numbers of its models, and to the conditions that arguments
-    of blocks and sections must meet (:func:`flexmb.arguments.noting`). On the host numbers must be finite, and
-    sections and the elements' companions ``check`` are asked for faults, as in a concrete build. A check that finds
-    fault with the example, which was built, is not asked.
+    The build is traced to a program from dimensions to the numbers of its models and to the conditions that arguments
+    of blocks and sections must meet (:func:`flexmb.arguments.noting`). On the host, numbers must be finite, and
+    sections and the ``check`` of elements must find no fault. Checks that find faults in the example, which was built,
+    are left out.
     """
 
     def numbers(dimensions: dict[str, Any]):
@@ -36,15 +36,16 @@ def refusal(
             build(**dimensions)
         return [model.parameters for model in made], conditions, [model.topology for model in made]
 
-    # Which elements there are is the same in all designs.
+    # All designs have the same elements.
     program = jax.jit(jax.vmap(numbers, out_axes=(0, 0, None)), compiler_options=QUICK)
 
     def refused(designs: Mapping[str, Any]) -> np.ndarray:
-        # The example comes first.
-        whole = {name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()}
-        count = len(next(iter(whole.values())))
-        found = np.zeros(count, bool)
-        every, conditions, topologies = jax.tree.map(np.asarray, program(whole))
+        # The example is the first design.
+        every_design = {
+            name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()
+        }
+        found = np.zeros(len(next(iter(every_design.values()))), bool)
+        every, conditions, topologies = jax.tree.map(np.asarray, program(every_design))
         for fine in conditions:
             found |= ~fine & fine[0]
         for parameters, topology in zip(every, topologies, strict=True):
@@ -56,7 +57,7 @@ def refusal(
 
 
 def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
-    """Each check of a model of many designs, (designs, places), True where there is a fault."""
+    """Results of each check of a model of many designs, (designs, places), True for a fault."""
     for leaf in jax.tree.leaves(parameters):
         yield ~np.isfinite(leaf.reshape(len(leaf), -1))
     for ask, numbers, function in checks_of(parameters, topology):
@@ -64,11 +65,11 @@ def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
 
 
 def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[..., Any]) -> np.ndarray:
-    """Whether there are faults, of each of a tree of numbers stacked twice, (designs, elements); equal ones once."""
+    """Whether there are faults in a tree of numbers stacked twice, (designs, elements); equal numbers once."""
     leaves, structure = jax.tree.flatten(trees)
     designs, elements = leaves[0].shape[:2]
     if function.__module__.startswith("flexmb.") and not faults(trees):
-        # Ours are asked about all at once; a user's may be written for one.
+        # Our checks accept stacked numbers; a user's check may not.
         return np.zeros((designs, elements), bool)
     shapes = [leaf.shape[2:] for leaf in leaves]
     ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
@@ -82,6 +83,6 @@ def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[...
         except ModelError:
             return True
 
-    # What is not finite has its fault already, and a check need not be ready for it.
+    # Numbers that are not finite are a fault already, and a check may fail on them.
     found = np.array([np.all(np.isfinite(row)) and faulty(row) for row in different], bool)
     return found[places.ravel()].reshape(designs, elements)

@@ -1,4 +1,4 @@
-"""What is asked of a design: an objective, targets and limits, all linear in the scaled answers."""
+"""The tuning problem: an objective, targets and limits, all linear in the scaled answers."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -8,25 +8,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import clean
+from ..numerical_limits import TARGET_OF_TUNE_MET
 from .curve import Curve
 from .designs import numbers
 from .evaluate import Layout
 
-# A target is met within this share of it.
-MET = 1e-8
-# So many of those that are missed or violated are named, the worst ones.
+# Number of missed targets or violated constraints in a message.
 NAMED = 3
 
 
 @dataclasses.dataclass(frozen=True)
 class Rows:
-    """Rows r = (A a - b) of scaled answers a, each with a name.
-
-    Attributes:
-        matrix: A, (rows, m).
-        right: b, (rows,).
-        names: Name of each.
-    """
+    """Rows r = A a - b of scaled answers a: matrix A (rows, m), right side b (rows,), and names."""
 
     matrix: np.ndarray
     right: np.ndarray
@@ -41,13 +34,8 @@ class Rows:
 class TuningProblem:
     """Minimise weights . a + |targets(a)|^2/2 with equal(a) = 0 and limits(a) <= 0.
 
-    In its methods answers are (m,), multipliers those of equal and of limits, the weight that of the penalty, () [-].
-
-    Attributes:
-        weights: Of the objective, (m,).
-        targets: Residuals, relative to the target.
-        equal: Equality constraints, relative to the value.
-        limits: Inequality constraints, relative to the limit.
+    Targets and constraints are relative to their values. Methods have arguments: answers (m,), multipliers of ``equal``
+    and of ``limits``, and the weight of the penalty, () [-].
     """
 
     weights: np.ndarray
@@ -57,11 +45,11 @@ class TuningProblem:
 
     @property
     def only_targets(self) -> bool:
-        """Whether it is a least-squares problem within bounds."""
+        """Whether this is a least-squares problem within bounds."""
         return not (np.any(self.weights) or self.equal.names or self.limits.names)
 
     def objective(self, answers: Any) -> Any:
-        """What is minimised, () [-]."""
+        """Objective, () [-]."""
         residual = self.targets(answers)
         return self.weights @ answers + 0.5 * residual @ residual
 
@@ -71,11 +59,11 @@ class TuningProblem:
         return float(max(np.max(part, initial=0.0) for part in parts))
 
     def missed(self, residuals: Any) -> list[str]:
-        """Targets that are not met, and by how much."""
-        return _worst("misses by", [(self.targets, np.asarray(residuals))], MET)
+        """Missed targets with their relative differences."""
+        return _worst("misses by", [(self.targets, np.asarray(residuals))], TARGET_OF_TUNE_MET)
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
-        """Constraints that are violated, and by how much."""
+        """Violated constraints with their violations."""
         parts = (self.equal, np.abs(self.equal(answers))), (self.limits, np.maximum(self.limits(answers), 0.0))
         return _worst("by", parts, tolerance)
 
@@ -102,14 +90,12 @@ class TuningProblem:
     ) -> tuple[np.ndarray, np.ndarray]:
         """First-order estimate of the multipliers."""
         of_equal, of_limits = multipliers
-        return (
-            of_equal + weight * self.equal(answers),
-            np.maximum(of_limits + weight * self.limits(answers), 0.0),
-        )
+        pushed = np.maximum(of_limits + weight * self.limits(answers), 0.0)
+        return of_equal + weight * self.equal(answers), pushed
 
 
 def _worst(words: str, parts: Sequence[tuple[Rows, np.ndarray]], tolerance: float) -> list[str]:
-    """The names of rows whose values are beyond a tolerance, with these values in percent; the worst of many."""
+    """Names of the rows with the largest values beyond a tolerance, with these values in percent."""
     every = [pair for rows, values in parts for pair in zip(rows.names, values, strict=True)]
     beyond = [(name, value) for name, value in every if not abs(value) <= tolerance]
     least = sorted((abs(value) for _, value in beyond), reverse=True)[:NAMED][-1:]
@@ -129,11 +115,7 @@ def make_problem(
     limits: Mapping[str, Any],
     margin: float,
 ) -> TuningProblem:
-    """Problem from the user's words.
-
-    Raises:
-        ValueError: An unknown answer, a shape that does not fit, or nothing to do.
-    """
+    """The problem of arguments of :func:`flexmb.tune`."""
     places = dict(zip(layout.names, np.split(np.arange(len(start)), np.cumsum(layout.sizes)[:-1]), strict=True))
     shapes, labels = dict(zip(layout.names, layout.shapes, strict=True)), layout.labels
     given = [n for n in (minimize, maximize) if n is not None]
@@ -141,7 +123,7 @@ def make_problem(
         if not isinstance(name, str) or name not in places:
             raise ValueError(f"There is no answer '{clean(name)}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
-        raise ValueError("Give either `minimize` or `maximize`, not both; weigh the two in an answer of your own.")
+        raise ValueError("Give either `minimize` or `maximize`. To weigh two answers, write an answer of your own.")
     if not (given or targets):
         raise ValueError("Say what is wanted: `minimize`, `maximize` or `targets`.")
     weights = np.zeros(len(start))
@@ -176,46 +158,42 @@ def make_problem(
 
 
 def _place(name: str, places: np.ndarray, shape: tuple[int, ...], how: str) -> int:
-    """Place of an answer that is minimised or maximised, which is one number."""
+    """Index of the one number to minimise or maximise."""
     if len(places) != 1:
         raise ValueError(
-            f"Answer '{name}' has shape {shape}, but one number can be {how}imized: take fm.linear.smooth_maximum,"
-            " fm.linear.smooth_minimum or one entry of it."
+            f"Answer '{name}' has shape {shape}, but only one number can be {how}imized. Use"
+            " fm.linear.smooth_maximum, fm.linear.smooth_minimum or one entry of it."
         )
     return places[0]
 
 
 def _entries(name: str, shape: tuple[int, ...], value: Any, what: str) -> np.ndarray:
-    """Numbers that an answer of a shape is to have or to keep to, one after the other, (n,)."""
+    """Numbers for the entries of an answer, (n,)."""
     if isinstance(value, Curve):
         if what != "target":
-            raise ValueError(f"A curve is a target: the {what} of '{name}' must be numbers.")
+            raise ValueError(f"A curve can only be a target. Give numbers for the {what} of '{name}'.")
         if shape != value.values.shape:
-            raise ValueError(
-                f"The curve that is the target of '{name}' has {len(value.values)} places, but the answer has"
-                f" shape {shape}: let it answer one number for each."
-            )
+            count = len(value.values)
+            raise ValueError(f"The curve of target '{name}' has {count} places, but the answer has shape {shape}.")
         return value.values
     try:
         return np.broadcast_to(numbers(what, value), shape).ravel()
     except (TypeError, ValueError):
-        raise ValueError(
-            f"The {what} of '{name}' must be a number or of shape {shape}, but is {clean(repr(value))}."
-        ) from None
+        wanted = f"must be a number or of shape {shape}"
+        raise ValueError(f"The {what} of '{name}' {wanted}, but is {clean(repr(value))}.") from None
 
 
 def _limits(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
-    """Lower and upper limit of an answer of a shape, None for none."""
+    """Lower and upper limit of an answer, None for no limit."""
     try:
         if isinstance(pair, str):
             raise ValueError
         lower, upper = pair
     except (TypeError, ValueError):
-        raise ValueError(
-            f"Limits of '{name}' must be two values, lower and upper, None for none, but are {clean(repr(pair))}."
-        ) from None
+        wanted = "must be two values, lower and upper, None for none"
+        raise ValueError(f"Limits of '{name}' {wanted}, but are {clean(repr(pair))}.") from None
     if lower is None and upper is None:
-        raise ValueError(f"Limits of '{name}' are both None: leave it out.")
+        raise ValueError(f"Limits of '{name}' are both None. Leave them out.")
     if lower is not None and upper is not None:
         low, high = _entries(name, shape, lower, "lower limit"), _entries(name, shape, upper, "upper limit")
         if not np.all(low < high):

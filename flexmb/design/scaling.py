@@ -1,4 +1,4 @@
-"""Dimensions between their bounds as numbers from 0 to 1."""
+"""Dimensions between their bounds as numbers from 0 to 1, logarithmic or linear."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,11 +15,7 @@ class Scaling:
     """Dimensions between their bounds as numbers from 0 to 1, logarithmic or linear."""
 
     def __init__(self, layout: Layout, bounds: Mapping[str, Any], scales: Mapping[str, str]):
-        """Check and keep the bounds.
-
-        Raises:
-            ValueError: Names the dimension.
-        """
+        """Check and keep the bounds."""
         for what, given in (("Bounds", bounds), ("Scale", scales)):
             for name in given:
                 if name not in layout.names:
@@ -27,7 +23,7 @@ class Scaling:
                     raise ValueError(f"{what} of '{clean(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
-                raise ValueError(f"Dimension '{name}' has no bounds: give lower and upper, or fix it in `build`.")
+                raise ValueError(f"Dimension '{name}' has no bounds. Give lower and upper, or fix it in `build`.")
         pairs = {name: checked_bounds(name, bounds[name]) for name in layout.names}
         logarithmic = {}
         for name, (lower, _) in pairs.items():
@@ -43,24 +39,20 @@ class Scaling:
         self.log = layout.join(logarithmic) > 0
 
     def check_inside(self, flat: np.ndarray) -> None:
-        """Refuse a start outside the bounds.
-
-        Raises:
-            ValueError: Names the dimension.
-        """
+        """Refuse a start outside the bounds."""
         for name, value, lower, upper in zip(self.layout.labels, flat, self.lower, self.upper, strict=True):
             if not lower <= value <= upper:
                 raise ValueError(f"Start {value:g} of '{name}' is outside its bounds, {lower:g} to {upper:g}.")
 
     def to_unit(self, flat: np.ndarray) -> np.ndarray:
-        """Numbers from 0 to 1, (n,), for dimensions, (n,)."""
+        """Numbers from 0 to 1, (n,), of dimensions, (n,)."""
         linear = (flat - self.lower) / (self.upper - self.lower)
-        safe = (np.where(self.log, a, e) for a, e in ((flat, 1.0), (self.lower, 1.0), (self.upper, np.e)))
-        value, lower, upper = safe
+        pairs = (flat, 1.0), (self.lower, 1.0), (self.upper, np.e)
+        value, lower, upper = (np.where(self.log, number, other) for number, other in pairs)
         return np.clip(np.where(self.log, np.log(value / lower) / np.log(upper / lower), linear), 0.0, 1.0)
 
     def to_dimensions(self, unit: Any) -> Any:
-        """Dimensions, (n,), for numbers from 0 to 1, (n,); also under a trace."""
+        """Dimensions, (n,), of numbers from 0 to 1, (n,), which may be traced."""
         ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
         linear = self.lower + unit * (self.upper - self.lower)
         if isinstance(unit, np.ndarray):

@@ -1,4 +1,4 @@
-"""The search itself: an augmented Lagrangian around a method that keeps bounds, or least squares."""
+"""The search: an augmented Lagrangian around a method that keeps bounds, or least squares."""
 
 import dataclasses
 from collections.abc import Callable
@@ -11,6 +11,15 @@ from jaxtyping import Array, Float
 
 from ..compilation.by_meaning import jit
 from ..errors import clean
+from ..numerical_limits import (
+    AT_BOUND,
+    FIRST_STATIONARY,
+    MISSED_BY_FIT,
+    MISSED_TOLERANCES,
+    NEARLY_STATIONARY,
+    STATIONARY,
+    VIOLATION_FALLS,
+)
 from ..results import RESULTS
 from .problem import TuningProblem
 
@@ -18,16 +27,7 @@ Kernel = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]]
 History = list[tuple[np.ndarray, np.ndarray]]
 
 FIRST_WEIGHT, WEIGHT_GROWTH, LARGEST_WEIGHT = 10.0, 10.0, 1e8
-# The weight of the penalty grows where a round does not bring the violation down to this share.
-ENOUGH = 0.25
 MAX_ROUNDS = 40
-# Targets are missed beyond so many tolerances; where there are more of them than dimensions, which a fit meets in the
-# mean alone, beyond a tenth. Our choice.
-MISSED, MISSED_BY_FIT = 100, 0.1
-# A dimension this near to a bound, as a share of the range, is at it.
-AT_BOUND = 1e-6
-# Projected derivative of the scaled Lagrangian at the end, in the first round, and where nothing lower is found.
-STATIONARY, FIRST_STATIONARY, NEARLY_STATIONARY = 1e-7, 1e-2, 1e-4
 
 
 @dataclasses.dataclass
@@ -35,12 +35,12 @@ class Attempt:
     """One search from one start.
 
     Attributes:
-        unit: Where it ended, scaled dimensions, (n,).
-        answers: There, (m,).
+        unit: Scaled dimensions at the end, (n,).
+        answers: Answers there, (m,).
         result: Code of RESULTS.
-        reason: In words.
-        objective: There.
-        violation: There, of the limits tightened by the tolerance.
+        reason: Reason of the end, in words.
+        objective: Objective there.
+        violation: Violation there of the limits tightened by the tolerance.
         history: Scaled dimensions and answers of every evaluation.
     """
 
@@ -54,16 +54,16 @@ class Attempt:
 
     @property
     def answered(self) -> bool:
-        """Whether the start could be computed at all."""
+        """Whether the start has answers."""
         return bool(self.history)
 
 
 class _Stop(Exception):
-    """The budget is spent."""
+    """No evaluations are left."""
 
 
 class _Evaluations:
-    """Answers and derivatives with a budget, a history, and a memory of the last."""
+    """Answers and derivatives, with a budget, a history, and a memory of the last design."""
 
     def __init__(self, problem: TuningProblem, kernel: Kernel, budget: int, progress: Callable[..., Any] | None):
         self.problem, self.kernel, self.budget, self.progress = problem, kernel, budget, progress
@@ -73,7 +73,7 @@ class _Evaluations:
         self.last: tuple[bytes, tuple] | None = None
 
     def __call__(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Answers and derivatives, or None where the design fails."""
+        """Answers and derivatives, or None if the design fails."""
         unit = np.clip(np.asarray(unit, float), 0.0, 1.0)
         key = unit.tobytes()
         if self.last is None or self.last[0] != key:
@@ -108,24 +108,19 @@ def search(
     *,
     progress: Callable[[int, float, float], None] | None = None,
 ) -> Attempt:
-    """Search from one start.
-
-    Raises:
-        TypeError: The optimiser is neither.
-        ValueError: A least-squares solver where more than targets is asked.
-    """
+    """Search from one start."""
     evaluate = _Evaluations(problem, kernel, budget, progress)
     if evaluate(start) is None:
         nothing = np.full(problem.weights.shape, np.nan)
         return Attempt(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
     if not len(start):
-        # Choices alone.
+        # There are choices only.
         end, reason, result = start, "there is nothing else to vary", RESULTS.successful
         if problem.violation(evaluate.history[-1][1]) > tolerance:
             result = RESULTS.infeasible
     elif _is_least_squares_solver(optimizer):
         if not problem.only_targets:
-            raise ValueError("A least-squares solver of optimistix takes targets alone: leave out the rest.")
+            raise ValueError("A least-squares solver of optimistix accepts targets only. Leave out the rest.")
         end, reason, result = _by_optimistix(problem, of_unit, start, optimizer, budget)
     elif problem.only_targets and optimizer is None:
         end, reason, result = _least_squares(problem, evaluate, start)
@@ -143,25 +138,21 @@ def search(
         result = _met_or_why(problem, np.clip(end, 0.0, 1.0), values, found[1], tolerance)
     if not problem.only_targets and (missed := problem.missed(problem.targets(values))):
         reason += f"; of the targets, which count beside the rest, {', '.join(missed)}"
-    return Attempt(
-        end, values, result, reason, float(problem.objective(values)), problem.violation(values), evaluate.history
-    )
+    objective, violation = float(problem.objective(values)), problem.violation(values)
+    return Attempt(end, values, result, reason, objective, violation, evaluate.history)
 
 
 def _met_or_why(
     problem: TuningProblem, unit: np.ndarray, values: np.ndarray, slopes: np.ndarray, tolerance: float
 ) -> RESULTS:
-    """Whether targets are met at a stationary design, and if not, whether something holds it.
-
-    Beside an objective targets are wishes.
-    """
+    """Whether targets are met at a stationary design, or else what holds it; beside an objective they are wishes."""
     residual = problem.targets(values)
-    most = MISSED_BY_FIT if len(residual) > len(unit) else MISSED * tolerance
+    most = MISSED_BY_FIT if len(residual) > len(unit) else MISSED_TOLERANCES * tolerance
     if np.any(problem.weights) or np.max(np.abs(residual), initial=0.0) <= most:
         return RESULTS.successful
     slope = slopes.T @ (problem.targets.matrix.T @ residual)
     outwards = np.where(unit < AT_BOUND, slope, np.where(unit > 1 - AT_BOUND, -slope, 0.0))
-    held = np.any(outwards > STATIONARY) or np.any(problem.limits(values) > -MISSED * tolerance)
+    held = np.any(outwards > STATIONARY) or np.any(problem.limits(values) > -MISSED_TOLERANCES * tolerance)
     return RESULTS.target_missed if held or problem.equal.names or not len(unit) else RESULTS.local_minimum
 
 
@@ -177,7 +168,7 @@ Outcome = tuple[np.ndarray, str, RESULTS]
 
 
 def _best(problem: TuningProblem, history: History, tolerance: float) -> np.ndarray:
-    """Scaled dimensions of the best design so far: feasible first."""
+    """Scaled dimensions of the best design so far, feasible ones first."""
 
     def rank(pair: tuple[np.ndarray, np.ndarray]):
         violation = problem.violation(pair[1])
@@ -223,7 +214,7 @@ def _least_squares(problem: TuningProblem, evaluate: _Evaluations, start: np.nda
 def _by_optimistix(
     problem: TuningProblem, of_unit: Callable[..., Any], start: np.ndarray, solver: Any, budget: int
 ) -> Outcome:
-    """Within the bounds by u = (1 + sin v)/2, since its solvers know none."""
+    """Solve within the bounds by u = (1 + sin v)/2: the solvers of optimistix have no bounds."""
     import optimistix
 
     def residual(angle: Float[Array, "n"], _: Any):
@@ -250,7 +241,7 @@ def _projected(unit: np.ndarray, gradient: np.ndarray) -> float:
 def _augmented(
     problem: TuningProblem, evaluate: _Evaluations, start: np.ndarray, inner: Callable[..., Any], tolerance: float
 ) -> Outcome:
-    """Rounds of a bounded minimisation, each with better multipliers or a larger weight."""
+    """Rounds of a bounded minimisation, with better multipliers or a larger weight in each."""
     multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
     constrained = bool(problem.equal.names or problem.limits.names)
     weight, wanted, before, unit = FIRST_WEIGHT, FIRST_STATIONARY if constrained else STATIONARY, np.inf, start
@@ -260,26 +251,23 @@ def _augmented(
             last, unit = unit, inner(unit, multipliers, weight, wanted)
             found = evaluate(unit)
             if found is None:
-                return (
-                    _best(problem, evaluate.history, tolerance),
-                    "the search ran into designs that fail",
-                    evaluate.failed,
-                )
+                end = _best(problem, evaluate.history, tolerance)
+                return end, "the search ran into designs that fail", evaluate.failed
             values, slopes = found
             violation = problem.violation(values)
             left = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
-            # A limit that is not reached has no multiplier in the end.
+            # A limit that is not reached has no multiplier at the optimum.
             updated = problem.updated(values, multipliers, weight)
             slack = np.max(np.abs(updated[1] * problem.limits(values)), initial=0.0)
             if violation <= tolerance and slack <= 10 * tolerance:
                 if left <= 10 * STATIONARY:
                     return unit, "the conditions of an optimum hold", RESULTS.successful
-                nearest = min(nearest, (left, unit), key=lambda one: one[0])
-            # Where round-off of the answers hides the descent, no multipliers help.
+                nearest = min(nearest, (left, unit), key=lambda pair: pair[0])
+            # Multipliers do not help where round-off of the answers hides the descent.
             stuck = violation <= tolerance and left > wanted and np.array_equal(unit, last)
             if stuck or not constrained:
                 break
-            if violation > max(ENOUGH * before, tolerance) and weight < LARGEST_WEIGHT:
+            if violation > max(VIOLATION_FALLS * before, tolerance) and weight < LARGEST_WEIGHT:
                 weight *= WEIGHT_GROWTH
             multipliers, before, wanted = updated, violation, max(0.1 * wanted, STATIONARY)
     except _Stop:
@@ -306,7 +294,7 @@ def _by_scipy(evaluate: _Evaluations):
         def merit(u: np.ndarray):
             found = evaluate(u)
             if found is None:
-                # Worse than all that is known, so that the line search comes back.
+                # Worse than all known values: the line search steps back.
                 return known[0] + 10 * (1 + abs(known[0])), np.zeros_like(u)
             values, slopes = found
             value = float(problem.lagrangian(values, multipliers, weight))
@@ -327,10 +315,8 @@ def _by_optax(
     import optax
 
     if not isinstance(optimizer, optax.GradientTransformation):
-        raise TypeError(
-            "Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is"
-            f" {clean(repr(optimizer))}."
-        )
+        given = clean(repr(optimizer))
+        raise TypeError(f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {given}.")
     rule = optax.with_extra_args_support(optimizer)
 
     def step(unit: Any, state: Any, multipliers: Any, weight: Any):

@@ -1,6 +1,7 @@
-"""Time after which an output of a linear system stays within a level."""
+"""Settling time: the time after which an output of a linear system stays within a level."""
 
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
 
 import jax
 import jax.numpy as jnp
@@ -8,48 +9,48 @@ import jax.scipy.linalg
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, check_numbers, check_whole
+from ..arguments import Positive, check_number, check_numbers, check_whole, checked
 from ..math.derivative import DIFFERENTIATED
 
-# A matrix is halved at most so often before its exponential is taken, and its units are balanced in so many turns.
+# Largest number of halvings of a matrix before its exponential, and number of rounds that balance its units.
 SQUARINGS, BALANCED = 64, 40
 
 
+@checked
 def settling_time(
     matrix: Float[Array, "n n"],
     start: Float[Array, "n"],
     output: Float[Array, "n"],
     level: Float[Array, ""] | float,
     *,
-    horizon: float,
-    samples: int = 500,
+    horizon: Positive,
+    samples: Annotated[int, partial(check_whole, least=2)] = 500,
 ) -> Float[Array, ""]:
     """Time after which an output of a linear system stays within a level.
 
-    The system z' = A z starts from z(0), the output is c z: for a step, z is counted from where it comes to rest.
+    The system z' = A z starts at z(0), and the output is c z. For a step, z counts from the final state.
 
     Args:
         matrix: A of the closed loop, (n, n) [1/s].
         start: z(0), (n,).
         output: c, (n,).
-        level: What |c z| is to stay within, () [unit of the output].
-        horizon: Time to look at [s].
-        samples: Times at which the output is looked at first; vibrations of shorter periods than some of them are seen
-            by chance.
+        level: Level for |c z|, () [unit of the output].
+        horizon: Time to consider [s].
+        samples: Number of times at which the output is evaluated first. Vibrations of shorter periods than some of
+            these steps may be missed.
 
     Returns:
-        () [s]; zero where the level is never exceeded, infinite where the output is still outside at the horizon. It
-        jumps where one more swing leaves the level; in between it is differentiable.
+        () [s]; zero if the output never exceeds the level, infinite if it is outside at the horizon. The time jumps
+        where one more swing exceeds the level; in between it is differentiable.
 
     Raises:
-        ValueError: level or horizon is not positive, fewer than two samples, or sizes that do not agree.
+        ValueError: level or horizon is not positive, there are fewer than two samples, or sizes do not agree.
 
     Source:
         Definition; z(t) = exp(A t) z(0), and Newton's method for the last crossing.
     """
     check_number("level", level, above=0)
-    check_number("horizon", horizon, above=0)
-    samples, n = check_whole("samples", samples, 2), (np.size(start),)
+    n = (np.size(start),)
     for name, value, shape in (("matrix", matrix, n * 2), ("start", start, n), ("output", output, n)):
         check_numbers(f"Argument `{name}`", value, shape)
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
@@ -58,7 +59,7 @@ def settling_time(
     onward = _exponential(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
     y = jax.lax.stop_gradient(z @ c)
-    # Also what has grown past all numbers.
+    # Numbers that have overflowed are outside too.
     outside = ~(jnp.abs(y) <= level)
     last = samples - jnp.argmax(outside[::-1])
     side, after = jnp.sign(y[last]), jnp.minimum(last + 1, samples)
@@ -66,28 +67,28 @@ def settling_time(
     before, past = jnp.abs(y[last]) - level, side * y[after] - level
     t = begin + (end - begin) * before / jnp.where(before == past, 1.0, before - past)
     for i in range(4):
-        # The last steps carry the derivatives, from a fixed time.
+        # The last steps carry the derivatives.
         t = jnp.clip(t if i > 4 - DIFFERENTIATED else jax.lax.stop_gradient(t), begin, end)
         at = _exponential(a * (t - begin)) @ z[last]
         rate = side * (c @ a @ at)
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
     t = jnp.where(jnp.any(outside), t, 0.0)
     t = jnp.where(outside[samples], jnp.inf, t)
-    # What has grown past all numbers does not settle; of what is no number from the beginning nothing is known.
+    # An overflow does not settle. A NaN in the input gives a NaN.
     unknown = jnp.isnan(level) | jnp.any(jnp.isnan(jnp.concatenate([a.ravel(), z0, c])))
     return jnp.where(unknown, jnp.nan, t)
 
 
 def _exponential(a: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    """exp(a), of stiff matrices too: halved as often as that takes."""
+    """exp(a), also of stiff matrices: halved as often as necessary."""
     return jax.scipy.linalg.expm(a, max_squarings=SQUARINGS)
 
 
 def _balanced(a: Float[Array, "n n"], z: Float[Array, "n"], c: Float[Array, "n"]) -> tuple[Any, Any, Any]:
     """The same system in units of the states that make rows and columns of its matrix alike.
 
-    Source:
-        Osborne (1960): each unit by the root of the sums of its column and row; all at a time, by half as much.
+    Osborne (1960) multiplies each unit by the root of the quotient of its column and row sums. Here all units change at
+    once, by the root of that.
     """
     sizes, none = jax.lax.stop_gradient(jnp.abs(a) * (1 - jnp.eye(len(z)))), jnp.ones(len(z))
 

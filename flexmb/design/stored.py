@@ -1,4 +1,4 @@
-"""Sweeps in files: what was saved as .npz or .mat, and checkpoints, read again."""
+"""Saved sweeps (.npz, .mat) and checkpoints, read again."""
 
 import errno
 import io
@@ -18,15 +18,7 @@ from .designs import Designs
 
 
 class Contents(NamedTuple):
-    """What a file says of a sweep.
-
-    Attributes:
-        designs: Dimensions.
-        answers: By name, each (designs, ...).
-        codes: Of RESULTS, (designs,).
-        units: By name.
-        planned: Designs of the whole sweep, of which a checkpoint may hold a part.
-    """
+    """A sweep in a file: answers are (designs, ...), codes (designs,); ``planned`` counts all designs of the sweep."""
 
     designs: Designs
     answers: dict[str, np.ndarray]
@@ -36,14 +28,9 @@ class Contents(NamedTuple):
 
 
 def read(path: str | os.PathLike) -> Contents:
-    """Read a sweep.
-
-    Raises:
-        ValueError: The file is no saved sweep, or is damaged.
-        OSError: It cannot be read, or is no regular file.
-    """
+    """Read a sweep."""
     path = Path(path)
-    # A pipe would wait for its writer.
+    # Reading a pipe would wait for its writer.
     if path.exists() and not path.is_dir() and not path.is_file():
         raise OSError(errno.EINVAL, "it is no regular file", str(path))
     with path.open("rb") as file:
@@ -52,17 +39,15 @@ def read(path: str | os.PathLike) -> Contents:
             return _of_checkpoint(Stored(path, file))
     try:
         return _of_arrays(_arrays(path.read_bytes()))
-    except Exception as why:  # Whatever the readers of other formats stumble over in bytes that are none.
-        raise ValueError(
-            f"'{clean(path)}' is no sweep that Sweep.save or a checkpoint of fm.sweep wrote, or is damaged"
-            f" ({clean(why)})."
-        ) from None
+    except Exception as why:  # Readers of other formats raise anything.
+        what = "no sweep that Sweep.save or a checkpoint of fm.sweep wrote, or is damaged"
+        raise ValueError(f"'{clean(path)}' is {what} ({clean(why)}).") from None
 
 
 def _of_checkpoint(stored: Stored) -> Contents:
     parts = [(rows, (values, codes)) for rows, values, codes in stored.parts()]
     if not parts:
-        raise ValueError(f"Checkpoint '{clean(stored.path)}' holds no design yet: fm.sweep with it has just begun.")
+        raise ValueError(f"Checkpoint '{clean(stored.path)}' has no designs yet: its sweep has just begun.")
     designs, count = stored.designs, stored.designs.count
     answers, codes = gathered(count, stored.answers, parts)
     done = np.unique(np.concatenate([rows for rows, _ in parts]))
@@ -81,7 +66,7 @@ def _arrays(content: bytes) -> dict[str, np.ndarray]:
     import scipy.io
 
     found: dict[str, Any] = scipy.io.loadmat(io.BytesIO(content))
-    # Names that MATLAB does not take were changed.
+    # MATLAB accepts fewer names.
     changed = next((json.loads(found[n].item()) for n in found if n.rstrip("_") == "names_of_arrays"), {})
     return {changed.get(name, name): array for name, array in found.items()}
 
@@ -89,14 +74,14 @@ def _arrays(content: bytes) -> dict[str, np.ndarray]:
 def _of_arrays(arrays: dict[str, np.ndarray]) -> Contents:
     about = json.loads(arrays["about"].item())
     along = list(about["axes"])
-    # A .mat has two axes at least.
-    own = {name: np.asarray(arrays[name], float).reshape(shape) for name, shape in about["shapes"].items()}
+    # A .mat has at least two axes.
+    shaped = {name: np.asarray(arrays[name], float).reshape(shape) for name, shape in about["shapes"].items()}
     axes: dict[str, np.ndarray] = {}
     for i, name in enumerate(along):
-        axes[name] = np.moveaxis(own[name], i, 0).reshape(own[name].shape[i], -1)[:, 0]
+        axes[name] = np.moveaxis(shaped[name], i, 0).reshape(shaped[name].shape[i], -1)[:, 0]
     codes = np.asarray(arrays["codes"]).ravel().astype(np.int32)
-    if not np.all(np.isin(codes, [int(one) for one in RESULTS])):
+    if not np.all(np.isin(codes, [int(code) for code in RESULTS])):
         raise ValueError("codes that no result has")
-    flat = {name: array.reshape(len(codes), *array.shape[max(len(along), 1) :]) for name, array in own.items()}
+    flat = {name: array.reshape(len(codes), *array.shape[max(len(along), 1) :]) for name, array in shaped.items()}
     designs = Designs({name: flat.pop(name) for name in about["dimensions"]}, axes)
     return Contents(designs, flat, codes, dict(about["units"]), len(codes))

@@ -1,4 +1,4 @@
-"""A mechanism that a drive moves along one coordinate: held at a stroke, and let go there under the drive's force."""
+"""A mechanism at a stroke: held there by a drive, and released under the drive's force."""
 
 import dataclasses
 import difflib
@@ -29,19 +29,19 @@ from ..model.topology import RoleIndices, Topology
 
 
 class StrokeError(ModelError):
-    """What a stroke is asked of is not said, is not there, or is fixed."""
+    """The driven coordinate is unknown, not named, or fixed."""
 
 
 class AtStroke(NamedTuple):
     """A mechanism at a stroke.
 
     Attributes:
-        held: Linearised with the drive holding the coordinate.
-        free: Linearised with the drive as a dead force, the coordinate one of the degrees of freedom.
-        force: What the drive does along the coordinate, () [N or N m].
+        held: Linearised while the drive holds the coordinate.
+        free: Linearised with the drive as a dead force, and the coordinate as a degree of freedom.
+        force: Force of the drive along the coordinate, () [N or N m].
         stiffness: Its change with the stroke, () [N/m or N m/rad].
-        margins: By what the constant loads may be multiplied until the mechanism that is let go buckles, ascending,
-            infinite where they do not act, (n_q,) [-]; None without constant loads.
+        margins: Multipliers of the constant loads at which the released mechanism buckles, ascending, infinite if the
+            loads do not act, (n_q,) [-]; None without constant loads.
     """
 
     held: Linearization
@@ -53,13 +53,13 @@ class AtStroke(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class StrokeDrive:
-    """What is driven in a model, for models of the same structure.
+    """The driven coordinate of a model, for models of the same structure.
 
     Attributes:
         entry: Name of the coordinate or deformation.
         kind: "x" or "e".
-        index: Its index there.
-        given: Whether it is PRESCRIBED in the model already.
+        index: Its index in x or e.
+        given: Whether the model already prescribes it.
         held: Structure in which it is PRESCRIBED.
         free: Structure in which it is a degree of freedom.
     """
@@ -73,21 +73,18 @@ class StrokeDrive:
 
     @property
     def name(self) -> str:
-        """As in "top.x", "stage.phi", "hinge.e1"."""
+        """Name such as "top.x", "stage.phi", "hinge.e1"."""
         return name_of(self.entry)
 
     def at(self, model: Model, stroke: float, *, throw: bool = True) -> AtStroke:
-        """The equilibrium at a stroke under the constant loads; differentiable in model and stroke.
-
-        Raises:
-            AnalysisError: As for ``flexmb.linearize``.
+        """The equilibrium at a stroke under the constant loads, differentiable in model and stroke.
 
         Source:
-            THEORY.md 5 and 6, eq. (6.3): with the force of the drive among the loads the same state is an equilibrium
-            of the mechanism that is let go, and a dead force adds nothing to its stiffness.
+            THEORY.md 5 and 6, eq. (6.3): with the drive's force as a load the same state is an equilibrium of the
+            released mechanism, and a dead force adds nothing to its stiffness.
         """
         place = int(np.searchsorted(np.asarray(getattr(self.held, self.kind).prescribed), self.index))
-        own, values = model.parameters, getattr(model.parameters.loads, self.kind)
+        original, values = model.parameters, getattr(model.parameters.loads, self.kind)
         with_it, without = values, values
         if values is not None and self.given:
             without = jnp.concatenate([values[:place], values[place + 1 :]])
@@ -97,8 +94,8 @@ class StrokeDrive:
         unit[place] = 1.0
 
         def with_values(topology: Topology, values: Any, increment: Loads | None) -> Model:
-            loads = dataclasses.replace(own.loads, **{self.kind: values})
-            parameters = dataclasses.replace(own, loads=loads, increment=increment, start=None)
+            loads = dataclasses.replace(original.loads, **{self.kind: values})
+            parameters = dataclasses.replace(original, loads=loads, increment=increment, start=None)
             return Model(topology, parameters, model.labels)
 
         step: Any = {self.kind: jnp.asarray(unit)}
@@ -119,19 +116,13 @@ class _LetGo(NamedTuple):
 
 @jit
 def _let_go(
-    topology: Topology,
-    parameters: Parameters,
-    structure: Any,
-    held: Matrices,
-    index: Array,
-    *,
-    of: str,
+    topology: Topology, parameters: Parameters, structure: Any, held: Matrices, index: Array, *, of: str
 ) -> _LetGo:
     """The held state in the structure in which the driven coordinate is a degree of freedom."""
     factors, near, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
     at, force = state(topology, parameters, factors, held.x, near), held.reactions[index]
     if of == "e":
-        # A drive that lengthens something pushes: what it adds to the stress resultant is negative.
+        # A drive that lengthens an element pushes: it adds a negative stress resultant.
         force = at.sigma[index] - held.sigma[index]
         prestress = jnp.zeros(topology.n_e) if loads.prestress is None else loads.prestress
         driven = dataclasses.replace(loads, prestress=prestress.at[index].add(-force))
@@ -143,19 +134,18 @@ def _let_go(
     more = Loads(loads.force, loads.gravity, loads.prestress, temperature=loads.temperature)
     if not jax.tree.leaves(more):
         return _LetGo(found, force, stiffness, None)
-    # The other loads grow while the stroke is held; it is let go to ask whether it stays.
+    # The other loads grow while the drive holds the stroke; buckling concerns the released mechanism.
     structure, numbers, raised = structure
     still = state(structure, numbers, raised, held.x, near)
     again = dataclasses.replace(parameters, increment=more)
     grown = structure, dataclasses.replace(numbers, increment=more), still
-    margins = 1 + multipliers_of(
-        *scaled_stiffness(topology, again, at, near, grown), unsymmetric=lacks_potential(topology)
-    )
+    pencil = scaled_stiffness(topology, again, at, near, grown)
+    margins = 1 + multipliers_of(*pencil, unsymmetric=lacks_potential(topology))
     return _LetGo(found, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
 
 
 def name_of(entry: Entry) -> str:
-    """Node and component, of a rotation that of the node it belongs to: "top.x", "stage.phi", "c.rx", "hinge.e1"."""
+    """Node and component, such as "top.x", "stage.phi", "c.rx", "hinge.e1"; a rotation has the name of its node."""
     if entry.component == 1 and entry.of.startswith(TURN_OF):
         node, axis = turned_by(entry.of)
         return f"{node}.{axis}" if axis else str(entry)
@@ -163,14 +153,9 @@ def name_of(entry: Entry) -> str:
 
 
 def driven(model: Model, name: str | None) -> StrokeDrive:
-    """What is driven in a model, with the structures in which it is held and let go.
-
-    Raises:
-        StrokeError: No such coordinate or deformation, none is named where the model does not say it, or it is fixed.
-        ModelError: No motion of the mechanism moves it.
-    """
+    """The driven coordinate of a model, with the structures in which it is held and free."""
     kind, index = _of_model(model) if name is None else _named(model, name)
-    entry, own = getattr(model.labels, kind)[index], getattr(model.topology, kind)
+    entry, roles_of_kind = getattr(model.labels, kind)[index], getattr(model.topology, kind)
     called = f"Stroke '{name_of(entry)}'"
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
@@ -178,9 +163,9 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
             f"{called}: an Euler parameter is no angle. Drive the angle of a hinge, or the angle about a global axis:"
             f" '{node}.rx'."
         )
-    if index in np.asarray(own.fixed):
+    if index in np.asarray(roles_of_kind.fixed):
         raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")
-    given = np.asarray(own.prescribed)
+    given = np.asarray(roles_of_kind.prescribed)
     free = _without_dofs(model, kind, np.setdiff1d(given, index))
     held = _without_dofs(model, kind, np.union1d(given, index))
     if motions_of(held)[0].shape[1] != motions_of(free)[0].shape[1] - 1:
@@ -196,20 +181,20 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
 
 
 def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
-    """A model that has no degrees of freedom yet, and other PRESCRIBED entries of one kind."""
+    """A model without degrees of freedom, and with other PRESCRIBED entries of one kind."""
     roles = {}
     for k in "xe":
-        own: RoleIndices = getattr(model.topology, k)
-        given = prescribed if k == kind else np.asarray(own.prescribed)
-        rest = np.setdiff1d(np.arange(own.size), np.concatenate([np.asarray(own.fixed), given]))
-        roles[k] = roles_of(own.fixed, rest, [], given)
+        known: RoleIndices = getattr(model.topology, k)
+        given = prescribed if k == kind else np.asarray(known.prescribed)
+        rest = np.setdiff1d(np.arange(known.size), np.concatenate([np.asarray(known.fixed), given]))
+        roles[k] = roles_of(known.fixed, rest, [], given)
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 
 def _place(model: Model, node: str, number: int) -> int:
-    """Place of a coordinate that is named by its number, as lines of input files do; -1 where there is none."""
-    own = model.labels.coordinates(node)
-    return int(own[number - 1]) if 0 < number <= len(own) else -1
+    """Index of a coordinate from its number at the node, as in input files; -1 if there is none."""
+    indices = model.labels.coordinates(node)
+    return int(indices[number - 1]) if 0 < number <= len(indices) else -1
 
 
 def _named(model: Model, name: str) -> tuple[str, int]:
@@ -226,7 +211,7 @@ def _named(model: Model, name: str) -> tuple[str, int]:
 
 
 def _of_model(model: Model) -> tuple[str, int]:
-    """What the model itself says is driven."""
+    """The driven coordinate that the model itself determines."""
     top, more = model.topology, model.parameters.increment
     acting = [s for s in model.labels.inputs if s.axis is None and not s.held and not s.parts]
     found = [("e" if s.of_element else "x", s.index) for s in acting]
@@ -236,12 +221,12 @@ def _of_model(model: Model) -> tuple[str, int]:
         found = [(kind, i) for i in moved] or found
     found = found or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
     if len(found) != 1:
-        raise StrokeError(f"Say of what the stroke is, such as stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
+        raise StrokeError(f"The stroke has no coordinate. Name one: stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
     return found[0]
 
 
 def _what_moves(model: Model, name: str = "") -> str:
-    """A sentence with names of what can be driven."""
+    """A sentence with names of coordinates that move."""
     motions, _ = motions_of(model)
     moving = [name_of(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE]
     return f"What moves is {among(moving, name)}." if moving else "Nothing of it moves."

@@ -1,4 +1,4 @@
-"""A design study in a TOML file: a model with named parameters, answers, and what is wanted of them."""
+"""A design study from a TOML file: a model with named parameters, answers, and options of sweep and tune."""
 
 import contextlib
 import dataclasses
@@ -21,15 +21,15 @@ from .tuned import Tuned
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """What a file says.
+    """The contents of a study file.
 
     Attributes:
-        name: Of the file.
+        name: Name of the file.
         build: Function of the parameters that returns a model.
         answers: Functions of the model by name.
-        values: Of the parameters with bounds, by name.
-        bounds: Lower and upper value of each.
-        scales: "log" or "linear" by name, where given; otherwise a sweep is linear, and a search as it sees fit.
+        values: Values of the parameters with bounds, by name.
+        bounds: Their lower and upper values.
+        scales: "log" or "linear" by name, if given; a sweep is linear by default.
         wanted: Targets, limits and equal, and the options of tune.
         plan: Options of sweep.
         choices: Values to choose from, by name.
@@ -47,16 +47,11 @@ class Study:
 
     @property
     def warnings(self) -> list[str]:
-        """What was read of the input file without effect, as far as it has been read."""
+        """Warnings of the input file's reader so far."""
         return list(getattr(self.build, "warnings", ()))
 
     def tune(self, **options: Any) -> Tuned:
-        """Run :func:`flexmb.tune` on it.
-
-        Raises:
-            StudyError: The file asks for what cannot be, with file and key.
-            ModelError, AnalysisError: As :func:`flexmb.tune` raises.
-        """
+        """Run :func:`flexmb.tune`; StudyError with file and key if the study is wrong."""
         wanted: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
         with self._named():
@@ -67,15 +62,10 @@ class Study:
                 raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
 
     def sweep(self, **options: Any) -> Sweep:
-        """Run :func:`flexmb.sweep` on it, compiled where the model and the answers allow it.
-
-        Raises:
-            StudyError: The file asks for what cannot be, with file and key.
-            ModelError: Not one design can be built.
-        """
+        """Run :func:`flexmb.sweep`, compiled if the model and the answers can be traced."""
         if self.choices:
             raise StudyError(
-                f"{self.name}: [choices]: a sweep makes none. Give one value of each under [parameters], or tune."
+                f"{self.name}: [choices]: a sweep has none. Give one value of each as a parameter, or tune."
             )
         with self._named():
             designs = self.designs()
@@ -83,7 +73,7 @@ class Study:
                 options = {"chunk": self.plan["chunk"], **options}
             if "compiled" in options:
                 return sweep(self.build, self.answers, designs, **options)
-            # A checkpoint says whether its numbers were compiled, so that this must be known before.
+            # A checkpoint depends on whether its numbers were compiled.
             if options.get("checkpoint") is not None and not self._is_traceable():
                 return sweep(self.build, self.answers, designs, compiled=False, **options)
             try:
@@ -98,18 +88,12 @@ class Study:
         except (RaisedError, *UNTRACEABLE):
             return False
         except (ModelError, SpacarError):
-            # The values that a search would start from need not be a design of the sweep.
+            # The start of a search need not be a design of the sweep.
             return True
         return True
 
     def designs(self) -> Designs:
-        """The designs that [sweep] asks for; parameters without bounds keep their value.
-
-        Along a parameter whose scale is "log" they are spaced, or drawn, evenly in its logarithm.
-
-        Raises:
-            StudyError: There is no parameter with bounds, or there are too many designs.
-        """
+        """The designs of [sweep], even in the logarithm of parameters with scale "log"; others keep their values."""
         plan, bounds = self.plan, self._bounded()
         with self._named("[sweep]"):
             if plan.get("kind", "grid") == "grid":
@@ -120,7 +104,7 @@ class Study:
                 spaced = {n: np.geomspace if self.scales.get(n) == "log" else np.linspace for n in bounds}
                 return grid({n: spaced[n](*bounds[n], counts[n]) for n in bounds})
             make = {"latin-hypercube": latin_hypercube, "monte-carlo": monte_carlo}[plan["kind"]]
-            evenly = {n: np.log(own) if self.scales.get(n) == "log" else own for n, own in bounds.items()}
+            evenly = {n: np.log(ends) if self.scales.get(n) == "log" else ends for n, ends in bounds.items()}
             found = make(plan.get("samples", 100), evenly, seed=plan.get("seed", 0))
             for n in found.keys() & (n for n, scale in self.scales.items() if scale == "log"):
                 found[n] = np.clip(np.exp(found[n]), *bounds[n])
@@ -133,7 +117,7 @@ class Study:
 
     @contextlib.contextmanager
     def _named(self, key: str = "") -> Iterator[None]:
-        """Put the file's name before faults of what it asks for."""
+        """Put the name of the file before messages."""
         try:
             yield
         except (StudyError, SpacarError, ModelError):
@@ -146,7 +130,7 @@ UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced 
 
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
-    """Keys and values of a sweep for JSON."""
+    """A sweep for JSON."""
     failed = sum(found.failures().values())
     return {
         "study": study.name,
@@ -162,7 +146,7 @@ def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
 
 
 def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
-    """Keys and values of a tuned design for JSON."""
+    """A tuned design for JSON."""
     good = found.result.name == "successful"
     return {
         "study": study.name,
@@ -182,18 +166,18 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
         "history": found.history,
         "combinations": [
             {
-                "choices": one.choices,
-                "status": one.result.name,
-                "reason": one.reason,
-                "objective": one.tuned and one.tuned.objective,
-                "violation": one.tuned and one.tuned.violation,
-                "parameters": one.tuned and one.tuned.dimensions,
+                "choices": combination.choices,
+                "status": combination.result.name,
+                "reason": combination.reason,
+                "objective": combination.tuned and combination.tuned.objective,
+                "violation": combination.tuned and combination.tuned.violation,
+                "parameters": combination.tuned and combination.tuned.dimensions,
             }
-            for one in found.combinations
+            for combination in found.combinations
         ],
     }
 
 
 def sweep_table(found: Sweep) -> str:
-    """Table of a sweep for the terminal, of so many rows at most as tables have."""
+    """Table of a sweep for the terminal."""
     return found.table() + (", see --json or --save" if len(found.codes) > ROWS else "")

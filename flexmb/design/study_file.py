@@ -1,4 +1,4 @@
-"""The TOML file of a design study: every key known and of its kind, or one error with file and key."""
+"""The TOML file of a design study: every key is known and of its kind, or an error names file and key."""
 
 import contextlib
 import difflib
@@ -20,11 +20,11 @@ from .evaluate import check_dimensions, check_names
 from .study import Study
 from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
 
-# A study of a thousand answers has 0.1 MiB.
+# A study with a thousand answers has 0.1 MiB.
 LARGEST_FILE = 16 * 2**20
 MOST_STARTS = 10_000
 
-# What a value must be: a function of its key and the value that returns it, or raises a StudyError with the key.
+# A kind of values: a function of key and value that returns the value, or raises a StudyError with the key.
 Kind = Callable[[str, Any], Any]
 
 
@@ -47,14 +47,14 @@ def _positive(key: str, value: Any) -> float:
 
 
 def _numbers(key: str, value: Any) -> Any:
-    """A number, or lists of them as an array."""
+    """A number, or nested lists of numbers as an array."""
     if not isinstance(value, list):
         return _number(key, value)
     entries = [_numbers(key, entry) for entry in value]
     try:
         return np.array(entries, float)
     except ValueError:
-        raise StudyError(f"{key} has lists of several lengths.") from None
+        raise StudyError(f"{key} has lists of different lengths.") from None
 
 
 def _whole(least: int = 1, most: float = math.inf) -> Kind:
@@ -88,7 +88,7 @@ def _node(key: str, value: Any) -> str:
     return str(value)
 
 
-# The schema: kinds by key. None: a table whose keys are names that the user gives.
+# The schema: kinds by key. None stands for a table with names of the user as keys.
 PARAMETER: dict[str, Kind] = {"value": _number, "lower": _number, "upper": _number, "scale": _choice("log", "linear")}
 LIMIT: dict[str, Kind] = {"lower": _numbers, "upper": _numbers}
 TUNE: dict[str, Kind] = {
@@ -119,7 +119,7 @@ TABLES = {
     "tune": TUNE,
     "sweep": SWEEP,
 }
-# Kinds of what follows the name of a question.
+# Kinds of the arguments of a question.
 PARTS: dict[str, Kind] = {
     "number": _whole(),
     "component": _whole(),
@@ -133,33 +133,23 @@ def _checked(key: str, content: dict[str, Any], schema: Mapping[str, Kind], betw
     """The values of a table, each of its kind."""
     for name in content:
         if name not in schema:
-            raise StudyError(f"{key}: there is no '{clean(name)}'. Known: {', '.join(schema)}.")
+            raise StudyError(f"{key}: there is no '{clean(name)}'. Known keys: {', '.join(schema)}.")
     return {name: schema[name](f"{key}{between}{name}", value) for name, value in content.items()}
 
 
 def kinds() -> dict[str, Question]:
-    """Questions that a study may ask, by the key that names them in a table."""
+    """Questions that a study may ask, by the key in a table."""
     asked = {q.name.replace(" ", "_") or "coordinate": q for q in questions().values() if q.differentiable}
     return {**asked, "load_multiplier": asked["multiplier"]}
 
 
 def read_study(path: str | os.PathLike) -> Study:
-    """Read a study.
-
-    Raises:
-        StudyError: The file is wrong, with file and key.
-        OSError: It cannot be read.
-    """
+    """Read a study; StudyError with file and key if it is wrong."""
     return _Reader(Path(path)).study()
 
 
 def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, ...]], list[str]]:
-    """What a study says of its parameters; its functions are neither looked for nor called.
-
-    Raises:
-        StudyError: The file is wrong, with file and key.
-        OSError: It cannot be read.
-    """
+    """Model, parameters and functions of a study, without calling any function."""
     reader = _Reader(Path(path))
     with reader.named():
         model = _text("model", reader.data.get("model", ""))
@@ -172,12 +162,12 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
             found.setdefault(name, (float(first),))
     answers = reader.data.get("answers", {})
     named = [model, *(answers.values() if isinstance(answers, dict) else ())]
-    functions = [one for one in named if isinstance(one, str) and ":" in one and not one.endswith(".dat")]
+    functions = [text for text in named if isinstance(text, str) and ":" in text and not text.endswith(".dat")]
     return model, found, functions
 
 
 class _Reader:
-    """One file, and what its keys mean."""
+    """The reader of one file."""
 
     def __init__(self, path: Path):
         self.path, self.name = path, clean(path.name)
@@ -186,7 +176,7 @@ class _Reader:
         except OSError as fault:
             if fault.errno != errno.EFBIG:
                 raise
-            raise StudyError(f"{self.name}: the file has more than {LARGEST_FILE} bytes; a study is smaller.") from None
+            raise StudyError(f"{self.name}: the file is too large. A study has at most {LARGEST_FILE} bytes.") from None
         try:
             self.data: dict[str, Any] = tomllib.loads(content.decode("utf-8-sig"))
         except (ValueError, RecursionError) as fault:
@@ -194,7 +184,7 @@ class _Reader:
 
     @contextlib.contextmanager
     def named(self) -> Iterator[None]:
-        """Put the name of the file before what is said of its keys."""
+        """Put the name of the file before messages about its keys."""
         try:
             yield
         except StudyError as fault:
@@ -242,20 +232,20 @@ class _Reader:
                 raise StudyError(f"'{table}' is missing or empty.")
 
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Value of each parameter, with bounds and scale where given."""
+        """Value of each parameter, with optional bounds and scale."""
         found = {}
         for name, given in self.data.get("parameters", {}).items():
             key = _key_of_name("parameters", name, "parameter")
-            own = _checked(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
-            if "value" not in own or ("lower" in own) is not ("upper" in own):
+            entry = _checked(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
+            if "value" not in entry or ("lower" in entry) is not ("upper" in entry):
                 raise StudyError(f"{key}: give value, or value with lower and upper.")
-            if "lower" in own and not own["lower"] < own["upper"]:
-                raise StudyError(f"{key}: lower {own['lower']:g} is not below upper {own['upper']:g}.")
-            if "scale" in own and "lower" not in own:
-                raise StudyError(f"{key}: a scale belongs to a parameter with lower and upper.")
-            if own.get("scale") == "log" and not own["lower"] > 0:
-                raise StudyError(f"{key}: scale cannot be log, since lower {own['lower']:g} is not positive.")
-            found[name] = own
+            if "lower" in entry and not entry["lower"] < entry["upper"]:
+                raise StudyError(f"{key}: lower {entry['lower']:g} is not below upper {entry['upper']:g}.")
+            if "scale" in entry and "lower" not in entry:
+                raise StudyError(f"{key}: a scale needs lower and upper.")
+            if entry.get("scale") == "log" and not entry["lower"] > 0:
+                raise StudyError(f"{key}: scale cannot be log, since lower {entry['lower']:g} is not positive.")
+            found[name] = entry
         return found
 
     def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
@@ -264,25 +254,24 @@ class _Reader:
         for name, given in self.data.get("choices", {}).items():
             key = _key_of_name("choices", name, "choice")
             if name in parameters:
-                raise StudyError(f"{key}: it is a parameter too; leave one of them out.")
+                raise StudyError(f"{key}: it is a parameter too. Leave one of them out.")
             if not isinstance(given, list) or not given:
                 raise StudyError(f"{key} must be a list of values, but is {clean(repr(given))}.")
             if not _is_function(self.data["model"]):
                 given = [_number(key, value) for value in given]
             elif not all(isinstance(value, bool | int | float | str) for value in given):
-                raise StudyError(
-                    f"{key} must be a list of numbers, words, true and false, but is {clean(repr(given))}."
-                )
+                what = "a list of numbers, words, true and false"
+                raise StudyError(f"{key} must be {what}, but is {clean(repr(given))}.")
             found[name] = given
         return found
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
-        """Function of the free parameters that builds the model."""
+        """Function from the free parameters to the model."""
         text, release, folder = self.data["model"], self.data.get("release"), self.path.parent
         about = f"{self.name}: model"
         if _is_function(text):
             if release is not None:
-                raise StudyError(f"release is for a model in a file; the function '{clean(text)}' releases itself.")
+                raise StudyError(f"release is for a model in a file. The function '{clean(text)}' releases itself.")
             function = function_of("model", folder, text)
             try:
                 check_dimensions(function, tuple(name for name, _ in fixed) + free)
@@ -294,16 +283,15 @@ class _Reader:
         try:
             content = content_of(source)
         except (FileNotFoundError, NotADirectoryError):
-            raise StudyError(
-                f"model: there is no file '{clean(source)}', and '{clean(text)}' is no module:function."
-            ) from None
+            what = f"there is no file '{clean(source)}', and '{clean(text)}' is no module:function"
+            raise StudyError(f"model: {what}.") from None
         except (OSError, ValueError) as fault:
             why = getattr(fault, "strerror", None) or fault
             raise StudyError(f"model: cannot read '{clean(source)}': {clean(why)}.") from None
         return FromFile(self.name, source, content, release, fixed, free)
 
     def answer(self, name: str, given: Any) -> Callable[[Any], Any]:
-        """Function of the model that an entry of [answers] means."""
+        """Function of the model for an entry of [answers]."""
         key = f"[answers] {clean(name)}"
         about = f"{self.name}: {key}"
         if isinstance(given, str) and ":" in given:
@@ -312,10 +300,8 @@ class _Reader:
             with contextlib.suppress(KeyError):
                 if Asked(given).question.differentiable:
                     return NamedAnswer(about, Asked(given))
-            raise StudyError(
-                f"{key} must be module:function, such as 'own:stage' beside the study, or a question"
-                f" ({', '.join(kinds())}), not '{clean(given)}'."
-            )
+            what = f"module:function, such as 'own:stage' beside the study, or a question ({', '.join(kinds())})"
+            raise StudyError(f"{key} must be {what}, not '{clean(given)}'.")
         kind = next((k for k in kinds() if isinstance(given, dict) and k in given), None)
         if kind is None:
             raise StudyError(f"{key} must be 'module:function' or a table with one of {', '.join(kinds())}.")
@@ -332,8 +318,8 @@ class _Reader:
             key = _key_of_answer("limits", name, answers)
             if not isinstance(given, dict) or not given:
                 raise StudyError(f"{key} must be a table with lower, upper or both.")
-            own = _checked(key, given, LIMIT)
-            found["limits"][name] = (own.get("lower"), own.get("upper"))
+            pair = _checked(key, given, LIMIT)
+            found["limits"][name] = (pair.get("lower"), pair.get("upper"))
         options = self.data.get("tune", {})
         for sense in ("minimize", "maximize"):
             if sense in options:
@@ -344,18 +330,18 @@ class _Reader:
         """Options of the sweep."""
         given = dict(self.data.get("sweep", {}))
         kind = given.get("kind", "grid")
-        for one in given:
-            if one not in ("kind", "chunk", *DESIGNS[kind]):
-                raise StudyError(f"[sweep] {one} has no meaning where kind is {kind}: give {DESIGNS[kind][0]}.")
+        for option in given:
+            if option not in ("kind", "chunk", *DESIGNS[kind]):
+                raise StudyError(f"[sweep] {option} has no meaning if kind is {kind}. Give {DESIGNS[kind][0]}.")
         if isinstance(points := given.get("points"), dict):
             _checked("[sweep] points", points, dict.fromkeys(free, _whole(1, MOST)))
             if missing := [name for name in free if name not in points]:
-                raise StudyError(f"[sweep] points: '{missing[0]}' is missing, a parameter with bounds.")
+                raise StudyError(f"[sweep] points: '{missing[0]}', a parameter with bounds, is missing.")
         return given
 
 
 def _is_function(model: str) -> bool:
-    """Whether the model of a study is a function, module:function, and no file."""
+    """Whether the model of a study is a function."""
     return ":" in model and not model.endswith(".dat")
 
 
@@ -378,13 +364,13 @@ def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:
 
 
 def _text_of_question(key: str, kind: str, given: Mapping[str, Any]) -> str:
-    """The text of a question that a table asks: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
+    """The text of a question in a table: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
     question, value = kinds()[kind], given[kind]
     takes = question.takes
     if takes and takes[0].endswith("?") and isinstance(value, bool):
         takes = ()
     if not takes and value is not True:
-        raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}: leave the answer out.")
+        raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}. Leave the answer out.")
     names = [kind, *takes[1:]]
     if strangers := sorted(set(given) - set(names)):
         raise StudyError(f"{key}: {kind} does not take {clean(', '.join(strangers))}.")

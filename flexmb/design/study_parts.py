@@ -1,4 +1,4 @@
-"""What a study is made of: models from files and functions, and answers."""
+"""The parts of a study: models from files and functions, and answers."""
 
 import dataclasses
 import hashlib
@@ -20,7 +20,7 @@ from ..questions.question import Asked
 from ..spacar.read import read_spacar
 from .evaluate import UntraceableError
 
-# What JAX raises where a function asks for a number while it is traced.
+# Errors of JAX where a function needs a number while it is traced.
 UNTRACEABLE = (UntraceableError, jax.errors.JAXTypeError, jax.errors.JAXIndexError)
 
 
@@ -29,7 +29,7 @@ class RaisedError(StudyError):
 
 
 class _Noted(dict):
-    """Numbers by name, which notes the names that were asked for."""
+    """Numbers by name, with the names that were asked for."""
 
     def __init__(self, numbers: dict[str, Any]):
         super().__init__(numbers)
@@ -46,12 +46,12 @@ class FromFile:
 
     Attributes:
         about: File and key of the study, for messages.
-        source: The input file.
-        content: Of it, as a SHA-256: that of the file when the study was read.
-        release: As of :meth:`flexmb.Builder.build`.
-        fixed: Parameters without bounds, name and value.
-        free: Names of the others.
-        warnings: Of the last time that the file was read.
+        source: Path of the input file.
+        content: SHA-256 of the input file when the study was read.
+        release: Argument of :meth:`flexmb.Builder.build`.
+        fixed: Names and values of parameters without bounds.
+        free: Names of the other parameters.
+        warnings: Warnings of the last reading.
     """
 
     about: str
@@ -68,13 +68,13 @@ class FromFile:
         read = read_spacar(self.source, numbers=numbers)
         for name in self.free:
             if name not in numbers.asked:
-                raise StudyError(f"{self.about}: [parameters] {name}: '{read.name}' has no {{{name}}} to put it in.")
+                raise StudyError(f"{self.about}: [parameters] {name}: '{read.name}' has no {{{name}}}.")
         self.warnings[:] = read.warnings
         return read.builder.build(release=self.release)
 
 
 def content_of(source: Path) -> str:
-    """Content of a file, as a SHA-256."""
+    """SHA-256 of a file."""
     return hashlib.sha256(read_whole(source)).hexdigest()
 
 
@@ -84,9 +84,9 @@ class Called:
 
     Attributes:
         about: File and key of the study, for messages.
-        name: As the study has it, module:function.
+        name: Text of the study, module:function.
         function: The function.
-        fixed: Named arguments that stay, name and value.
+        fixed: Names and values of constant arguments.
         is_answer: Whether it must return numbers.
     """
 
@@ -97,7 +97,7 @@ class Called:
     is_answer: bool = False
 
     def __call__(self, *arguments: Any, **free: Any) -> Any:
-        """What the function returns."""
+        """Result of the function."""
         try:
             found = self.function(*arguments, **dict(self.fixed), **free)
         except (StudyError, SpacarError, AnalysisError, ModelError, *UNTRACEABLE):
@@ -112,22 +112,18 @@ class Called:
             array = None
         if array is None or jnp.iscomplexobj(array):
             what = "complex" if array is not None else f"of type {type(found).__name__}"
-            raise StudyError(f"{self.about}: '{self.name}' must return a number or an array of them, but it is {what}.")
+            raise StudyError(f"{self.about}: '{self.name}' returned something {what}. It must return numbers.")
         return found
 
 
 def said(fault: BaseException) -> str:
-    """What an exception says, in one line."""
+    """An exception in one line."""
     name, text = type(fault).__name__, first_line(fault)
     return name if text == name else f"{name}: {clean(text)}"
 
 
 def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
-    """A function named as module:function, the module in a folder or installed.
-
-    Raises:
-        StudyError: There is none.
-    """
+    """The function of a text module:function, with the module in a folder or installed."""
     module, _, name = text.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *name.split("."))):
         raise StudyError(f"{about} must be module:function, such as 'own:stage' beside the study, not '{clean(text)}'.")
@@ -136,9 +132,9 @@ def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
         for part in name.split("."):
             found = getattr(found, part)
     except (Exception, SystemExit) as fault:
-        raise StudyError(f"{about}: cannot take '{clean(text)}': {said(fault)}.") from fault
+        raise StudyError(f"{about}: '{clean(text)}' cannot be imported: {said(fault)}.") from fault
     if not callable(found):
-        raise StudyError(f"{about}: '{clean(text)}' is no function, but of type {type(found).__name__}.")
+        raise StudyError(f"{about}: '{clean(text)}' is of type {type(found).__name__}. It must be a function.")
     return found
 
 
@@ -147,7 +143,7 @@ def _module(folder: Path, name: str) -> ModuleType:
     beside = [path for path in (beside[0].with_suffix(".py"), beside[0] / "__init__.py") if path.is_file()]
     known = sys.modules.get(name)
     if beside and known is not None and Path(getattr(known, "__file__", None) or "").resolve() != beside[0].resolve():
-        # A module of this name is loaded from elsewhere, and stays what it is to others.
+        # Another module of this name is already loaded, and stays.
         spec: Any = importlib.util.spec_from_file_location(name, beside[0])
         found = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(found)
@@ -163,12 +159,7 @@ def _module(folder: Path, name: str) -> ModuleType:
 
 @dataclasses.dataclass(frozen=True)
 class NamedAnswer:
-    """A question that a study asks of its model.
-
-    Attributes:
-        about: File and key of the study, for messages.
-        asked: The question.
-    """
+    """A question about the model of a study; ``about`` is its file and key."""
 
     about: str
     asked: Asked
@@ -178,7 +169,7 @@ class NamedAnswer:
         name = self.asked.question.name or "coordinate"
         if not isinstance(model, Model):
             kind = type(model).__name__
-            raise StudyError(f"{self.about}: {name} is asked of a Model, but `model` returns of type {kind}.")
+            raise StudyError(f"{self.about}: {name} needs a Model, but `model` returns {kind}.")
         try:
             return self.asked(model)
         except (StudyError, AnalysisError, *UNTRACEABLE):

@@ -1,4 +1,4 @@
-"""Many designs: compiled once, computed in chunks, failures beside the others."""
+"""Sweeps over many designs: compiled once, computed in chunks, with failures beside the answers."""
 
 import contextlib
 import os
@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..arguments import check_by_name, check_whole
+from ..arguments import ByName, Count, checked
 from ..compilation.compile import unguarded
 from ..errors import clean, warn
 from ..model.model import Model
+from ..numerical_limits import SAME_STORED
 from ..progress import reporting
 from ..results import ANSWERED, RESULTS
 from .checkpoint import Checkpoint, refusal
@@ -23,22 +24,22 @@ from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, fi
 from .identity import identity
 from .swept import Sweep
 
-# What is written beside dimensions and answers, in files and in tables.
+# Names in files and tables beside dimensions and answers.
 RESERVED = ("codes", "about", "result", "design")
-# Designs of a checkpoint that are computed again where nothing is compiled, and how near they must come, relative to
-# the largest of the answer. Our choice: beyond round-off times the condition of a leaf spring.
-REPEATED, SAME = 8, 1e-6
+# Number of stored designs that are computed again without compilation.
+REPEATED = 8
 
 
+@checked
 @unguarded
 def sweep(
     build: Build,
     answers: Answers,
-    designs: Mapping[str, Any],
+    designs: ByName,
     *,
     compiled: bool = True,
-    chunk: int = 256,
-    together: int = 1,
+    chunk: Count = 256,
+    together: Count = 1,
     executor: Executor | None = None,
     checkpoint: str | os.PathLike | None = None,
     progress: Callable[[int, int], None] | bool = False,
@@ -46,60 +47,58 @@ def sweep(
 ) -> Sweep:
     """Answers of many designs.
 
-    The kernel is compiled once and runs on all cores over ``chunk`` designs at a time, which bounds the memory, with
-    checkpoints and progress in between.
+    The kernel is compiled once and runs on all cores over ``chunk`` designs at a time, which limits the memory.
+    Checkpoints and progress come after each chunk.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
-            found once, at the first design that can be built.
+        build: Function of the dimensions, by name, that returns a model. Degrees of freedom without a name are found
+            once, at the first design that can be built.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
             dictionary by name.
         designs: Dimensions by name with the designs along the first axis, (designs, ...) [SI]: :func:`grid`,
             :func:`latin_hypercube`, :func:`monte_carlo`, or arrays of your own.
-        compiled: False for analyses that cannot be traced, such as ``fm.poles`` or ``fm.path``: design by design.
-        chunk: Designs between two checkpoints, and in one task of an executor.
-        together: Designs that are computed at once; more than one pays on a GPU (small ones only on a CPU, where many
-            LAPACK calls at once may hang).
-        executor: Anything with ``submit`` of ``concurrent.futures``, such as a pool or
-            ``dask.distributed.Client(..).get_executor()``; chunks are its tasks, and each worker compiles for itself,
-            with the folder of ``fm.enable_cache`` where it can be used. Processes must not be forks:
+        compiled: False for analyses that cannot be traced, such as ``fm.poles`` or ``fm.path``: one design after the
+            other.
+        chunk: Number of designs between two checkpoints, and in one task of an executor.
+        together: Number of designs computed at once. More than one is faster on a GPU (on a CPU only for small models:
+            many LAPACK calls at once may hang).
+        executor: Object with ``submit`` of ``concurrent.futures``, such as a pool or
+            ``dask.distributed.Client(..).get_executor()``. Chunks are its tasks. Each worker compiles for itself, with
+            the folder of ``fm.enable_cache`` if it can be used. Processes must not be forks:
             ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``.
-        checkpoint: A file that grows by every chunk; a sweep that was interrupted goes on from it. It must be of this
-            sweep: compared are the designs, the names, ``compiled``, the model of the first design that can be built
-            with all its numbers, and ``build`` and the answers as far as they can be seen (their code, defaults, what
-            they capture and what they name in their module, numbers, texts and arrays by value). Since an object may
-            hide what it means, designs of the checkpoint are computed again, as many as a chunk has (eight with
-            ``compiled=False``), and must agree with what is stored, to 1e-6 of the largest of an answer.
+        checkpoint: Path of a file that grows by every chunk, from which an interrupted sweep continues. It must belong
+            to this sweep: the designs, the names, ``compiled``, the model of the first design that can be built with
+            all its numbers, and ``build`` and the answers (their code, defaults, captured values, and numbers, texts
+            and arrays that they name in their module) are compared. Also one chunk of its designs (eight with
+            ``compiled=False``) is computed again and must agree to 1e-6 of the largest value of an answer.
         progress: True for a bar, or a function called with the number of designs done and of all.
-        units: Units by name, for the labels.
+        units: Units by name, for labels.
 
     Returns:
-        Sweep with answers (designs, ...), and codes (designs,) of RESULTS: one design that fails stops no other. What
-        a concrete build refuses has the code impossible_design, what is at an equilibrium that is not stable its
-        answers and unstable_state. Designs whose leaf springs are clamped otherwise are compiled for themselves.
+        Sweep with answers (designs, ...), and codes (designs,) of RESULTS. A failed design stops no other. A design
+        that a concrete build refuses has the code impossible_design. A design at an unstable equilibrium has answers
+        and the code unstable_state. Designs with other clamps on leaf springs are compiled by themselves.
 
     Raises:
-        ValueError: A dimension that ``build`` does not take or lacks; numbers of designs that differ; names that meet;
-            a pool whose processes are forks; a checkpoint that is damaged, in use, or of another sweep, which is left
-            as it is.
-        ModelError, SpacarError: Not one design can be built.
+        ValueError: ``build`` does not accept a dimension or lacks one; numbers of designs differ; names collide; a pool
+            has forked processes; a checkpoint is damaged, in use, or belongs to another sweep (it stays unchanged).
+        ModelError, SpacarError: No design can be built.
         OSError: The checkpoint cannot be read or written.
 
     Warns:
-        FlexmbWarning: Designs are at an equilibrium that is not stable.
+        FlexmbWarning: Designs are at an unstable equilibrium.
 
     Source:
-        The analyses that are asked; ``jax.lax.map`` over the designs.
+        The analyses of the answers; ``jax.lax.map`` over the designs.
     """
     functions = named_answers(answers)
-    check_by_name("designs", designs)
     designs = designs if isinstance(designs, Designs) else Designs(designs)
     check_dimensions(build, tuple(designs))
     check_names(tuple(designs), tuple(functions), RESERVED)
     for name in units or {}:
         if name not in designs and name not in functions:
             raise ValueError(f"Unit of '{name}': there is no such dimension or answer.")
-    chunk = min(check_whole("chunk", chunk, 1), designs.count)
+    chunk = min(chunk, designs.count)
     example, models = None, []
     if compiled or checkpoint is not None:
         try:
@@ -107,7 +106,7 @@ def sweep(
         except REFUSED:
             if compiled:
                 raise
-    task = Task(build, functions, bool(compiled), check_whole("together", together, 1), example)
+    task = Task(build, functions, bool(compiled), together, example)
     parts: list[tuple[np.ndarray, Values]] = []
     with contextlib.ExitStack() as stack:
         worker, kept = Worker(task, executor), None
@@ -137,12 +136,12 @@ def _tell_of_unstable(codes: np.ndarray) -> None:
     if len(unstable):
         warn(
             f"Of {len(codes)} designs {len(unstable)} are at an equilibrium that is not stable (unstable_state in"
-            f" `codes`), the first of them number {unstable[0]}: no mechanism stays there by itself."
+            f" `codes`). The first is number {unstable[0]}."
         )
 
 
 def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any]:
-    """What a checkpoint is about, by the words that say where another one differs."""
+    """Description of the sweep of a checkpoint, by words for messages."""
     return {
         "the version of flexmb": __version__,
         "the version of Python": list(sys.version_info[:2]),
@@ -159,7 +158,7 @@ def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any
 def _check_stored(
     kept: Checkpoint, worker: Worker, designs: Designs, parts: list[tuple[np.ndarray, Values]], count: int, chunk: int
 ) -> None:
-    """Refuse a checkpoint some of whose designs have another answer today, whatever the reason."""
+    """Refuse a checkpoint if some of its designs have other answers today, whatever the reason."""
     if not parts:
         return
     names = list(kept.answers)
@@ -169,13 +168,11 @@ def _check_stored(
     ((_, values),) = worker.results([part_of(designs, rows, chunk)])
     today, again = gathered(designs.count, names, [(rows, values)])
     if not np.array_equal(again[rows], codes[rows]):
-        raise refusal(kept.path, "belongs to another sweep: designs that it holds fail otherwise today")
+        raise refusal(kept.path, "belongs to another sweep: some of its designs have other codes today")
     good = rows[np.isin(codes[rows], ANSWERED)]
     for name in names:
         before, now = known[name], today[name]
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
         alike = len(good) == 0 or before.shape == now.shape
-        if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME * scale, equal_nan=True):
-            raise refusal(
-                kept.path, f"belongs to another sweep: answer '{clean(name)}' of designs that it holds is another"
-            )
+        if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME_STORED * scale, equal_nan=True):
+            raise refusal(kept.path, f"belongs to another sweep: answer '{clean(name)}' of some designs is another")

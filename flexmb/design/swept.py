@@ -16,7 +16,7 @@ from .designs import Designs
 from .front import nondominated
 from .stored import read
 
-# Rows of a table on the terminal.
+# Number of rows of a table on the terminal.
 ROWS = 20
 
 
@@ -26,7 +26,7 @@ class Sweep(Labelled):
 
     Attributes:
         designs: Dimensions by name, each (designs, ...) [SI]; ``designs.axes`` of a grid.
-        answers: Answers by name, each (designs, ...), NaN where a design failed [their units].
+        answers: Answers by name, each (designs, ...), NaN for failed designs [their units].
         codes: Code of RESULTS of every design, (designs,).
         units: Units by name, as given.
     """
@@ -37,26 +37,25 @@ class Sweep(Labelled):
     units: dict[str, str]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """An answer or a dimension by name; of a grid, with its axes first."""
+        """An answer or a dimension by name, with the axes of a grid first."""
         found = self.answers[name] if name in self.answers else self.designs.get(name)
         if found is None:
             raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
-        return (
-            found.reshape(tuple(len(a) for a in self.designs.axes.values()) + found.shape[1:]) if self.axes else found
-        )
+        lengths = tuple(len(axis) for axis in self.axes.values())
+        return found.reshape(lengths + found.shape[1:]) if self.axes else found
 
     def column(self, name: str) -> np.ndarray:
-        """One number of every design.
+        """Return one number of every design.
 
         Args:
-            name: Of a dimension or an answer, or of an entry of an array as "frequencies[0]".
+            name: Name of a dimension or an answer, or of an entry of an array as "frequencies[0]".
 
         Returns:
             (designs,), also of a grid [its unit].
 
         Raises:
             KeyError: There is no such name.
-            ValueError: It has several numbers a design, and none of them is named.
+            ValueError: It has several numbers a design.
         """
         known = {**self.designs, **self.answers}
         entry = re.fullmatch(r"(.+)\[(\d+(?:, ?\d+)*)\]", name) if isinstance(name, str) else None
@@ -70,66 +69,66 @@ class Sweep(Labelled):
             raise KeyError(f"no answer or dimension '{clean(name)}'; there are {', '.join(known)}")
         if known[name].ndim > 1:
             first = ", ".join("0" * (known[name].ndim - 1))
-            raise ValueError(f"'{name}' has several numbers a design: name one of them, such as '{name}[{first}]'.")
+            raise ValueError(f"'{name}' has several numbers a design. Name one of them, such as '{name}[{first}]'.")
         return known[name]
 
     def unit_of(self, name: str) -> str:
-        """Unit of one number of a design; empty where none was given.
+        """Return the unit of one number of a design; empty if none was given.
 
         Args:
-            name: As :meth:`column` takes it.
+            name: Name as in :meth:`column`.
         """
         return self.units.get(name, self.units.get(name.rpartition("[")[0], ""))
 
     def selected(self, rows: Any) -> "Sweep":
-        """Some of the designs, which are no grid any more.
+        """Return a sweep of some designs, which is no grid.
 
         Args:
-            rows: Numbers of the designs from 0, or True for each that is meant, (k,).
+            rows: Numbers of the designs from 0, or True for each wanted design, (k,).
         """
         designs = Designs({name: values[rows] for name, values in self.designs.items()})
         answers = {name: values[rows] for name, values in self.answers.items()}
         return Sweep(designs, answers, self.codes[rows], dict(self.units))
 
     def pareto(self, *, minimize: str | Sequence[str] = (), maximize: str | Sequence[str] = ()) -> "Front":
-        """Designs than which no other is better in everything that is asked (the Pareto front).
+        """Return the designs that no other design beats in all criteria (the Pareto front).
 
-        Designs that failed, or of which something that is asked is NaN, do not count; the front says how many.
+        The front leaves out failed designs and designs with NaN in a criterion, and counts them.
 
         Args:
-            minimize: Names of what should be small: answers, dimensions, or entries as "frequencies[0]".
-            maximize: Names of what should be large.
+            minimize: Names to minimise: answers, dimensions, or entries as "frequencies[0]".
+            maximize: Names to maximise.
 
         Returns:
-            Front, sorted by what is named first, the best first.
+            Front, sorted by the first criterion, the best first.
 
         Raises:
             KeyError: There is no such name.
-            ValueError: Nothing is asked, something twice, an array without its entry, or not one design has answers.
+            ValueError: No criterion, a repeated one, or an array without its entry; or no design has answers.
 
         Source:
-            Definition: a design is left out where another one is no worse in everything and better in something.
+            Definition: a design is left out if another one is no worse in all criteria and better in one.
         """
         senses = {"minimize": minimize, "maximize": maximize}
         pairs = [(n, sense) for sense, given in senses.items() for n in ([given] if isinstance(given, str) else given)]
         criteria = dict(pairs)
         if not pairs:
-            raise ValueError("Say what is wanted of the front: `minimize`, `maximize` or both, by names of answers.")
+            raise ValueError("The front has no criteria. Give `minimize`, `maximize` or both, by names of answers.")
         if len(criteria) < len(pairs):
             twice = next(name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i]))
-            raise ValueError(f"'{clean(twice)}' is asked for twice: once is enough.")
+            raise ValueError(f"'{clean(twice)}' is given twice. Give it once.")
         costs = np.stack([self.column(n) * (1 if sense == "minimize" else -1) for n, sense in pairs], axis=1)
         known = np.flatnonzero(np.isin(self.codes, ANSWERED) & ~np.any(np.isnan(costs), axis=1))
         if not len(known):
-            raise ValueError(f"There is no front: not one of the {len(self.codes)} designs has an answer.")
+            raise ValueError(f"There is no front: none of the {len(self.codes)} designs has an answer.")
         rows = known[nondominated(costs[known])]
         return Front(self, rows[np.lexsort(costs[rows].T[::-1])], criteria, len(self.codes) - len(known))
 
     def table(self, rows: int = ROWS) -> str:
-        """Dimensions, answers of one number and results as text, one row a design.
+        """Return dimensions, answers of one number and results as text, with one row a design.
 
         Args:
-            rows: At most so many.
+            rows: Largest number of rows.
         """
         columns = {n: v for n, v in {**self.designs, **self.answers}.items() if v.ndim == 1}
         widths = [max(16, len(clean(name)) + 2) for name in columns]
@@ -143,11 +142,11 @@ class Sweep(Labelled):
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
-        """Values along each axis of a grid, by name; otherwise empty."""
+        """Values along each axis of a grid, by name; empty without a grid."""
         return self.designs.axes
 
     def failures(self) -> dict[str, int]:
-        """How many designs failed, by the name of the code."""
+        """Return the number of failed designs by the name of the code."""
         return {RESULTS(c).name: int(np.sum(self.codes == c)) for c in np.unique(self.codes) if c not in ANSWERED}
 
     def quantities_by_name(self) -> Quantities:
@@ -161,10 +160,10 @@ class Sweep(Labelled):
         return Quantities(along, grid, found)
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write as .npz or .mat: every dimension and answer by its name, "codes", and "about" (units) as JSON.
+        """Write a .npz or .mat with all dimensions and answers by name, "codes", and "about" (units) as JSON.
 
         Args:
-            path: Where; its ending says how.
+            path: Path with one of these endings.
 
         Raises:
             ValueError: Another ending.
@@ -180,31 +179,31 @@ class Sweep(Labelled):
 
     @staticmethod
     def load(path: str | os.PathLike) -> "Sweep":
-        """What :meth:`save` wrote, or a checkpoint of ``fm.sweep``, also of a sweep that is not done.
+        """Read a file of :meth:`save`, or a checkpoint of ``fm.sweep``.
 
         Args:
-            path: Of a .npz, a .mat, or a checkpoint; what it is, its content says.
+            path: Path of a .npz, a .mat, or a checkpoint. The content decides which it is.
 
         Returns:
-            Sweep; of a checkpoint that is not done the designs that have been computed, without axes of a grid.
+            Sweep; of an unfinished checkpoint the computed designs, without axes of a grid.
 
         Raises:
             ValueError: The file is no saved sweep, or is damaged.
-            OSError: It cannot be read.
+            OSError: The file cannot be read.
 
         Warns:
-            FlexmbWarning: The checkpoint is not done.
+            FlexmbWarning: The checkpoint is unfinished.
         """
         designs, answers, codes, units, planned = read(path)
         if len(codes) < planned:
             warn(
-                f"Checkpoint '{clean(path)}' holds {len(codes)} of {planned} designs, and these are loaded: fm.sweep"
-                " with the same call goes on with the others."
+                f"Checkpoint '{clean(path)}' contains {len(codes)} of {planned} designs; these are loaded. Call"
+                " fm.sweep with the same arguments to compute the others."
             )
         return Sweep(designs, answers, codes, units)
 
     def summary(self) -> Summary:
-        """Failures, and between which values each answer lies."""
+        """Return failures, and the range of each answer."""
         failures = ", ".join(f"{count} {name}" for name, count in self.failures().items())
         rows = {"designs": str(len(self.codes)), "failed": failures or "none"}
         rows |= {name: span(values, self.units.get(name, "")) for name, values in self.answers.items()}
@@ -217,13 +216,13 @@ class Sweep(Labelled):
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Front(Labelled):
-    """Designs of a sweep than which no other is better in everything that was asked.
+    """Designs of a sweep that no other design beats in all criteria.
 
     Attributes:
-        whole: The sweep with all designs.
+        whole: Sweep with all designs.
         rows: Their numbers in it, from 0, (front,), the best in the first criterion first.
         criteria: "minimize" or "maximize" by name.
-        left_out: How many designs have no answer and did not count.
+        left_out: Number of designs without answers.
     """
 
     whole: Sweep
@@ -240,7 +239,7 @@ class Front(Labelled):
 
     @property
     def sweep(self) -> Sweep:
-        """The designs on the front alone, for files and tables."""
+        """Sweep of the designs on the front."""
         return self.whole.selected(self.rows)
 
     def quantities_by_name(self) -> Quantities:
@@ -248,7 +247,7 @@ class Front(Labelled):
         return self.sweep.quantities_by_name()
 
     def summary(self) -> Summary:
-        """How many designs are on it, and between which values what was asked lies."""
+        """Return the number of designs on the front, and their range in each criterion."""
         alone, rows = self.sweep, {}
         for name, sense in self.criteria.items():
             rows[f"{sense} {name}"] = span(alone.column(name), alone.unit_of(name))

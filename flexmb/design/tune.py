@@ -1,4 +1,4 @@
-"""Dimensions that meet targets and limits."""
+"""Tuning: dimensions that meet targets and limits."""
 
 import dataclasses
 import functools
@@ -10,10 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_by_name, check_number, check_whole
+from ..arguments import ByName, Count, Positive, WholeFromZero, checked
 from ..compilation.by_meaning import jit
 from ..compilation.compile import unguarded
 from ..errors import AnalysisError, clean, first_line, warn
+from ..numerical_limits import AT_BOUND
 from ..progress import reporting
 from ..results import RESULTS
 from .choices import Options, combinations, options_of
@@ -35,20 +36,21 @@ from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
-from .search import AT_BOUND, Attempt, Kernel, search
+from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
 from .tuned import Combination, Tuned
 
-# What stands beside dimensions and answers in a history.
+# Names in a history beside dimensions and answers.
 RESERVED = ("objective", "violation")
 
 
+@checked
 @unguarded
 def tune(
     build: Build,
     answers: Answers,
-    dimensions: Mapping[str, Any],
-    bounds: Mapping[str, Any],
+    dimensions: ByName,
+    bounds: ByName,
     *,
     minimize: str | None = None,
     maximize: str | None = None,
@@ -58,71 +60,67 @@ def tune(
     equal: Mapping[str, Any] | None = None,
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
     optimizer: Any = None,
-    starts: int = 1,
-    together: int = 1,
-    seed: int = 0,
-    tolerance: float = 1e-6,
-    max_evaluations: int = 1000,
+    starts: Count = 1,
+    together: Count = 1,
+    seed: WholeFromZero = 0,
+    tolerance: Positive = 1e-6,
+    max_evaluations: Count = 1000,
     progress: Callable[[int, float, float], None] | bool = False,
     throw: bool = True,
 ) -> Tuned:
     """Find dimensions within bounds that meet targets and keep limits.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. Degrees of freedom that it does not name are
-            found once, at the start.
+        build: Function of the dimensions, by name, that returns a model. Degrees of freedom without a name are found
+            once, at the start.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
             dictionary by name.
-        dimensions: Where to start, numbers or arrays by name [SI].
-        bounds: Lower and upper value of each by name [SI].
-        minimize: Name of the answer that should be small.
-        maximize: Name of the answer that should be large.
+        dimensions: Start, numbers or arrays by name [SI].
+        bounds: Lower and upper value of each dimension by name [SI].
+        minimize: Name of the answer to minimise.
+        maximize: Name of the answer to maximise.
         choices: Arguments of ``build`` with a few values each, by name: a list, or a dictionary of values by label.
-            Whole numbers, materials, element types: any Python value, which may change the structure of the model.
-            Every combination is searched from the start, and the best feasible design is returned with a table of all.
-            Each is compiled for itself, so that it takes seconds before its search begins. ``dimensions`` may be empty.
-        targets: Values that answers should come near to, by name: least squares of the relative differences. They are
-            missed beyond 100 tolerances; more targets than dimensions, as of a fit, beyond a tenth. Beside `minimize`
-            or `maximize` they are wishes that count: half the sum of these squares is added to that answer
-            over its value at the start, and ``reason`` says what is missed. What must be met goes to ``equal``. A
-            whole curve, such as the forces along a stroke, is a :class:`flexmb.design.Curve`, whose differences count
-            relative to its largest value; ``fm.equilibria`` answers such a stroke at once.
-        limits: Lower and upper value of answers by name, None for none.
+            Values may be any Python values, also such that change the structure of the model: whole numbers,
+            materials, element types. ``tune`` searches every combination, which takes seconds to compile, and returns
+            the best feasible design with a table of all. ``dimensions`` may be empty then.
+        targets: Values to approach, by name of the answer: least squares of the relative differences. A target is
+            missed beyond 100 tolerances, or beyond a tenth if there are more targets than dimensions. Beside
+            `minimize` or `maximize` half the sum of the squares is added to the answer over its value at the start,
+            and ``reason`` names missed targets. A curve, such as the forces along a stroke from ``fm.equilibria``, is
+            a :class:`flexmb.design.Curve`: its differences count relative to its largest value.
+        limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
-        scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
-        optimizer: Any optimiser of optax, taken as it is, its steps projected onto the bounds; for targets alone also a
-            least-squares solver of optimistix. By default scipy's L-BFGS-B, and its trust-region reflective method for
-            targets alone, which hold bounds exactly.
-        starts: Number of starts: the given one, and others spread over the bounds; the best design is returned.
-        together: Starts that are searched from at the same time, their designs computed in one call by ``jax.vmap``:
-            quicker for small models (large ones only on a GPU: many LAPACK calls at once may hang on a CPU).
-        seed: Of their places.
-        tolerance: Relative violation of an equality that is none. Limits are kept, from inside by as much.
-        max_evaluations: Of the answers and their derivatives, for each start.
-        progress: True for a line that shows them, or a function called with the number of evaluations, the objective
+        scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
+        optimizer: Optimiser of optax, whose steps are projected onto the bounds; or for targets alone a least-squares
+            solver of optimistix. By default scipy's L-BFGS-B, and for targets alone its trust-region reflective
+            method, which keep bounds exactly.
+        starts: Number of starts: the given one, and others spread over the bounds. The best design is returned.
+        together: Number of starts searched at the same time, with their designs in one call by ``jax.vmap``. This is
+            faster for small models, and for large models on a GPU (many LAPACK calls at once may hang on a CPU).
+        seed: Seed of the other starts.
+        tolerance: Relative violation of an equality that counts as none. Limits are kept from inside by as much.
+        max_evaluations: Number of evaluations of answers and derivatives for each start.
+        progress: True for a line on the terminal, or a function called with the number of evaluations, the objective
             and the violation.
-        throw: Raise where no feasible or no optimal design is found or targets are missed; otherwise the code is in
-            ``result``.
+        throw: Raise if no feasible or no optimal design is found or targets are missed; otherwise ``result`` contains
+            the code.
 
     Returns:
-        Tuned with dimensions and answers by name, and with ``choices`` and ``combinations`` where there are choices.
-        Objectives of all combinations are relative to the answers at the start of the first that has some.
+        Tuned with dimensions and answers by name, and with ``choices`` and ``combinations`` if choices are given.
+        Objectives of all combinations are relative to the answers at the start of the first one with answers.
 
     Raises:
-        ValueError: Too many combinations of choices, bounds that are empty, a start outside them, an unknown name, a
-            dimension on which no answer that is asked depends, or answers that are not finite at the start.
-        AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails; ``throw=False``
-            returns what was found.
+        ValueError: There are too many combinations, bounds are empty, the start is outside the bounds, a name is
+            unknown, no wanted answer depends on a dimension, or answers are not finite at the start.
+        AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails.
 
     Warns:
-        FlexmbWarning: The design that was found is at an equilibrium that is not stable; or designs were left out whose
-            leaf springs are clamped otherwise than at the start.
+        FlexmbWarning: The design is at an unstable equilibrium; or designs were left out whose leaf springs are clamped
+            otherwise than at the start.
 
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
-    check_by_name("dimensions", dimensions)
-    check_by_name("bounds", bounds)
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
@@ -134,21 +132,10 @@ def tune(
     for name in (minimize, maximize):
         if name is not None and not isinstance(name, str):
             raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
-    check_number("tolerance", tolerance, above=0)
-    question = _Question(
-        functions,
-        scaling,
-        first,
-        {"minimize": minimize, "maximize": maximize, "targets": targets or {}, "equal": equal or {}}
-        | {"limits": limits or {}},
-        optimizer,
-        check_whole("starts", starts, 1),
-        check_whole("together", together, 1),
-        check_whole("seed", seed, 0),
-        tolerance,
-        check_whole("max_evaluations", max_evaluations, 1),
-        progress,
-    )
+    wanted = {"minimize": minimize, "maximize": maximize}
+    wanted |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
+    counts = starts, together, seed, tolerance, max_evaluations
+    question = _Question(functions, scaling, first, wanted, optimizer, *counts, progress)
     if options:
         found = _best_combination(question, build, options)
     else:
@@ -159,7 +146,7 @@ def tune(
 
 
 class _Question(NamedTuple):
-    """What is asked, checked: see :func:`tune`."""
+    """Checked arguments of :func:`tune`."""
 
     functions: dict[str, Callable[[Any], Any]]
     scaling: Scaling
@@ -183,7 +170,7 @@ class _StartError(ValueError):
 
 
 def _best_combination(question: _Question, build: Build, options: Options) -> Tuned:
-    """The best of all combinations, with what became of each."""
+    """The best of all combinations, with the result of each."""
     tried: list[Combination] = []
     faults: list[Exception] = []
     dependence, reference = [], None
@@ -200,14 +187,13 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
         tried.append(Combination(values, labels, found, found.result, found.reason))
     if not dependence:
         raise faults[0]
-    # A dimension of some combinations alone, such as a gap between leaf springs where there are two, is a dimension.
+    # A dimension may matter in some combinations only, such as a gap between two leaf springs.
     _refuse_ignored(question.scaling.layout.labels, np.all(dependence, axis=0))
 
-    def rank(one: Combination) -> tuple:
-        found = one.tuned
-        return (
-            (found.violation > question.tolerance and found.violation, found.objective) if found else (np.inf, np.inf)
-        )
+    def rank(combination: Combination) -> tuple:
+        if (found := combination.tuned) is None:
+            return np.inf, np.inf
+        return found.violation > question.tolerance and found.violation, found.objective
 
     best = min(tried, key=rank)
     assert best.tuned is not None
@@ -215,10 +201,10 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
 
 
 class _Kernel:
-    """Answers (m,), derivatives of the asked ones by the scaled dimensions (m, n), and the code, as numpy arrays.
+    """Answers (m,), derivatives of the wanted ones by the scaled dimensions (m, n), and the code, as numpy arrays.
 
-    An unstable state has an answer; ``unstable`` are the designs at such. Designs whose leaf springs are clamped
-    otherwise than at the start have none; ``left_out`` says whether there were any.
+    Unstable states have answers; ``unstable`` contains their designs. Designs with other clamps than at the start have
+    no answers; ``left_out`` tells whether there are any.
     """
 
     def __init__(
@@ -241,20 +227,20 @@ class _Kernel:
         return values, slopes, int(code)
 
     def many(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same of several designs, (designs, n), in one call."""
+        """The same for several designs, (designs, n), in one call."""
         return self._of(units, self.several)
 
     def _of(self, units: np.ndarray, call: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         refused = self.refused(units)
-        # The start, which can be built, stands in for a design that cannot: numbers without sense may take long.
-        own, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
+        # The start replaces designs that cannot be built: their numbers could take long.
+        asked_slopes, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
         values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
         self.left_out |= bool(np.any(codes == RESULTS.other_clamps))
         unstable = codes == RESULTS.unstable_state
         self.unstable |= {unit.tobytes() for unit in units[unstable]}
         codes = np.where(unstable, RESULTS.successful, codes)
         slopes = np.zeros((*values.shape, units.shape[1]))
-        slopes[:, self.asked] = own
+        slopes[:, self.asked] = asked_slopes
         values[refused], slopes[refused] = np.nan, np.nan
         return values, slopes, codes
 
@@ -262,13 +248,13 @@ class _Kernel:
 def _searched(
     question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
 ) -> tuple[Tuned, np.ndarray, np.ndarray]:
-    """The best design from all starts, dimensions on which nothing depends, and the answers at the start."""
+    """The best design from all starts, whether each dimension has no effect, and the answers at the start."""
     q, scaling, layout = question, question.scaling, question.scaling.layout
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)
     _check_start(of_answers, at_start)
     if reference is not None and reference.shape != at_start[0].shape:
-        raise ValueError("Answers have other shapes in one combination of choices than in another: make them the same.")
+        raise ValueError("Answers have different shapes in different combinations of choices. Make them the same.")
     problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
     ignored = _ignored(problem, kernel, at_start[1], q.seed)
     if alone:
@@ -283,7 +269,7 @@ def _searched(
 
 
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
-    """What computes answers of scaled dimensions, and the order of these answers."""
+    """The kernel of a question, and the order of its answers."""
     scaling, layout = q.scaling, q.scaling.layout
     models = build_once(build, layout.split(q.first))
     function, of_answers = flat_function(build, q.functions, layout, models)
@@ -320,18 +306,17 @@ def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Att
 
 
 def _tell(kernel: _Kernel, best: Attempt) -> None:
-    """Warn of designs that were left out, and of a best one that is not stable."""
+    """Warn of designs that were left out, and of an unstable best one."""
     if kernel.left_out:
         warn(
-            "The search has left out designs whose leaf springs are clamped otherwise than at the start, beside a part"
-            " that is three times as thick or at a fold of 5 degrees. Start on the other side to search there, or say"
+            "The search left out designs whose leaf springs are clamped otherwise than at the start: beside a part that"
+            " is three times as thick, or at a fold of 5 degrees. Start on the other side to search there, or set"
             " `clamped`."
         )
     if best.unit.tobytes() in kernel.unstable:
         warn(
-            "The design that was found is at an equilibrium that is not stable: its stiffness is negative in some"
-            " motion, so that no mechanism stays there by itself. Keep such designs out by a limit, as of"
-            " fm.buckling_loads(model)[0] or of a frequency, which is negative there."
+            "The design is at an equilibrium that is not stable: its stiffness is negative in some motion. Exclude such"
+            " designs by a limit on fm.buckling_loads(model)[0] or on a frequency, which is negative there."
         )
 
 
@@ -353,7 +338,7 @@ def _check_start(of_answers: Layout, at_start: Any) -> None:
 
 
 def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: int) -> np.ndarray:
-    """Dimensions that nothing depends on, (n,); looked at twice, since a symmetric start may be stationary."""
+    """Whether nothing depends on each dimension, (n,), at the start and beside it: the start may be stationary."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):
         asked |= np.any(rows.matrix != 0, axis=0)
@@ -368,7 +353,7 @@ def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: 
 def _refuse_ignored(labels: list[str], ignored: np.ndarray) -> None:
     if np.any(ignored):
         names = ", ".join(f"'{label}'" for label, i in zip(labels, ignored, strict=True) if i)
-        raise ValueError(f"Nothing that is asked depends on dimension {names}. Fix it in `build`, or ask for more.")
+        raise ValueError(f"No wanted answer depends on dimension {names}. Fix it in `build`, or ask for more.")
 
 
 def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:
@@ -392,7 +377,8 @@ def _found(
     active = []
     for name, u, lower, upper in zip(layout.labels, best.unit, scaling.lower, scaling.upper, strict=True):
         if min(u, 1 - u) < AT_BOUND:
-            active.append(f"{name} is at its {'lower' if u < 0.5 else 'upper'} bound {lower if u < 0.5 else upper:g}")
+            side, bound = ("lower", lower) if u < 0.5 else ("upper", upper)
+            active.append(f"{name} is at its {side} bound {bound:g}")
     if best.answered:
         reached = np.abs(problem.limits(best.answers)) < 100 * tolerance
         active += [f"{n} is reached" for n, r in zip(problem.limits.names, reached, strict=True) if r]

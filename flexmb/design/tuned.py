@@ -1,4 +1,4 @@
-"""A design that a search found, and what became of every combination of choices."""
+"""A tuned design, and the result of every combination of choices."""
 
 import dataclasses
 from typing import Any, NamedTuple
@@ -9,7 +9,7 @@ from ..display import Result, Summary
 from ..results import RESULTS
 from .curve import Curve
 
-# Bounds and limits that are reached: so many are printed.
+# Number of reached bounds and limits that are printed.
 SHOWN = 8
 
 
@@ -18,10 +18,10 @@ class Combination(NamedTuple):
 
     Attributes:
         choices: Values by name.
-        labels: How they are written, by name.
-        tuned: The best design with them; None where the search could not begin.
-        result: Code of RESULTS: of the search, or of why it could not begin.
-        reason: In words.
+        labels: Their labels, by name.
+        tuned: Best design with them; None if the search could not begin.
+        result: Code of RESULTS: of the search, or of the failed beginning.
+        reason: Reason in words.
     """
 
     choices: dict[str, Any]
@@ -33,24 +33,24 @@ class Combination(NamedTuple):
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Tuned(Result):
-    """A design that was found.
+    """A tuned design.
 
     Attributes:
-        dimensions: By name [SI].
-        answers: At these dimensions, by name [their units].
+        dimensions: Dimensions by name [SI].
+        answers: Answers at these dimensions, by name [their units].
         start: Answers at the start, by name [their units].
-        result: Code of RESULTS: successful, infeasible, not_optimal, the failure of an analysis; where targets are
-            missed target_missed if a bound, a limit or an equality holds the design, and local_minimum if none does.
-        reason: Why the search ended, in words.
-        active: Dimensions at a bound and limits that are reached, in words.
-        objective: What was minimised, relative to the start [-].
+        result: Code of RESULTS: successful, infeasible, not_optimal, or the failure of an analysis; if targets are
+            missed, target_missed with a bound, a limit or an equality that holds the design, else local_minimum.
+        reason: Reason why the search ended, in words.
+        active: Dimensions at a bound and reached limits, in words.
+        objective: Objective, relative to the start [-].
         violation: Largest violation of a limit or of an equality, relative to its value [-].
-        history: Every evaluation of the run that led here: dimensions and answers by name, "objective" and
-            "violation", each (evaluations, ...).
-        runs: Objective and violation of every start, (starts, 2), NaN where the start itself failed.
+        history: Every evaluation of the best run: dimensions and answers by name, "objective" and "violation", each
+            (evaluations, ...).
+        runs: Objective and violation of every start, (starts, 2), NaN if the start failed.
         curves: Targets that are curves, by the names of their answers.
-        choices: What was chosen, by name.
-        combinations: Every combination of choices, as far as they were given, in their order.
+        choices: Chosen values, by name.
+        combinations: Every combination of choices, in order; empty without choices.
     """
 
     dimensions: dict[str, Any]
@@ -73,7 +73,7 @@ class Tuned(Result):
         return len(self.history["objective"])
 
     def summary(self) -> Summary:
-        """Dimensions, and answers beside those at the start."""
+        """Return dimensions, and answers beside those at the start."""
         rows = self._chosen() | {name: _text(value) for name, value in self.dimensions.items()}
         rows |= {n: f"{_text(value)} (start {_text(self.start[n])})" for n, value in self.answers.items()}
         title = f"Tuned, {self.result.name}: {self.reason} ({self.evaluations} evaluations)"
@@ -93,23 +93,24 @@ class Tuned(Result):
         return "\n".join(lines)
 
     def _chosen(self) -> dict[str, str]:
-        """Labels of what was chosen, by name."""
-        return next((one.labels for one in self.combinations if one.choices is self.choices), {})
+        """Labels of the chosen values, by name."""
+        return next((c.labels for c in self.combinations if c.choices is self.choices), {})
 
     def table(self) -> str:
-        """Every combination of choices as text: objective, violation, what became of it, and its dimensions."""
+        """Return every combination of choices as text: objective, violation, result and dimensions."""
         names = list(self.choices)
-        widths = [max(len(text) for text in (name, *(one.labels[name] for one in self.combinations))) for name in names]
+        widths = [max(len(text) for text in (name, *(c.labels[name] for c in self.combinations))) for name in names]
         heads = [f"{name:>{width}}" for name, width in zip(names, widths, strict=True)]
         lines = ["  ".join(["   ", *heads, " objective", " violation", "result"])]
-        for one in self.combinations:
-            cells = [f"{one.labels[name]:>{width}}" for name, width in zip(names, widths, strict=True)]
-            found = one.tuned
-            numbers = (found.objective, found.violation) if found else ("-", "-")
-            cells += [f"{number if isinstance(number, str) else f'{number:.4g}':>10}" for number in numbers]
-            own = [f"{name} = {_text(v)}" for name, v in found.dimensions.items()] if found else [one.reason]
-            mark = "  *" if one.choices is self.choices else "   "
-            lines.append("  ".join([mark, *cells, one.result.name + (": " if own else "") + ", ".join(own)]))
+        for combination in self.combinations:
+            cells = [f"{combination.labels[name]:>{width}}" for name, width in zip(names, widths, strict=True)]
+            found, reason = combination.tuned, [combination.reason]
+            numbers = [f"{n:.4g}" for n in (found.objective, found.violation)] if found else ["-", "-"]
+            cells += [f"{number:>10}" for number in numbers]
+            parts = [f"{name} = {_text(v)}" for name, v in found.dimensions.items()] if found else reason
+            mark = "  *" if combination.choices is self.choices else "   "
+            result = combination.result.name + (": " if parts else "") + ", ".join(parts)
+            lines.append("  ".join([mark, *cells, result]))
         return "\n".join(lines)
 
 

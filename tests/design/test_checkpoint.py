@@ -214,7 +214,7 @@ def test_designs_that_failed_are_compared_too(tmp_path):
         return made
 
     begun(path, made=refuses(1.2))
-    with pytest.raises(ValueError, match="fail otherwise"):
+    with pytest.raises(ValueError, match="other codes today"):
         fm.sweep(refuses(0.0), {"a": scaled}, DESIGNS, **run(path))
     found = fm.sweep(refuses(1.2), {"a": scaled}, DESIGNS, **run(path))
     np.testing.assert_array_equal(np.isnan(found["a"]), DESIGNS["size"] < 1.2)

@@ -257,16 +257,16 @@ WRONG = [
     ('model = "guide.dat"', "model = 'none:guide'", "model: cannot take 'none:guide': ModuleNotFoundError"),
     ('model = "guide.dat"', "model = 'faulty:guide'", "model: cannot take 'faulty:guide': ZeroDivisionError"),
     ('model = "guide.dat"', "model = 'leaving:guide'", "model: cannot take 'leaving:guide': SystemExit"),
-    ('model = "guide.dat"', "model = 'own:NUMBER'", "model: 'own:NUMBER' is no function"),
+    ('model = "guide.dat"', "model = 'own:NUMBER'", "model: 'own:NUMBER' is of type int. It must be a function"),
     ('model = "guide.dat"', "model = 'own:guide'", "[parameters]: Dimension 'l' is not one of guide(t)"),
     ('model = "guide.dat"', "model = 'own:raising'", "model: 'own:raising' raised KeyError: 'thickness'"),
-    ('model = "guide.dat"', "model = 'own:nothing'", "asked of a Model, but `model` returns of type NoneType"),
+    ('model = "guide.dat"', "model = 'own:nothing'", "needs a Model, but `model` returns NoneType"),
     ('model = "guide.dat"', "model = 'own:nothing'\nrelease = 'auto'", "release is for a model in a file"),
     ('model = "guide.dat"', "model = 'guide.dat'\nrelease = true", "release must be a text"),
     ('model = "guide.dat"', "model = 'guide.dat'\nrelease = 'all'", "release must be none or auto"),
     ("own:double", "own:raising", "[answers] double: 'own:raising' raised TypeError"),
-    ("own:double", "own:word", "[answers] double: 'own:word' must return a number or an array of them"),
-    ("own:double", "own:complex_one", "[answers] double: 'own:complex_one' must return a number"),
+    ("own:double", "own:word", "[answers] double: 'own:word' returned something"),
+    ("own:double", "own:complex_one", "[answers] double: 'own:complex_one' returned something"),
     ("own:double", "double", "[answers] double must be module:function"),
     ("own:double", "", "[answers] double must be module:function"),
     # Tables, kinds and ranges of values.
@@ -291,7 +291,7 @@ WRONG = [
     ("value = 0.5e-3", "value = true", "[parameters] t: value must be a number"),
     ("value = 0.5e-3", "value = 1979-05-27", "[parameters] t: value must be a number"),
     ("value = 0.5e-3,", "value = 0.5e-3, scale = 'square',", "[parameters] t: scale must be log or linear"),
-    ("w = 0.018", "w = { value = 0.018, scale = 'log' }", "[parameters] w: a scale belongs"),
+    ("w = 0.018", "w = { value = 0.018, scale = 'log' }", "[parameters] w: a scale needs lower and upper"),
     ("lower = 0.1e-3", "scale = 'log', lower = 0.0", "[parameters] t: scale cannot be log, since lower 0 is not"),
     ("w = 0.018", '"a b" = 1', "[parameters] a b: a parameter's name"),
     ("w = 0.018", "pi = 3", "[parameters] pi: a parameter's name"),
@@ -303,7 +303,7 @@ WRONG = [
     ("{ lower = 20.0 }", "{ low = 20.0 }", "[limits] f: there is no 'low'"),
     ("{ lower = 20.0 }", "{ lower = true }", "[limits] f: lower must be a number"),
     ("{ lower = 20.0 }", "{ lower = [1, 2] }", "The lower limit of 'f' must be a number"),
-    ("{ lower = 20.0 }", "{ lower = [[1], [1, 2]] }", "[limits] f: lower has lists of several lengths"),
+    ("{ lower = 20.0 }", "{ lower = [[1], [1, 2]] }", "[limits] f: lower has lists of different lengths"),
     ("{ lower = 20.0 }", "{ lower = 20.0, upper = 10.0 }", "Limits of 'f' are empty"),
     ("[tune]", "[targets]\nf = 'high'\n[tune]", "[targets] f must be a number"),
     ("[tune]", "[targets]\nf = nan\n[tune]", "[targets] f must be a finite number"),
@@ -329,7 +329,7 @@ WRONG = [
     ("points = 3", "points = [3]", "[sweep] points must be a whole number"),
     ("points = 3", "kind = 'random'", "[sweep] kind must be grid, latin-hypercube or monte-carlo"),
     ("points = 3", "kind = 3", "[sweep] kind must be a text"),
-    ("points = 3", "samples = 3", "[sweep] samples has no meaning where kind is grid: give points"),
+    ("points = 3", "samples = 3", "[sweep] samples has no meaning if kind is grid. Give points."),
     ("points = 3", "kind = 'monte-carlo'\npoints = 3", "[sweep] points has no meaning"),
     ("points = 3", "kind = 'monte-carlo'\nsamples = 0", "[sweep] samples must be a whole number from 1"),
     ("points = 3", "kind = 'monte-carlo'\nsamples = 1e11", "[sweep] samples must be a whole number from 1 to"),
@@ -561,7 +561,7 @@ def test_choices_of_a_study(study):
     data = json.loads(call("tune", study, "--json", "-").stdout)
     assert data["choices"] == {"w": 0.009}
     assert [one["status"] for one in data["combinations"]] == ["successful"] * 2
-    with pytest.raises(fm.errors.StudyError, match=r"\[choices\]: a sweep makes none"):
+    with pytest.raises(fm.errors.StudyError, match=r"\[choices\]: a sweep has none"):
         read_study(study).sweep()
 
 
@@ -614,12 +614,12 @@ END
 """
 
 
-@pytest.mark.slow("tune-The design that was found is at an equilibrium that is not stable")
+@pytest.mark.slow("tune-The design is at an equilibrium that is not stable")
 @pytest.mark.parametrize(
     ("command", "words"),
     [
         ("sweep", "Of 2 designs 1 are at an equilibrium that is not stable"),
-        ("tune", "The design that was found is at an equilibrium that is not stable"),
+        ("tune", "The design is at an equilibrium that is not stable"),
     ],
 )
 def test_warnings_of_the_work_are_in_the_answer(command, words, tmp_path):
