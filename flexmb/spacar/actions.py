@@ -1,6 +1,6 @@
-"""What each keyword of a SPACAR input file does: one function a keyword, on the state of one reading.
+"""The actions of the keywords of SPACAR input files, one function a keyword.
 
-Each takes the reading, the line, and its parameters by name.
+Each function receives the reading, the line, and the parameters by name.
 """
 
 from collections.abc import Callable
@@ -20,11 +20,9 @@ from .reading import Declared, Reading, Setting
 Values = dict[str, Any]
 VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
 
-# -- kinematics ---------------------------------------------------------------------------------------------------
-
 
 def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...]) -> None:
-    """An element line: what nodes there are follows from it; ``kinds`` are those of the keyword, one a form."""
+    """An element line, which introduces its nodes; ``kinds`` belong to the keyword, one for each form."""
     kind = next(k for k in kinds if set(k.node_names) <= set(p))
     number, nodes = p["element"], [p[name] for name in kind.node_names]
     if number in r.elements:
@@ -32,9 +30,10 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
     first = next(iter(r.elements.values()), None)
     if first is not None and first.kind.dimension != kind.dimension:
         names = {2: "planar", 3: "spatial"}
+        other = first.kind
         raise Fault(
-            f"{kind.keyword} is {names[kind.dimension]}, but {first.kind.keyword} on line {first.statement.line} is"
-            f" {names[first.kind.dimension]}; a mechanism is one or the other"
+            f"{kind.keyword} is {names[kind.dimension]}, but {other.keyword} on line {first.statement.line} is"
+            f" {names[other.dimension]}; a mechanism is one or the other"
         )
     _check_ends(kind, p)
     if p.get("p", 1) > LARGEST_ORDER:
@@ -49,8 +48,8 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
             )
     r.nodes |= named
     vector = [p[name] for name in VECTORS if name in p]
-    own = {prop: p[name] for name, prop in kind.numbers}
-    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"), own)
+    others = {prop: p[name] for name, prop in kind.numbers}
+    r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"), others)
 
 
 def _check_ends(kind: ElementKind, p: Values) -> None:
@@ -68,9 +67,8 @@ def position(r: Reading, s: Statement, p: Values) -> None:
     kind = r.kind_of(p["node"])
     if kind.part != "position":
         line = r.nodes[p["node"]][1]
-        raise Fault(
-            f"is a {_part(kind)} node ({line.keyword} on line {line.line}): only a translational node has a position"
-        )
+        where = f"({line.keyword} on line {line.line})"
+        raise Fault(f"is a {_part(kind)} node {where}: only a translational node has a position")
     values = [p[name] for name in ("x", "y", "z") if name in p]
     if len(values) > kind.size:
         raise Fault(f"has {kind.size} coordinates in a planar mechanism, but {len(values)} are given")
@@ -114,7 +112,7 @@ def section(r: Reading, s: Statement, p: Values) -> None:
 
 
 def clamp(r: Reading, s: Statement, p: Values) -> None:
-    """CLAMP: which ends of a leaf spring are clamped, where that shall not be found."""
+    """CLAMP: which ends of a leaf spring are clamped."""
     kind = r.declared(p["element"]).kind
     if not kind.sized:
         raise Fault(f"{kind.keyword} takes no CLAMP: that says of a LEAF or PLLEAF which of its ends are clamped")
@@ -125,7 +123,7 @@ def clamp(r: Reading, s: Statement, p: Values) -> None:
 
 
 def _keep(r: Reading, s: Statement, p: Values, values: list[Any]) -> None:
-    """Keep the numbers of an element's line, which is given once."""
+    """Keep the numbers of an element's line, which may occur once."""
     r.once(s, p["element"])
     r.lines.setdefault(p["element"], {})[s.keyword] = values
 
@@ -136,7 +134,7 @@ def _counted(names: tuple[str, ...]) -> str:
 
 
 def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
-    """Give entries a role; returns their own numbers, each once."""
+    """Give entries a role, and return their numbers, each once."""
     what = "coordinate" if kind == "node" else "deformation"
     named: dict[int, int] = {}
     for i, component in enumerate(components):
@@ -160,7 +158,7 @@ def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: s
 
 
 def fix(r: Reading, s: Statement, p: Values) -> None:
-    """FIX: coordinates at their start values; none named means all."""
+    """FIX: coordinates at their start values; all by default."""
     size = r.kind_of(p["node"]).size
     components = p.get("coordinate", list(range(1, size + 1)))
     _take_role(r, s, p["node"], components, "node", repeatable=True)
@@ -182,7 +180,7 @@ def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
 
 
 def prescribed(r: Reading, s: Statement, p: Values) -> None:
-    """INPUTX, INPUTE in the kinematics block: what is prescribed, at its start value so far."""
+    """INPUTX, INPUTE in the kinematics block: prescribed coordinates or deformations, at their start values so far."""
     kind, of, components = target(p)
     for component in components:
         r.single(of, component, kind)
@@ -191,13 +189,10 @@ def prescribed(r: Reading, s: Statement, p: Values) -> None:
 
 
 def target(p: Values) -> tuple[str, int, Any]:
-    """Whether a line is about a node or an element, which, and the number of its coordinate or deformation."""
+    """Whether a line concerns a node or an element, its number, and the numbers of coordinates or deformations."""
     if "node" in p:
         return "node", p["node"], p["component"] if "component" in p else p["coordinate"]
     return "element", p["element"], p["deformation"]
-
-
-# -- dynamics -----------------------------------------------------------------------------------------------------
 
 
 def lumped(r: Reading, s: Statement, p: Values) -> None:
@@ -225,19 +220,18 @@ def force(r: Reading, s: Statement, p: Values) -> None:
     r.entries(p["node"], [], "node")
     spatial = kind is ROTATION3
     if spatial and len(values) not in (3, 4):
-        raise Fault(
-            f"rotational node takes 3 moment components, or 4 duals of the Euler parameters; {len(values)} are given"
-        )
+        forms = "3 moment components, or 4 duals of the Euler parameters"
+        raise Fault(f"rotational node takes {forms}; {len(values)} are given")
     if len(values) > kind.size:
         raise Fault(f"{_part(kind)} node takes at most {kind.size} components, but {len(values)} are given")
     moment = spatial and len(values) == 3
     r.once(s, p["node"], moment)
-    # Components that are not given are zero.
+    # Missing components are zero.
     values = values if moment else values + [0.0] * (kind.size - len(values))
     (r.builder.moment if moment else r.builder.force)(str(p["node"]), values, increment=increment)
 
 
-# Said of a line of which the modes that go through time use all, and left out there.
+# Warning about a line; modes that use velocities and accelerations leave it out.
 RATES_IDLE = "velocity and acceleration are for modes 1 to 6, which go through time; others do not use them"
 
 
@@ -267,7 +261,7 @@ def motion_increment(r: Reading, s: Statement, p: Values) -> None:
 
 
 def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., dict[int, float]]) -> list[float]:
-    """Values of an element's deformations; ``spread`` makes those of a spectral beam of those of a beam."""
+    """Values of an element's deformations; ``spread`` converts values of a beam to values of a spectral beam."""
     of, values = p["element"], p["value"]
     roles = r.entries(of, list(range(1, len(values) + 1)), "element")
     r.once(s, of)
@@ -275,18 +269,19 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     if r.declared(of).kind.sized:
         first = member.element.fields[0][0]
         if given := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
+            keyword = r.declared(of).kind.keyword
             raise Fault(
-                f"{r.declared(of).kind.keyword} takes values of single coefficients alone, from deformation {first} on;"
-                f" value {given[0]} must be 0"
+                f"{keyword} takes values of single coefficients alone, from deformation {first} on; value {given[0]}"
+                " must be 0"
             )
     elif member.element.fields:
         start, end = (r.builder.nodes[member.nodes[k]].start for k in (0, 2))
         length = sum((q - p) ** 2 for p, q in zip(start, end, strict=True)) ** 0.5
         try:
-            own = spread(member.element, length, values)
+            values_by_number = spread(member.element, length, values)
         except ValueError as fault:
             raise Fault(str(fault)) from None
-        values = [own.get(n, 0.0) for n in range(1, max(own, default=1) + 1)]
+        values = [values_by_number.get(n, 0.0) for n in range(1, max(values_by_number, default=1) + 1)]
         roles = member.roles[: len(values)]
     numbered = enumerate(zip(roles, values, strict=True), 1)
     held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
@@ -318,7 +313,7 @@ def expansion(r: Reading, s: Statement, p: Values) -> None:
 
 
 def temperature(r: Reading, s: Statement, p: Values) -> None:
-    """TEMP, DELTEMP: change of temperature of an element, or of its two ends, and what it grows by across."""
+    """TEMP, DELTEMP: change of temperature of an element or of its two ends, and gradients across."""
     of, values = p["element"], p["value"]
     axes = r.declared(of).kind.dimension - 1
     r.entries(of, [], "element")
@@ -342,9 +337,6 @@ def gravity(r: Reading, s: Statement, p: Values) -> None:
     if r.builder.dimension == 2 and any(not known(value) or value != 0 for value in values[2:]):
         raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
     r.builder.gravity(values[: r.builder.dimension])
-
-
-# -- settings -----------------------------------------------------------------------------------------------------
 
 
 def setting(r: Reading, s: Statement, p: Values) -> None:
@@ -382,12 +374,12 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
 
 
 def log_level(r: Reading, s: Statement, p: Values) -> None:
-    """OUTLEVEL, LEVELLOG: how much the predecessor wrote to its log."""
+    """OUTLEVEL, LEVELLOG: amount of output in the log of the predecessor."""
     r.settings[s.keyword] = (p["log"], p["store"])
     r.warnings.append((s, "has no effect: all transfer functions are always available"))
 
 
 def drawing(r: Reading, s: Statement) -> None:
-    """A line of the visualization section, kept as it stands."""
+    """A line of the visualization section, kept unchanged."""
     r.settings.setdefault(DRAWING.upper(), []).append(s.raw)
     r.drawn.append(s)

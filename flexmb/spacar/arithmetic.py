@@ -1,4 +1,4 @@
-"""Arithmetic of numbers and named parameters, as it stands in braces in an input file."""
+"""Arithmetic of numbers and named parameters, as in the braces of an input file."""
 
 import math
 import operator
@@ -18,7 +18,7 @@ _PLAIN = re.compile(rf"[ \t]*[-+]?[ \t]*{_NUMBER}[ \t]*")
 
 
 class _Operation(NamedTuple):
-    """What a sign does: the higher its rank, the earlier."""
+    """A sign with its rank (higher ranks run first), its number of operands, and its function."""
 
     sign: str
     rank: int
@@ -42,18 +42,10 @@ _OPEN = _Operation("(", 0, 0, operator.pos)
 
 
 def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
-    """Value of arithmetic with + - * / ** and parentheses, in one pass, so that neither length nor depth has a limit.
+    """Value of arithmetic with + - * / ** and parentheses, () real, by numbers by name, which may be traced.
 
-    Args:
-        text: Numbers, names, signs.
-        numbers: Values by name, () each, which may be traced; "pi" is known.
-
-    Returns:
-        () real.
-
-    Raises:
-        ValueError: Something else stands there, a name is unknown, or there is no real, finite value; the message is
-            the rest of a sentence about the text.
+    One pass without recursion: neither length nor depth has a limit. The message of a ValueError is the rest of a
+    sentence about the text.
     """
     values: list[Any] = []
     waiting: list[_Operation] = []
@@ -63,7 +55,7 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
         if found is None:
             raise ValueError(f"may have numbers, parameters, pi, + - * / ** and parentheses only: {_rest(text, place)}")
         sign = found["sign"]
-        # A number, a name, "(" or a sign before it where a value is wanted; an operation or ")" after one.
+        # Before a value: a number, a name, "(" or a sign. After a value: an operation or ")".
         if wanted and (found["number"] or found["name"]):
             values.append(_number(found["number"]) if found["number"] else _named(found["name"], numbers))
             wanted = False
@@ -93,17 +85,17 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
 
 
 def is_number(text: str) -> bool:
-    """Whether a text is a number alone, with a sign or without."""
+    """Whether a text is one number, with or without a sign."""
     return _PLAIN.fullmatch(text) is not None
 
 
 def names_in(text: str) -> list[str]:
-    """Names in arithmetic, in order, up to what is none; pi is among them."""
+    """Names in arithmetic, in order, up to the first fault; pi is among them."""
     return [text[start:end] for start, end in _names(text)]
 
 
 def renamed(text: str, old: str, new: str) -> str:
-    """Arithmetic in which a name is another one; all else stays as it is written."""
+    """Arithmetic with another name in place of one; all else stays."""
     for start, end in reversed(_names(text)):
         if text[start:end] == old:
             text = text[:start] + new + text[end:]
@@ -124,7 +116,7 @@ def _rest(text: str, place: int) -> str:
 
 
 def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
-    """Do the operations that wait, back to one of a lower rank or a parenthesis."""
+    """Do waiting operations, back to one of a lower rank or a parenthesis."""
     while waiting and waiting[-1].rank >= rank:
         operation = waiting.pop()
         operands = values[-operation.operands :]
@@ -140,7 +132,7 @@ def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
 
 
 def _finite(value: Any) -> Any:
-    """A number that is finite as far as is known."""
+    """A number that is finite or traced."""
     if not isinstance(value, jax.core.Tracer) and not math.isfinite(value):
         raise ValueError("has no value: a number in it is too large, or none")
     return value
@@ -155,12 +147,13 @@ def _named(name: str, numbers: Mapping[str, Any]) -> Any:
         if name == "pi":
             return math.pi
         known = ", ".join(numbers) or "none is given"
+        name, known = clean(name), clean(known)
         raise ValueError(
-            f"asks for '{clean(name)}', but there is no parameter '{clean(name)}' ({clean(known)}); it is given by"
-            f" numbers={{..}} in Python, by --set {clean(name)}=NUMBER on the command line"
+            f"asks for '{name}', but there is no parameter '{name}' ({known}); it is given by numbers={{..}} in Python,"
+            f" by --set {name}=NUMBER on the command line"
         )
     value = numbers[name]
     if isinstance(value, bool | np.bool_ | str) or np.shape(value) != ():
         raise ValueError(f"asks for '{clean(name)}', which must be one number, but is {clean(repr(value))}")
-    # A plain number, so that division by zero is a fault and no warning.
+    # Division by a NumPy zero would only warn.
     return value if isinstance(value, jax.core.Tracer) else _finite(float(value))

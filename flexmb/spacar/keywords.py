@@ -1,10 +1,10 @@
-"""The keywords of SPACAR input files: what is done with each in its block.
+"""The keywords of SPACAR input files, and the action of each in its block.
 
-ROWS says what is done with a keyword in a block, DRAWN what is
-warned of, REFUSED what is refused and why. What ROWS reads without effect warns by itself (OUTLEVEL, ITERSTEP and the
-like). Some lines act in some modes only: STARTDX, STARTDE, velocities of INPUTX and INPUTE, and ERROR in 1 and 4 (the
-relative tolerance of ERROR in 6 too), TIMESTEP in these and in 2, 3, 5 and 6, where trajectories act (TRAJX and the
-like, NOMF, REFX and the like); inputs and outputs in 4 and 9, increments (DELXF and the like) in 8 and 10.
+ROWS lists actions, DRAWN lists keywords with a warning, and REFUSED lists refused keywords with the reason. Keywords of
+ROWS without effect warn by themselves (OUTLEVEL, ITERSTEP and the like). Some lines have an effect in some modes only:
+STARTDX, STARTDE, velocities of INPUTX and INPUTE, and ERROR in 1 and 4 (the relative tolerance of ERROR in 6 too),
+TIMESTEP in these and in 2, 3, 5 and 6, where trajectories act (TRAJX, NOMF, REFX and the like); inputs and outputs in 4
+and 9, increments (DELXF and the like) in 8 and 10.
 """
 
 import dataclasses
@@ -19,21 +19,13 @@ from .lines import DYNAMICS, KINEMATICS, SIGNALS, Statement
 from .reading import Reading
 from .signals import QUANTITIES, signal
 
-# When a line is acted on: nodes follow from elements, properties and positions must be known before they are built.
+# Stages: nodes follow from elements, and properties and positions are needed before elements are built.
 DECLARE, DESCRIBE, APPLY = range(3)
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One keyword in one block.
-
-    Attributes:
-        keyword: Keyword.
-        block: Block it stands in.
-        form: Its parameters; see lines.parse.
-        action: What it does.
-        stage: When.
-    """
+    """One keyword in one block, with its form (see lines.parse), its action and its stage."""
 
     keyword: str
     block: str

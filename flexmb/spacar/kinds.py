@@ -1,4 +1,4 @@
-"""Element types as SPACAR input files name them, and the order of their numbers; read and written alike."""
+"""Element types in SPACAR input files, and the order of their numbers, for reading and writing."""
 
 import dataclasses
 from typing import Any
@@ -10,27 +10,27 @@ from ..elements.nodes import NodeKind
 from ..elements.sections import Damping, Material, Rectangle, Rigidity
 from .lines import known
 
-# A place in a line of numbers that must be zero, since the element has nothing for it.
+# A number that must be zero, since the element has no such property.
 NOTHING = ""
-# Coefficients of each strain field of a spectral beam: as many as are usual, and as are sensible at most.
+# Default number of coefficients of each strain field of a spectral beam.
 ORDER = 4
-# What SECTION gives, in order, up to the coefficient of thermal expansion.
+# Numbers of SECTION in order.
 SIZES = ("width", "thickness", "E", "G", "rho", "alpha")
 
 
 @dataclasses.dataclass(frozen=True)
 class ElementKind:
-    """How a file describes one element type.
+    """The description of one element type in a file.
 
     Attributes:
         keyword: Keyword.
-        element: Element type; of a spectral beam that of the usual order, which a line may change.
-        form: Parameters of the keyword; see lines.parse.
+        element: Element type; for a spectral beam of the default order.
+        form: Parameters of the keyword, see lines.parse.
         stiffness: Names in Rigidity of the numbers of ESTIFF, in order; ("stiffness",) * n for a hinge.
         mass: Names in Rigidity of the numbers of EM.
         damping: Names in Damping of the numbers of EDAMP; ("damping",) * n for a hinge.
-        numbers: Other numbers of the form and the properties they are, in the order of the form.
-        sized: Whether SECTION gives its sizes and its material, in place of ESTIFF and EM.
+        numbers: Other numbers of the form and their properties, in the order of the form.
+        sized: Whether SECTION gives sizes and material, instead of ESTIFF and EM.
     """
 
     keyword: str
@@ -54,22 +54,17 @@ class ElementKind:
 
     @property
     def warps(self) -> bool:
-        """Whether a line names the warping of the ends, of which FIX and DYNX then say what it does."""
+        """Whether a line names the warping of the ends, for FIX and DYNX."""
         return "warpp" in self.node_names
 
     @property
     def node_kinds(self) -> list[NodeKind]:
-        """Kinds of the nodes that a line names."""
+        """Kinds of the nodes on a line."""
         own = self.element.nodes.values()
         return [kind for kind in own if has_number(kind) or (kind.part == "warping" and self.warps)]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
-        """Element type of one line of a file.
-
-        Args:
-            order: Order of a spectral beam, where given.
-            stiffness: Numbers of ESTIFF.
-        """
+        """Element type of a line, by its order and its numbers of ESTIFF."""
         counts = any(not known(v) or v != 0 for v in stiffness[4:])
         found = {"order": order, "shear": counts}
         return self.element(**{name: v for name, v in found.items() if name in self.element.options and v is not None})
@@ -81,16 +76,10 @@ class ElementKind:
     def properties(
         self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
     ) -> dict[str, Any]:
-        """Properties for ``Builder.add``.
-
-        Args:
-            lines: Numbers of ESTIFF, EM, EDAMP, ALPHA, SECTION and CLAMP, where given.
-            vector: Local y vector or axis, where given.
-            numbers: Other numbers, by property.
-        """
+        """Properties for ``Builder.add`` from numbers by keyword, a vector y or axis, and other numbers by property."""
         found: dict[str, Any] = dict(numbers)
         if self.warps:
-            # Nothing is looked for: what is held, FIX says.
+            # FIX states what is held.
             found["clamped"] = False
         if "SECTION" in lines:
             found["section"] = rectangle(lines["SECTION"])
@@ -123,12 +112,12 @@ class ElementKind:
 
 
 def has_number(kind: NodeKind) -> bool:
-    """Whether a file numbers nodes of a kind: not coordinates that an element owns, nor warping."""
+    """Whether a file numbers nodes of a kind: no coordinates of an element, no warping."""
     return kind.part not in ("internal", "warping")
 
 
 def rectangle(sizes: list[float]) -> Rectangle:
-    """Section of a leaf spring, by the numbers of SECTION."""
+    """Section of a leaf spring from the numbers of SECTION."""
     width, thickness, *material = sizes
     return Rectangle(width, thickness, Material(**dict(zip(SIZES[2:], material, strict=False))))
 
@@ -138,14 +127,7 @@ _INERTIA = ("mass", "Jx", "Jy", "Jz", "Jyz")
 _TURNS = ("stiffness",) * 3, (), ("damping",) * 3
 
 KINDS = (
-    ElementKind(
-        "BEAM",
-        spatial.beam,
-        "element xp rotp xq rotq [y1 y2 y3]",
-        _BEAM,
-        _INERTIA,
-        _BEAM[:4],
-    ),
+    ElementKind("BEAM", spatial.beam, "element xp rotp xq rotq [y1 y2 y3]", _BEAM, _INERTIA, _BEAM[:4]),
     ElementKind(
         "BEAMW",
         spatial.warping_beam,
@@ -155,12 +137,7 @@ KINDS = (
         _BEAM[:4],
     ),
     ElementKind(
-        "SBEAM",
-        spatial.spectral_beam(ORDER),
-        "element xp rotp xq rotq y1 y2 y3 [p]",
-        _BEAM,
-        _INERTIA,
-        _BEAM[:4],
+        "SBEAM", spatial.spectral_beam(ORDER), "element xp rotp xq rotq y1 y2 y3 [p]", _BEAM, _INERTIA, _BEAM[:4]
     ),
     ElementKind("LEAF", spatial.leaf_spring, "element xp rotp xq rotq y1 y2 y3 [p]", damping=_BEAM[:4], sized=True),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
@@ -169,27 +146,20 @@ KINDS = (
     ElementKind("SCREW", spatial.screw, "element xp rotp xq rotq x1 x2 x3 pitch", numbers=(("pitch", "pitch"),)),
     ElementKind("TRUSS", spatial.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
     ElementKind(
-        "PLBEAM",
-        planar.beam,
-        "element xp rotp xq rotq",
-        ("EA", "EIy", "shear_z"),
-        ("mass", "Jy"),
-        ("EA", "EIy"),
+        "PLBEAM", planar.beam, "element xp rotp xq rotq", ("EA", "EIy", "shear_z"), ("mass", "Jy"), ("EA", "EIy")
     ),
     ElementKind(
         "PLSBEAM",
         planar.spectral_beam(ORDER),
         "element xp rotp xq rotq [p]",
-        ("EA", "EIy", NOTHING),
-        ("mass", "Jy"),
-        ("EA", "EIy"),
+        *(("EA", "EIy", NOTHING), ("mass", "Jy"), ("EA", "EIy")),
     ),
     ElementKind("PLLEAF", planar.leaf_spring, "element xp rotp xq rotq [p]", damping=("EA", "EIy"), sized=True),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
     ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
     ElementKind("PLTOR", planar.hinge, "element rotp rotq", ("stiffness",), (), ("damping",)),
-    # Our own form: the predecessor's is not known.
+    # Our own form: the predecessor's form is not known.
     ElementKind(
         "PLBELT",
         planar.belt,

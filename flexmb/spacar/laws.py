@@ -1,4 +1,4 @@
-"""Laws of time of an input file: how each coordinate or deformation goes that TRAJX and TRAJE lead somewhere."""
+"""Laws of time of an input file: the motions of coordinates and deformations by TRAJX and TRAJE."""
 
 from typing import Any, NamedTuple
 
@@ -14,13 +14,13 @@ from .actions import start_of
 from .reading import Leg
 from .trajectories import WAYS
 
-# An S-curve speeds up in a third of its time, goes steadily in the next and slows down in the last; the acceleration
-# grows, stays and falls in a third of each. What its limits are for a way of 1 in a time of 1 follows from that.
+# Limits of an S-curve over a distance of 1 in a time of 1. It accelerates in the first third and decelerates in the
+# last; the acceleration grows, stays and falls in a third of each.
 THIRDS = {"velocity": 1.5, "acceleration": 6.75, "jerk": 60.75}
 
 
 class Way(NamedTuple):
-    """Lines of one coordinate or deformation, in the order of time, and the keyword of them."""
+    """Lines of one coordinate or deformation, in the order of time, and their keyword."""
 
     keyword: str
     legs: list[Leg]
@@ -33,7 +33,7 @@ def role_of(builder: Builder, key: Key) -> Role:
 
 
 def ways_of(settings: dict[str, Any]) -> dict[Key, Way]:
-    """Lines of TRAJX and TRAJE in the settings of a file, by what they lead."""
+    """Lines of TRAJX and TRAJE in the settings of a file, by coordinate or deformation."""
     found: dict[Key, Way] = {}
     for keyword, kind in zip(WAYS, ("node", "element"), strict=True):
         for leg in sorted(settings.get(keyword, []), key=lambda leg: leg.start):
@@ -50,7 +50,7 @@ def _name(labels: Labels, key: Key) -> str:
 
 
 def _move(leg: Leg, start: float, end: float) -> Law:
-    """One way from rest to rest."""
+    """One motion from rest to rest."""
     duration = leg.end - leg.start
     if leg.law == "scurve" and end != start:
         far = abs(end - start)
@@ -60,19 +60,20 @@ def _move(leg: Leg, start: float, end: float) -> Law:
 
 
 def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
-    """One law of the displacement or deformation of several ways in the order of time, with rest between them.
+    """One law of several motions in the order of time, with rest between them.
 
-    The first way begins at ``start``, from the undeformed mechanism; values of lines count from ``reference`` [m, rad].
+    The first motion begins at ``start``, from the undeformed mechanism; values of lines count from ``reference`` [m,
+    rad].
     """
     breaks, pieces, at = [legs[0].start], [], start
     for leg in legs:
         if leg.start > breaks[-1]:
             pieces.append(np.array([[at]]))
             breaks.append(leg.start)
-        own, at = _move(leg, at, leg.value - reference), leg.value - reference
-        pieces.append(np.asarray(own.coefficients))
-        # The last is the end itself, which the sum of an S-curve's phases misses by round-off.
-        breaks += [*np.asarray(own.breaks)[1:-1].tolist(), leg.end]
+        motion, at = _move(leg, at, leg.value - reference), leg.value - reference
+        pieces.append(np.asarray(motion.coefficients))
+        # The phases of an S-curve miss the end by round-off.
+        breaks += [*np.asarray(motion.breaks)[1:-1].tolist(), leg.end]
     widest = max(piece.shape[1] for piece in pieces)
     padded = [np.pad(piece, ((0, 0), (0, widest - piece.shape[1]))) for piece in pieces]
     # jnp.asarray compiles a program for each shape.
@@ -80,10 +81,7 @@ def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
 
 
 def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Role | None = None) -> dict[str, Law]:
-    """Laws of all that a file leads somewhere, of one role where given, by names.
-
-    They are displacements from the undeformed mechanism, and deformations.
-    """
+    """Laws of all motions in a file, or of one role, by names: displacements from the undeformed mechanism."""
     given, found = builder.loads["initial"].get("prescribed", {}), {}
     for key, way in ways_of(settings).items():
         kind, of, number = key

@@ -18,46 +18,50 @@ from .light_input import Script, read
 from .light_model import build
 from .light_results import LightResults as LightResults
 
-# Diagonals of stiffness and mass below these many units of round-off are a sign of wrong units.
+# Stiffness and mass below this many units of round-off indicate wrong units.
 TINY_STIFFNESS, TINY_MASS = 15, 150
 
 
 def spacar_light(
     nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
 ) -> LightResults:
-    """Analyse a mechanism that is described in the predecessor's SPACAR Light.
+    """Analyse a mechanism in the form of a SPACAR Light script.
 
-    Names and meaning are those of SPACAR Light: fields of nodes fix, fix_pos, fix_orien, fix_x .., fix_warp, force,
-    moment, displ_x .., rot_x .., rot, each of the loads also with _initial, mass, mominertia, transfer_in,
-    transfer_out; of element sets elems, emod, smod, dens, cshape, dim, orien, nbeams, flex, warping, cw, type; options
-    gravity, loadsteps, rls, transfer, calcbuck, calccompl, showinputonly, silent. What is for pictures is named in a
-    warning.
+    Names and meanings are those of SPACAR Light. Fields of nodes are fix, fix_pos, fix_orien, fix_x .., fix_warp,
+    force, moment, displ_x .., rot_x .., rot (loads also with _initial), mass, mominertia, transfer_in and transfer_out.
+    Fields of element sets are elems, emod, smod, dens, cshape, dim, orien, nbeams, flex, warping, cw and type. Options
+    are gravity, loadsteps, rls, transfer, calcbuck, calccompl, showinputonly and silent. A warning names fields for
+    pictures.
 
-    Loads called initial rise first, from zero to their value in ``loadsteps`` steps (10), then the others. Gravity
-    comes with the initial loads, and is whole from the start where there are none.
+    Initial loads rise first, from zero to their value in ``loadsteps`` steps (10), then the others. Gravity rises with
+    the initial loads; without initial loads it is complete from the start.
 
-    Different from it, and better: rot_x and rot prescribe the angle itself, past full turns; buckling multipliers keep
-    their sign; reaction moments are right at turned nodes; with transfer the mechanism may be loaded, and the state
-    space is that about the last step. Elements with ``warping`` that meet at a node share its warping, which is zero
-    where the rotation is held, by fix_warp, and where an element that is rigid or a hinge is joined; one beam is exact
-    where the torque is constant. The axis of an element of type "hinge" is its orien. ``silent`` leaves out warnings,
-    not checks.
+    Differences from SPACAR Light:
+
+    - rot_x and rot prescribe the angle itself, past full turns.
+    - Buckling multipliers keep their sign.
+    - Reaction moments are right at turned nodes.
+    - With transfer the mechanism may be loaded; the state space belongs to the last step.
+    - Elements with ``warping`` share the warping of a node. It is zero where the rotation is held, at fix_warp, and
+      where a rigid element or a hinge is joined. One beam is exact for a constant torque.
+    - The axis of an element of type "hinge" is its orien.
+    - ``silent`` leaves out warnings, not checks.
 
     Args:
-        nodes: Positions, one row a node, (n, 3) [m]; or the whole script in one struct (a Struct or a dictionary) with
-            the fields coordinates, connect, nprops, eprops and, if wanted, opt.
+        nodes: Positions, one row a node, (n, 3) [m]; or the whole script in a Struct or a dictionary with the fields
+            coordinates, connect, nprops, eprops and optionally opt.
         elements: Numbers from 1 of the nodes of each element, (m, 2).
-        nprops: Properties of nodes: a StructArray, a dictionary by number, or a list whose first is node 1.
-        eprops: Properties of element sets, likewise.
+        nprops: Properties of nodes: a StructArray, a dictionary by number, or a list that begins with node 1.
+        eprops: Properties of element sets in the same forms.
         opt: Options: a dictionary or a Struct.
 
     Returns:
-        LightResults, with the results under the predecessor's names, the Model and its Builder.
+        LightResults, with results under the predecessor's names, the Model and its Builder.
 
     Raises:
-        ModelError: A field is unknown or wrong, one line each, by node, element or set.
-        MechanismError: Under-constrained, or over-constrained beyond what can be released.
-        AnalysisError: No equilibrium at some load step.
+        ModelError: A field is unknown or wrong; one line each, by node, element or set.
+        MechanismError: The mechanism is under-constrained, or over-constrained beyond possible releases.
+        AnalysisError: A load step has no equilibrium.
     """
     script = read(nodes, elements, nprops, eprops, opt)
     check(script)
@@ -82,10 +86,10 @@ def spacar_light(
 def spacar_light_model(
     nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
 ) -> Model:
-    """The mechanism of a SPACAR Light script, to differentiate, batch and analyse by flexmb's own functions.
+    """The mechanism of a SPACAR Light script, for derivatives, batches and flexmb's own functions.
 
-    Every number of the script may be traced. With traced node positions, releases are not found: ``opt.rls`` must be
-    given, such as ``overconstraints`` of an untraced :func:`spacar_light`.
+    Every number of the script may be traced. Traced node positions need ``opt.rls``, such as ``overconstraints`` of an
+    untraced :func:`spacar_light`.
 
     Args:
         nodes: See :func:`spacar_light`.
@@ -95,7 +99,7 @@ def spacar_light_model(
         opt: See :func:`spacar_light`.
 
     Returns:
-        Model. Node 3 is "n3", the beams of element 2 are "e2.1", "e2.2" and so on.
+        Model. Node 3 is "n3"; the beams of element 2 are "e2.1", "e2.2" and so on.
 
     Raises:
         ModelError: See :func:`spacar_light`.
@@ -107,14 +111,9 @@ def spacar_light_model(
 
 
 def load_steps(script: Script) -> list[tuple[float, float]]:
-    """Factors of the initial and of the incremental loads at every step.
-
-    The initial loads rise first, then the others; each in ``loadsteps`` steps with the state they start from. Gravity
-    comes with the initial loads, and is whole where there are none.
-    """
-    moving = [
-        name for own in script.nprops.values() for name in own if name.startswith(("force", "moment", "displ", "rot"))
-    ]
+    """Factors of the initial and of the incremental loads at every step: initial loads rise first, then the others."""
+    fields = [name for own in script.nprops.values() for name in own]
+    moving = [name for name in fields if name.startswith(("force", "moment", "displ", "rot"))]
     initial, increment = (any(("_initial" in name) is wanted for name in moving) for wanted in (True, False))
     steps = value_of(script.opt, "opt", "loadsteps")
     rising = np.linspace(0.0, 1.0, steps).tolist() if steps > 1 else [1.0]
@@ -134,7 +133,7 @@ def _linearize(model: Model, step: int, steps: int, initial: float, increment: f
 
 
 def _suspicions(light: LightResults) -> list[str]:
-    """What the numbers give reason to warn of."""
+    """Warnings that the numbers suggest."""
     found = []
     first, eps = light.linearizations[0].matrices, np.finfo(float).eps
     for name, matrix, tiny in (("stiffness", first.K0, TINY_STIFFNESS), ("mass", first.M0, TINY_MASS)):
@@ -148,7 +147,7 @@ def _suspicions(light: LightResults) -> list[str]:
 
 
 def _damped(lin: Linearization, ratio: float = 0.0) -> Linearization:
-    """The same with a damping ratio in every mode and no other damping."""
+    """The same with a damping ratio in every mode and without other damping."""
     if ratio == 0.0:
         return lin
     if not lin.matrices.symmetric:

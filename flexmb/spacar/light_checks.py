@@ -1,4 +1,4 @@
-"""Whether a SPACAR Light script describes a mechanism: geometry, supports, element sets, options."""
+"""Checks of a SPACAR Light script: geometry, supports, element sets, options."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,23 +7,16 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..errors import ModelError, clean
+from ..numerical_limits import LIGHT_LENGTH_RATIO, LIGHT_PARALLEL, LIGHT_SHORTEST, LIGHT_THIN, SAME_AXIS
 from .light_fields import AXES, COUNTS, faults_of, numbered, value_of
 from .light_input import Script
 from .lines import LARGEST, SMALLEST, within
 
-SHORTEST = 1e-5
-LONGEST = 1000
-# Sine of the angle between orien and the element's axis.
-PARALLEL = 1e-5
-THIN = 1e-4
 MANY_STEPS = 100
 
 
 def check(script: Script) -> None:
-    """Check a script and raise ModelError with one line a fault; add what is unusual to its warnings.
-
-    The script gets its ``sets``; the options ``rls`` and ``transfer`` take the form in which they are used.
-    """
+    """Raise ModelError with one line a fault; add ``sets`` and warnings to the script, and convert some options."""
     faults = list(_connections(script)) or _rest(script)
     if faults:
         raise ModelError("\n".join(faults))
@@ -41,21 +34,16 @@ def _rest(script: Script) -> list[str]:
 
 
 def acts(value: Any) -> bool:
-    """Whether a load is there: given and not zero, or not known to be zero."""
+    """Whether a load is given, and not known to be zero."""
     return value is not None and (not is_concrete(value) or bool(np.any(np.asarray(value) != 0)))
-
-
-# -- geometry -----------------------------------------------------------------------------------------------------
 
 
 def _connections(script: Script) -> Iterator[str]:
     n = len(script.nodes)
     if is_concrete(script.nodes):
         for i in np.flatnonzero(~np.all(within(script.nodes), axis=1)):
-            yield (
-                f"Node {i + 1}: its position must be finite numbers, 0 or from {SMALLEST:g} to {LARGEST:g} in size, but"
-                f" is {script.nodes[i]}."
-            )
+            size = f"finite numbers, 0 or from {SMALLEST:g} to {LARGEST:g} in size"
+            yield f"Node {i + 1}: its position must be {size}, but is {script.nodes[i]}."
     pairs: dict[tuple[int, int], int] = {}
     for k in script.numbers():
         p, q = script.ends(k)
@@ -76,16 +64,17 @@ def _lengths(script: Script) -> Iterator[str]:
     ends = script.nodes[script.elements - 1]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     for k in script.numbers():
-        if script.is_hinge(k) and lengths[k - 1] > SHORTEST:
+        if script.is_hinge(k) and lengths[k - 1] > LIGHT_SHORTEST:
             yield f"Element {k}: a hinge joins two nodes at the same place, but they are {lengths[k - 1]:.6g} m apart."
-        elif not script.is_hinge(k) and lengths[k - 1] <= SHORTEST:
-            yield f"Element {k}: its length is {lengths[k - 1]:.6g} m, but must be more than {SHORTEST:g} m."
-    beams = [k for k in script.numbers() if not script.is_hinge(k) and lengths[k - 1] > SHORTEST]
+        elif not script.is_hinge(k) and lengths[k - 1] <= LIGHT_SHORTEST:
+            yield f"Element {k}: its length is {lengths[k - 1]:.6g} m, but must be more than {LIGHT_SHORTEST:g} m."
+    beams = [k for k in script.numbers() if not script.is_hinge(k) and lengths[k - 1] > LIGHT_SHORTEST]
     if not beams:
         return
     longest, shortest = (choose(beams, key=lambda k: lengths[k - 1]) for choose in (max, min))
-    if lengths[longest - 1] > LONGEST * lengths[shortest - 1]:
-        yield f"Element {longest}: is more than {LONGEST} times as long as element {shortest}; check the units."
+    if lengths[longest - 1] > LIGHT_LENGTH_RATIO * lengths[shortest - 1]:
+        times = f"more than {LIGHT_LENGTH_RATIO} times as long as element {shortest}"
+        yield f"Element {longest}: is {times}; check the units."
     for k in beams:
         yield from _orientation(script, k, ends[k - 1, 1] - ends[k - 1, 0])
 
@@ -97,15 +86,12 @@ def _orientation(script: Script, k: int, along: np.ndarray) -> Iterator[str]:
     across = value_of(own, "eprops", "orien")
     if is_concrete(across):
         size = np.linalg.norm(along) * np.linalg.norm(across)
-        if np.linalg.norm(np.cross(along, across)) <= PARALLEL * size:
+        if np.linalg.norm(np.cross(along, across)) <= LIGHT_PARALLEL * size:
             default = "" if "orien" in own else " (the default)"
             yield (
                 f"Element {k}: orien = {np.asarray(across).tolist()}{default} in eprops({script.sets[k]}) is zero or"
                 " parallel to its axis; give the direction of the width."
             )
-
-
-# -- element sets -------------------------------------------------------------------------------------------------
 
 
 def _membership(script: Script) -> Iterator[str]:
@@ -155,12 +141,9 @@ def _section(script: Script, number: int) -> Iterator[str]:
         return
     if own["dim"].shape[0] != sizes[0]:
         yield f"{where}.dim: of a '{own['cshape']}' must be {sizes[1]}, but has {own['dim'].shape[0]} numbers."
-    # The predecessor refuses a rectangle this thin; foils of 50 micrometres exist, so here a warning does.
-    elif is_concrete(own["dim"]) and 0 < np.min(own["dim"]) < THIN:
-        script.warnings.append(f"{where}.dim = {own['dim'].tolist()} is below {THIN:g} m: is it in metres?")
-
-
-# -- nodes --------------------------------------------------------------------------------------------------------
+    # The predecessor refuses so thin a rectangle; foils of 50 micrometres exist.
+    elif is_concrete(own["dim"]) and 0 < np.min(own["dim"]) < LIGHT_THIN:
+        script.warnings.append(f"{where}.dim = {own['dim'].tolist()} is below {LIGHT_THIN:g} m: is it in metres?")
 
 
 def rotations(own: dict[str, Any]) -> dict[str, tuple[str, Any]]:
@@ -211,13 +194,13 @@ def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
             yield f"{where}: {name} must be [angle, ax, ay, az] with an axis that is not zero."
             continue
         unit = value[1:] / np.linalg.norm(value[1:])
-        if known is not None and not np.allclose(unit, known, rtol=0, atol=1e-9):
+        if known is not None and not np.allclose(unit, known, rtol=0, atol=SAME_AXIS):
             yield f"{where}: rot and rot_initial turn about two axes; one axis a node."
         known = unit
 
 
 def _supports(script: Script) -> Iterator[str]:
-    """Necessary, not sufficient; what is wrong beyond that is found by rank and told by name."""
+    """A necessary number of supports; the rank of the constraints decides later."""
     count = 0
     for own in script.nprops.values():
         count += 6 * ("fix" in own) + 3 * ("fix_pos" in own) + 3 * ("fix_orien" in own)
@@ -228,9 +211,6 @@ def _supports(script: Script) -> Iterator[str]:
         count += 3 * ("free" in turns) + len(turns - {"free"})
     if count < 6:
         yield f"nprops: {count} supports hold the mechanism, but at least 6 are needed; use fix, fix_pos, fix_x .."
-
-
-# -- options ------------------------------------------------------------------------------------------------------
 
 
 def _options(script: Script) -> Iterator[str]:
@@ -264,7 +244,7 @@ def _options(script: Script) -> Iterator[str]:
 
 
 def _releases(script: Script) -> Iterator[str]:
-    """``opt.rls`` by element number; empty means that nothing is released."""
+    """``opt.rls`` by element number; empty if nothing is released."""
     given, releases = script.opt["rls"], {}
     faults: list[str] = []
     pairs = numbered(given, "opt.rls", faults)

@@ -1,4 +1,4 @@
-"""The fields of SPACAR Light: one table states form, bounds, choices and default of each."""
+"""The fields of SPACAR Light in one table: form, bounds, choices and default of each."""
 
 import difflib
 import types
@@ -16,19 +16,19 @@ from .lines import LARGEST, MOST, SMALLEST, within
 AXES = ("x", "y", "z")
 INPUTS = tuple(f"force_{axis}" for axis in AXES)
 OUTPUTS = tuple(f"{quantity}_{axis}" for quantity in ("displ", "veloc") for axis in AXES)
-# Each beam costs a share of the square of their number; each step keeps its matrices.
+# The cost grows with the square of the number of beams. Each step keeps its matrices.
 MOST_BEAMS, MOST_STEPS = 1000, 10_000
 
 
 class Struct(types.SimpleNamespace):
-    """Named fields, set and read as attributes: ``opt = Struct(); opt.gravity = [0, 0, -9.81]``."""
+    """Named fields as attributes: ``opt = Struct(); opt.gravity = [0, 0, -9.81]``."""
 
 
 class StructArray:
-    """Structures by number from 1, each made when it is first asked for.
+    """Structures by number from 1, made on first use.
 
-    A script in MATLAB carries over by its lines: ``nprops(3).force = [0, 1, 0]`` or ``nprops[3].force = [0, 1, 0]``.
-    A field whose name is a word of Python takes an underscore: ``rls(1).def_ = [1, 2]``.
+    Lines of a MATLAB script stay as they are: ``nprops(3).force = [0, 1, 0]`` or ``nprops[3].force = [0, 1, 0]``. A
+    field whose name is a keyword of Python has an underscore: ``rls(1).def_ = [1, 2]``.
     """
 
     def __init__(self):
@@ -36,14 +36,14 @@ class StructArray:
 
     def __getitem__(self, number: int) -> Struct:
         if int(number) != number or number < 1:
-            raise IndexError(f"Structures are numbered from 1, so that there is no number {number}.")
+            raise IndexError(f"Structure {number} does not exist. Structures are numbered from 1.")
         return self._structs.setdefault(int(number), Struct())
 
     def __call__(self, number: int) -> Struct:
-        """The structure with a number, as MATLAB writes it.
+        """Return the structure with a number, in MATLAB's notation.
 
         Args:
-            number: From 1.
+            number: Number from 1.
         """
         return self[number]
 
@@ -51,24 +51,16 @@ class StructArray:
         return max(self._structs, default=0)
 
     def items(self) -> Iterator[tuple[int, Struct]]:
-        """Numbers and structures, ascending."""
+        """Return numbers and structures, ascending."""
         return iter(sorted(self._structs.items()))
 
 
-# -- forms --------------------------------------------------------------------------------------------------------
-
-
 class OutOfRange(ValueError):
-    """A number is beyond what mechanics in double precision survives."""
+    """A number is outside the range of double precision mechanics."""
 
 
 class FieldForm(NamedTuple):
-    """What the value of a field is.
-
-    Attributes:
-        wanted: In words.
-        read: Return the value as it is used; raises ValueError or TypeError for another.
-    """
+    """The form of a field: words for messages, and a function that reads the value or raises ValueError, TypeError."""
 
     wanted: str
     read: Callable[[Any], Any]
@@ -88,14 +80,14 @@ def _words(value: Any) -> tuple[str, ...]:
 
 
 def _real(value: Any) -> np.ndarray:
-    """Numbers, of which a text is none though NumPy would read it."""
+    """Numbers; NumPy would also read texts."""
     if np.asarray(value).dtype.kind in "US":
         raise TypeError
     return np.ravel(np.asarray(value, float))
 
 
 def are_counts(numbers: np.ndarray) -> bool:
-    """Whether all are whole numbers that something can have, of either sign."""
+    """Whether all numbers are whole and small enough for a count, of either sign."""
     return bool(np.all(np.abs(numbers) <= MOST) and np.all(numbers == np.round(numbers)))
 
 
@@ -136,19 +128,16 @@ WORDS = FieldForm("a word or a list of words", _words)
 ANYTHING = FieldForm("", lambda value: value)
 
 
-# -- fields -------------------------------------------------------------------------------------------------------
-
-
 class Field(NamedTuple):
     """One field of a structure.
 
     Attributes:
-        form: What its value is.
-        default: What holds where it is not given.
-        bounds: Of its numbers, where they are known.
-        choices: Values, or entries of lists, that it may have, each once; any unless given.
-        wanted: What the choices are, in words.
-        idle: Whether it is for pictures and stresses of the predecessor, and has no effect.
+        form: Form of its value.
+        default: Value if it is not given.
+        bounds: Bounds of its numbers.
+        choices: Allowed values, or allowed entries of lists, each once.
+        wanted: The choices in words.
+        idle: Whether it has no effect: it is for pictures and stresses of the predecessor.
     """
 
     form: FieldForm
@@ -159,9 +148,9 @@ class Field(NamedTuple):
     idle: bool = False
 
     def fault(self, value: Any) -> str:
-        """What a value of the right form must be besides; empty where it is."""
-        own = value if isinstance(value, tuple) else (value,)
-        if self.choices and (not set(own) <= set(self.choices) or len(set(own)) < len(own)):
+        """What a value of the right form must be too; empty if it is."""
+        entries = value if isinstance(value, tuple) else (value,)
+        if self.choices and (not set(entries) <= set(self.choices) or len(set(entries)) < len(entries)):
             return self.wanted or " or ".join(map(repr, self.choices))
         if self.bounds is not None and is_concrete(value) and not np.all(self.bounds.holds(value)):
             return self.bounds.words()
@@ -216,18 +205,15 @@ def value_of(given: Mapping[str, Any], part: str, name: str) -> Any:
 
 
 def faults_of(given: Mapping[str, Any], part: str, label: str) -> Iterator[str]:
-    """Fields out of their bounds or none of their choices; ``label`` has "{}" for their names."""
+    """Faults of fields out of their bounds or choices; ``label`` has "{}" for their names."""
     for name, value in given.items():
         if wanted := FIELDS[part][name].fault(value):
             shown = np.asarray(value).tolist() if isinstance(value, tuple | np.ndarray) else clean(repr(value))
             yield f"{label.format(name)} must be {wanted}, but is {shown}."
 
 
-# -- reading ------------------------------------------------------------------------------------------------------
-
-
 def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
-    """Structures by number, of a StructArray, a dictionary by number, or a list whose first is number 1; add faults."""
+    """Structures by number, from a StructArray, a dictionary by number, or a list; add faults."""
     if isinstance(given, StructArray | Mapping):
         pairs = list(given.items())
     elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
@@ -266,10 +252,10 @@ def read_fields(struct: Any, part: str, where: str, faults: list[str], idle: lis
                 size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
                 wanted = size if isinstance(fault, OutOfRange) else field.form.wanted
                 faults.append(f"{where}.{name}: must be {wanted}, but is {clean(repr(value))}.")
-    # "fix = false" says nothing.
+    # "fix = false" is the default.
     return {name: value for name, value in fields.items() if value is not False or part == "opt"}
 
 
 def _is_empty(value: Any) -> bool:
-    """Whether a value is MATLAB's ``[]``, which says nothing."""
+    """Whether a value is MATLAB's ``[]``."""
     return 0 in value.shape if hasattr(value, "shape") else isinstance(value, Sequence) and len(value) == 0

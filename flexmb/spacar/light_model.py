@@ -1,4 +1,4 @@
-"""A SPACAR Light script as a Builder: its beams, supports and loads, and which deformations are released."""
+"""SPACAR Light scripts as Builders: beams, supports and loads, and released deformations."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,47 +22,34 @@ Releases = Mapping[int, tuple[int, ...]]
 
 
 def node_name(node: int) -> str:
-    """Name in the Builder of a node of the script."""
+    """Name of a node in the Builder."""
     return f"n{node}"
 
 
 def beam_names(script: Script, element: int) -> list[str]:
-    """Names in the Builder of the beams, or of the hinge, that an element of the script becomes."""
+    """Names in the Builder of the beams, or of the hinge, of an element."""
     own = script.properties(element)
     return [f"e{element}.{i + 1}" for i in range(value_of(own, "eprops", "nbeams") if script.flexible(element) else 1)]
 
 
 def build(script: Script) -> tuple[Builder, Model, Releases]:
-    """Mechanism of a script, with over-constraints released.
-
-    Which deformations are released depends on the geometry alone, so that sections, loads and masses may be traced.
-
-    Returns:
-        Builder, Model, and the released deformations of each element.
-
-    Raises:
-        ModelError: The geometry is traced and ``opt.rls`` is not given.
-        MechanismError: Under-constrained; over-constrained beyond what may be released.
-    """
+    """Builder and Model of a script, and the released deformations of each element, which depend on geometry alone."""
     releases: Releases = script.opt.get("rls", {})
     if is_concrete((script.nodes, [own.get("orien") for own in script.eprops.values()])):
-        # Nothing here is traced, so that it is computed at once even where the rest is.
+        # Nothing here is traced: compute at once, also within a trace.
         with jax.ensure_compile_time_eval():
             releases = _complete(script, releases)
     elif "rls" not in script.opt:
         raise ModelError(
-            "The geometry (nodes or orien) is traced, so that over-constraints cannot be looked for: give opt.rls,"
-            " which may be what `overconstraints` of an untraced run says, or {} for none."
+            "The geometry (nodes or orien) is traced: over-constraints cannot be found. Give opt.rls, such as"
+            " `overconstraints` of an untraced run, or {} for no release."
         )
     builder = describe(script, releases)
     return builder, builder.build(dofs="named", check=False), releases
 
 
-# -- releases -----------------------------------------------------------------------------------------------------
-
-
 def _complete(script: Script, releases: Releases) -> Releases:
-    """Releases of a script, found where they are not given."""
+    """Releases of a script, found if they are not given."""
     bare = describe(script, releases, bare=True).build(dofs="named", check=False)
     last = {beam_names(script, k)[-1]: k for k in script.numbers()}
     candidates = {(beam, i) for beam, k in last.items() for i in script.flexible(k) if i not in releases.get(k, ())}
@@ -95,7 +82,7 @@ def _loose(found: Any) -> str:
 
 
 def _redundant(script: Script, releases: Releases, count: int) -> str:
-    """What holds what, after all has been released that may be."""
+    """Message about over-constraints that no release removes."""
     found = mobility(describe(script, releases, bare=True).build(dofs="named", check=False))
     lines = [f"The mechanism is over-constrained, and no deformation in flex can be released for it ({count} times)."]
     for i in range(found.overconstraints):
@@ -103,24 +90,18 @@ def _redundant(script: Script, releases: Releases, count: int) -> str:
         held: dict[int, set[int]] = {}
         for share in shares:
             held.setdefault(int(share.of[1:].split(".")[0]), set()).add(share.component)
-        soft = {
-            k: sorted(n - set(script.flexible(k))) for k, n in sorted(held.items()) if "flex" in script.properties(k)
-        }
+        flex = {k: set(script.flexible(k)) for k in sorted(held) if "flex" in script.properties(k)}
+        soft = {k: sorted(held[k] - known) for k, known in flex.items()}
         advice = [f"add one of {numbers} to flex of element {k}" for k, numbers in soft.items() if numbers]
-        lines.append(
-            f"  elements {', '.join(str(k) for k in sorted(held))} hold each other: "
-            + ("; or ".join(advice) if advice else "they form a loop of rigid elements; make one of them flexible")
-        )
+        remedy = "; or ".join(advice) or "they form a loop of rigid elements; make one of them flexible"
+        lines.append(f"  elements {', '.join(map(str, sorted(held)))} hold each other: {remedy}")
     return "\n".join(lines)
 
 
-# -- the mechanism ------------------------------------------------------------------------------------------------
-
-
 def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
-    """Builder of a script. DOFs are the deformations in flex but those released, of the last beam of each element.
+    """Builder of a script, with deformations in flex of each element's last beam as DOFs, except released ones.
 
-    A bare one has geometry and supports only, without any number that may be traced.
+    A bare Builder has geometry and supports only, without numbers that may be traced.
     """
     b = Builder()
     for i in range(1, len(script.nodes) + 1):
@@ -152,7 +133,7 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
 
 
 def _add_hinge(b: Builder, script: Script, k: int) -> None:
-    """A hinge between the rotations of two nodes at one place, which is tied to be one place."""
+    """A hinge between the rotations of two nodes, whose positions are tied."""
     p, q = (node_name(i) for i in script.ends(k))
     b.add(spatial.hinge, p, q, name=f"e{k}.1", axis=script.properties(k)["orien"], released=())
     b.add(spatial.rigid_beam, p, q, name=f"e{k}.pin")
@@ -177,7 +158,7 @@ def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
 
 
 def section_of(script: Script, k: int) -> Section | None:
-    """Section of an element; of a rigid one its mass alone, none without density."""
+    """Section of an element; for a rigid one only its mass, and None without density."""
     own = script.properties(k)
     flexible = bool(script.flexible(k))
     if not flexible and "dens" not in own:
@@ -187,7 +168,7 @@ def section_of(script: Script, k: int) -> Section | None:
     if own["cshape"] == "circ":
         section: Section = Circle(dim[0], material, shear=True)
     else:
-        # The closed form of both ends, for all of the element; a warping beam needs no such thing.
+        # The closed form for both ends of the whole element; a warping beam needs none.
         length = _length(script, k) if flexible and own.get("cw") else None
         section = Rectangle(dim[0], dim[1], material, shear=True, warping_length=length, warping_modulus="beam")
     if flexible:
@@ -203,10 +184,10 @@ def _length(script: Script, k: int) -> Any:
 
 
 def _holds_warping(script: Script, name: str) -> bool:
-    """Whether nothing warps at a node: where its rotation is held, or a rigid element or a hinge is joined.
+    """Whether nothing warps at a node: its rotation is held, or a rigid element or a hinge is joined.
 
-    Nodes between the beams of an element are in no script, and free. A build finds it by these rules too, and by how
-    thick things are, which may be traced here.
+    Nodes between the beams of an element are free. A build has the same rules, and one on thickness, which may be
+    traced here.
     """
     number = next((i for i in range(1, len(script.nodes) + 1) if node_name(i) == name), None)
     if number is None:
@@ -230,7 +211,7 @@ def _support(b: Builder, node: str, own: dict[str, Any], bare: bool) -> None:
             if value is not None:
                 b.prescribe(node, axis, 0.0 if bare else value, increment=increment)
     for name, (axis, value) in rotations(own).items():
-        # One axis given by its letter leaves the tilt free, as in the predecessor; a full rotation holds it.
+        # One axis given by its letter leaves the tilt free, as in the predecessor; "rot" holds the tilt.
         if axis in AXES:
             about, angle, tilt = np.eye(3)[AXES.index(axis)], value, "free"
         else:

@@ -1,4 +1,4 @@
-"""What a SPACAR Light run answers, by the predecessor's names, read from the linearisation at every load step."""
+"""The results of a SPACAR Light run under the predecessor's names, from the linearisation at every load step."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from ..linear.spectrum import general_spectrum, to_frequency
 from ..linear.stress import Stress, has_stress, stress
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
+from ..numerical_limits import LARGEST_MULTIPLIER
 from .light_fields import value_of
 from .light_input import Script
 from .light_model import Releases, beam_names, node_name
@@ -25,27 +26,23 @@ if TYPE_CHECKING:
     import control
 
 
-# A load multiplier beyond this is that of round-off in the geometric stiffness: no load acts.
-NO_LOAD = 1e12
-
-
 class LightResults(Result):
-    """What :func:`spacar_light` answers. Arrays over the load steps have them last.
+    """The results of :func:`spacar_light`. In arrays over the load steps the last axis has the steps.
 
     Attributes:
-        version: Of flexmb.
-        model: The mechanism; differentiate its parameters, or follow it with ``path`` and the rest of flexmb.
-        builder: Its Builder, to change or add to. Node 3 is "n3", the beams of element 2 are "e2.1", "e2.2" and so on.
+        version: Version of flexmb.
+        model: Mechanism, for derivatives and for other functions of flexmb such as ``path``.
+        builder: Builder of the mechanism. Node 3 is "n3"; the beams of element 2 are "e2.1", "e2.2" and so on.
         ndof: Number of degrees of freedom.
         load_factors: Factors of the initial and of the incremental loads, (2, steps) [-].
         linearizations: Linearised equations of motion at every step.
-        freq: Natural frequencies, negative where a motion grows, infinite where it has no mass, (ndof, steps) [Hz].
-        buck: Load multipliers by magnitude with their sign, of the total load at that step, infinite where no load
-            acts, (ndof, steps) [-]; None without ``calcbuck``.
-        stressmax: Largest von Mises stress, (steps,) [Pa]; None where no element is flexible.
+        freq: Natural frequencies, negative if a motion grows, infinite without mass, (ndof, steps) [Hz].
+        buck: Multipliers of the total load at each step by magnitude, with their sign, infinite if no load acts, (ndof,
+            steps) [-]; None without ``calcbuck``.
+        stressmax: Largest von Mises stress, (steps,) [Pa]; None without flexible elements.
         statespace: State-space model about the last step; None without ``transfer``.
-        overconstraints: Deformations of the last beam of each element that were released, as ``opt.rls`` takes them.
-        warnings: What was unusual or without effect.
+        overconstraints: Released deformations of the last beam of each element, in the form of ``opt.rls``.
+        warnings: Unusual inputs, and inputs without effect.
     """
 
     def __init__(
@@ -77,10 +74,10 @@ class LightResults(Result):
                 multipliers_about(lin.model.topology, lin.model.parameters, lin.matrices) for lin in linearizations
             ]
             self.buck = _columns(found, self.ndof)
-            self.buck[np.abs(self.buck) > NO_LOAD] = np.inf
+            self.buck[np.abs(self.buck) > LARGEST_MULTIPLIER] = np.inf
 
     def summary(self) -> Summary:
-        """Extremes over the load steps."""
+        """Return extremes over the load steps."""
         rows = {"frequencies": span(self.freq, "Hz")}
         if self.buck is not None:
             rows["load multipliers"] = span(self.buck)
@@ -90,7 +87,7 @@ class LightResults(Result):
         return Summary(f"LightResults of {counted(len(self.linearizations), 'load step')}, ndof {self.ndof}", rows)
 
     def node(self, number: int) -> "LightNode":
-        """Results of a node at all steps.
+        """Return results of a node at all steps.
 
         Args:
             number: Number of the node, from 1.
@@ -98,7 +95,7 @@ class LightResults(Result):
         return LightNode(self, number, None)
 
     def element(self, number: int) -> "LightElement":
-        """Results of an element at all steps.
+        """Return results of an element at all steps.
 
         Args:
             number: Number of the element, from 1.
@@ -106,7 +103,7 @@ class LightResults(Result):
         return LightElement(self, number, None)
 
     def step(self, number: int) -> "LightStep":
-        """Results of one load step.
+        """Return results of one load step.
 
         Args:
             number: Number of the step, from 1.
@@ -114,10 +111,10 @@ class LightResults(Result):
         return LightStep(self, number)
 
     def values(self, name: str) -> np.ndarray:
-        """One of the arrays of all linearisations.
+        """Return one of the arrays of all linearisations.
 
         Args:
-            name: Such as "x", "e", "sigma" or "reactions".
+            name: Name such as "x", "e", "sigma" or "reactions".
 
         Returns:
             (steps, n) [SI].
@@ -126,12 +123,12 @@ class LightResults(Result):
 
 
 def _columns(vectors: Sequence, size: int) -> np.ndarray:
-    """Vectors side by side, (size, n)."""
+    """Vectors as columns, (size, n)."""
     return np.reshape(np.array([np.asarray(v) for v in vectors]), (len(vectors), size)).T
 
 
 def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
-    """Stress at every step; None where no flexible element has a section with a shape."""
+    """Stress at every step; None if no flexible element has a section with a shape."""
     if not linearizations:
         return None
     model = linearizations[0].model
@@ -139,11 +136,10 @@ def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
 
 
 def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies and mode shapes, also where moments make the stiffness unsymmetric.
+    """Frequencies and mode shapes, also if moments make the stiffness unsymmetric.
 
-    Returns:
-        Frequencies with the sign of the eigenvalue's real part, infinite without mass, (ndof,) [Hz]; shapes in the
-        degrees of freedom, (ndof, ndof), zero where there is no mass.
+    Frequencies have the sign of the eigenvalue's real part, infinite without mass, (ndof,) [Hz]. Shapes in the degrees
+    of freedom, (ndof, ndof), are zero without mass.
     """
     n = lin.matrices.M0.shape[0]
     hertz, shapes = np.full(n, np.inf), np.zeros((n, n))
@@ -162,25 +158,26 @@ def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
 
 
 class _Numbered:
-    """A node or an element, at one step or at all."""
+    """A node or an element, at one step or at all steps."""
 
     def __init__(self, light: LightResults, number: int, step: int | None):
         count = len(light.script.nodes) if isinstance(self, LightNode) else len(light.script.elements)
         if not 1 <= number <= count:
-            raise IndexError(f"{type(self).__name__[5:]}s are numbered from 1 to {count}, so that {number} is none.")
+            kind = type(self).__name__[5:]
+            raise IndexError(f"{kind} {number} does not exist. {kind}s are numbered from 1 to {count}.")
         self._light, self.number, self._step = light, number, step
 
     def _at(self, every: np.ndarray) -> np.ndarray:
-        """Steps last; or the one step."""
+        """Steps on the last axis, or one step."""
         return np.moveaxis(every, 0, -1) if self._step is None else every[self._step]
 
 
 class LightNode(_Numbered):
-    """Results of a node; without the last axis for one step."""
+    """Results of a node; arrays of one step have no last axis."""
 
     @property
     def name(self) -> str:
-        """Its name in the Builder."""
+        """Name in the Builder."""
         return node_name(self.number)
 
     def _values(self, quantity: str, of: str) -> np.ndarray:
@@ -214,14 +211,14 @@ class LightNode(_Numbered):
 
     @property
     def Freac(self) -> np.ndarray:
-        """Force of the support on the node, zero where it is free, (3, steps) [N]."""
+        """Force of the support on the node, zero if it is free, (3, steps) [N]."""
         return self._at(self._values("reactions", self.name))
 
     @property
     def Mreac(self) -> np.ndarray:
-        """Moment of the support on the node about global axes, zero where it is free, (3, steps) [N m]."""
-        # The moment that prescribes a rotation comes in through the frame of its hinge. Neither that nor a rotation
-        # that is FIXED ever turns, so that the forces dual to its Euler parameters are (0, 2 M).
+        """Moment of the support on the node about global axes, zero if it is free, (3, steps) [N m]."""
+        # The moment of a prescribed rotation acts on the frame of its hinge. Neither this frame nor a FIXED rotation
+        # ever turns: the forces dual to its Euler parameters are (0, 2 M).
         parts = [f"{self.name}.rotation", f"frame of {self.name}"]
         held = [part for part in parts if self._light.model.labels.coordinates(part)]
         return self._at(np.sum([self._values("reactions", part)[:, 1:] for part in held], axis=0) / 2)
@@ -245,7 +242,7 @@ class LightNode(_Numbered):
 
 
 class LightElement(_Numbered):
-    """Results of an element; without the last axis for one step."""
+    """Results of an element; arrays of one step have no last axis."""
 
     @property
     def names(self) -> list[str]:
@@ -261,13 +258,12 @@ class LightElement(_Numbered):
     @property
     def Ri(self) -> np.ndarray:
         """Local axes in the undeformed mechanism as columns, the first along the beam or hinge, (3, 3) [-]."""
-        own = self._light.builder.members[self.names[0]].properties
-        (p, q), across = self._ends(), own.get("y")
-        if "axis" in own:
-            p, q = np.zeros(3), np.asarray(own["axis"])
-        return np.asarray(
-            initial_frame(jnp.asarray(p), jnp.asarray(q), None if across is None else jnp.asarray(across))
-        )
+        properties = self._light.builder.members[self.names[0]].properties
+        (p, q), across = self._ends(), properties.get("y")
+        if "axis" in properties:
+            p, q = np.zeros(3), np.asarray(properties["axis"])
+        across = None if across is None else jnp.asarray(across)
+        return np.asarray(initial_frame(jnp.asarray(p), jnp.asarray(q), across))
 
     def _ends(self) -> tuple[np.ndarray, np.ndarray]:
         p, q = self._light.script.ends(self.number)
@@ -275,20 +271,20 @@ class LightElement(_Numbered):
 
     @property
     def e(self) -> np.ndarray:
-        """Deformations, one row a beam, (beams, 6, steps) [m]; of a hinge (1, 3, steps) [rad]."""
+        """Deformations, one row a beam, (beams, 6, steps) [m]; for a hinge (1, 3, steps) [rad]."""
         entries, every = self._light.model.labels.e, self._light.values("e")
-        # Of what warps, the deformations of a beam.
+        # Warping deformations are left out.
         rows = [[i for i, entry in enumerate(entries) if entry.of == name][:6] for name in self.names]
         return self._at(every[:, np.array(rows)])
 
     @property
     def stressmax(self) -> np.ndarray | None:
-        """Largest von Mises stress in its beams, (steps,) [Pa]; None where no element of the script is flexible."""
+        """Largest von Mises stress in its beams, (steps,) [Pa]; None if the script has no flexible element."""
         every = self._light._stresses
         if every is None:
             return None
-        own = [i for i, name in enumerate(every[0].names) if name in self.names]
-        found = [np.max(np.asarray(step.by_element)[own], initial=0.0) for step in every]
+        rows = [i for i, name in enumerate(every[0].names) if name in self.names]
+        found = [np.max(np.asarray(step.by_element)[rows], initial=0.0) for step in every]
         return self._at(np.array(found))
 
 
@@ -297,7 +293,8 @@ class LightStep:
 
     def __init__(self, light: LightResults, number: int):
         if not 1 <= number <= len(light.linearizations):
-            raise IndexError(f"Steps are numbered from 1 to {len(light.linearizations)}, so that {number} is none.")
+            count = len(light.linearizations)
+            raise IndexError(f"Step {number} does not exist. Steps are numbered from 1 to {count}.")
         self._light, self.number = light, number
         self.lin = light.linearizations[number - 1]
 

@@ -21,15 +21,15 @@ from .arithmetic import value_of
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
 BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
 
-# Parameters that are whole numbers, and the least that each may be. Every other one is a real number.
+# Whole numbers among the parameters, and their least values. All others are real numbers.
 WHOLE: dict[str, int] = dict.fromkeys(
     ("element", "node", "xp", "rotp", "warpp", "xq", "rotq", "warpq", "p", "coordinate", "deformation", "number"), 1
 )
 WHOLE |= {"component": 1, "iterations": 1, "steps": 1, "log": 0, "store": 0, "first": 0, "last": 0}
 TEXT = ("name", "law")
-# A coordinate of a node, or an axis that a rotation in space is about.
+# Axes of a rotation in space.
 AXES = ("rx", "ry", "rz")
-# Real numbers are zero or between these: beyond, their squares and cubes leave double precision.
+# Nonzero numbers lie between these: squares and cubes of others leave double precision.
 SMALLEST, LARGEST = 1e-100, 1e50
 
 _WHOLE = re.compile(r"[+-]?\d{1,9}", re.ASCII)
@@ -43,11 +43,11 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 
 class Fault(Exception):
-    """What is wrong with one line."""
+    """A fault of one line."""
 
 
 def within(value: Any) -> Any:
-    """Whether numbers are zero or between the smallest and the largest that are taken."""
+    """Whether numbers are zero or in the range of the format."""
     size = np.abs(value)
     return (size == 0) | ((size >= SMALLEST) & (size <= LARGEST))
 
@@ -57,16 +57,12 @@ _WORD = re.compile(r"(?:\{[^{}]*\}|[^\s{}]|[{}])+")
 
 
 class Placeholder(str):
-    """A word "{t}" or "{E*w*t**3/12}" that stands for a number, with the numbers by name."""
+    """A word "{t}" or "{E*w*t**3/12}" for a number, with numbers by name."""
 
     numbers: Mapping[str, Any]
 
     def value(self) -> Any:
-        """The number, which may be traced.
-
-        Raises:
-            Fault: Unknown name, or no arithmetic.
-        """
+        """The number, which may be traced."""
         try:
             return value_of(self[1:-1], self.numbers)
         except ValueError as fault:
@@ -74,7 +70,7 @@ class Placeholder(str):
 
 
 def known(value: Any) -> bool:
-    """Whether a number can be compared: whether it is not traced."""
+    """Whether a number is not traced."""
     return not isinstance(value, jax.core.Tracer)
 
 
@@ -83,10 +79,10 @@ class Statement:
     """One line of a file.
 
     Attributes:
-        line: Its number, from 1.
-        keyword: In capitals.
-        raw: The line as it stands, without comment.
-        named: What placeholders stand for; None where a brace is a letter like others.
+        line: Number of the line, from 1.
+        keyword: Keyword in capitals.
+        raw: Text of the line, without comment.
+        named: Values of placeholders; None if braces are letters.
     """
 
     line: int
@@ -96,7 +92,7 @@ class Statement:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Its parameters, which would take ten times the room of the line."""
+        """Parameters; keeping them would take ten times the memory of the line."""
         if self.named is None or "{" not in self.raw:
             return tuple(self.raw.split()[1:])
         return tuple(_words(self.raw, self.named))[1:]
@@ -108,25 +104,20 @@ class Statement:
 
 
 def placeholders(found: Iterable[Statement]) -> tuple[str, ...]:
-    """Names of the parameters that placeholders name, each once; pi is none, but a number of its own."""
+    """Names in placeholders, each once, without pi."""
     words = [w for s in found for w in s.words if isinstance(w, Placeholder)]
     return tuple(dict.fromkeys(name for w in words for name in _NAME.findall(w) if name != "pi"))
 
 
 def read_text(path: str | os.PathLike) -> str:
-    """Text of a file: UTF-8, with or without its mark, or else Latin-1; what counts is ASCII in both.
-
-    Raises:
-        SpacarError: It is UTF-16, no text at all, or too large.
-        OSError: It cannot be read, or is no regular file.
-    """
+    """Text of a file in UTF-8 or Latin-1; SpacarError for another encoding or too large a file."""
     name = clean(Path(path).name)
     try:
         content = read_whole(path)
     except OSError as fault:
         if fault.errno != errno.EFBIG:
             raise
-        raise SpacarError(f"{name}:1: the file has more than {LARGEST_FILE} bytes; an input file is smaller") from None
+        raise SpacarError(f"{name}:1: the file is too large. An input file has at most {LARGEST_FILE} bytes") from None
     # The mark of UTF-32 begins with that of UTF-16.
     for mark, encoding in ((codecs.BOM_UTF32_LE, "32"), (codecs.BOM_UTF16_LE, "16"), (codecs.BOM_UTF16_BE, "16")):
         if content.startswith(mark):
@@ -142,7 +133,7 @@ def read_text(path: str | os.PathLike) -> str:
 
 
 def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
-    """Words of a line, those in braces as placeholders."""
+    """Words of a line, with words in braces as placeholders."""
     found: list[str] = []
     for word in _WORD.findall(line):
         if word[0] == "{" and word.find("}") == len(word) - 1:
@@ -153,12 +144,12 @@ def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
 
 
 def statements(text: str, numbers: Mapping[str, Any] | None = None) -> Iterator[Statement]:
-    """Lines of a file that say something, one by one; without ``numbers`` for placeholders a brace is a letter."""
+    """Lines with content, one by one; without ``numbers`` for placeholders braces are letters."""
     for number, line in enumerate(_LINE.finditer(text), 1):
         raw = re.split("[%#;]", line[0], maxsplit=1)[0].strip()
         if raw:
             keyword = (raw.split(maxsplit=1) if numbers is None or "{" not in raw else _words(raw, numbers))[0]
-            # Outside of ASCII, other letters have the same capitals: the ligature of f and i those of FI.
+            # Other letters may have the same capitals: the ligature of f and i becomes FI.
             keyword = sys.intern(keyword.upper()) if keyword.isascii() else keyword
             yield Statement(number, keyword, raw, numbers)
 
@@ -183,22 +174,15 @@ def _groups(form: str) -> list[_Group]:
 
 
 def first_parameter(form: str) -> str:
-    """Name of the first parameter of a form, or nothing."""
+    """Name of the first parameter of a form, or an empty text."""
     return form.split()[0].strip("[]") if form else ""
 
 
 def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
-    """Parameters by name; a repeated one is a list, an optional one that is not given is left out.
+    """Parameters by name; a repeated one is a list, and a missing optional one is left out.
 
-    Args:
-        keyword: Keyword, for the message.
-        form: Names of the parameters in order; "[y1 y2 y3]" may be left out as a whole, "value ..." is one or more,
-            "[value ...]" any number. Alternatives, of different length, stand between bars. Names in WHOLE are whole
-            numbers.
-        words: What the file gives.
-
-    Raises:
-        Fault: Wrong count, or a parameter that is not a number of the right kind.
+    In a form "[y1 y2 y3]" may be left out as a whole, "value ..." means one or more, "[value ...]" any number.
+    Alternatives of different length stand between bars.
     """
     expected = f"expected: {keyword} {form}".rstrip()
     alternatives = form.split(" | ")
@@ -255,5 +239,5 @@ def _value(name: str, given: Any, expected: str) -> Any:
 
 
 def _is_zero(given: str, value: float) -> bool:
-    """Whether a number is zero as it is written: what is too small for a double has become zero too."""
+    """Whether a number is written as zero; numbers too small for a double have become zero too."""
     return value == 0 and (isinstance(given, Placeholder) or not _DIGIT.search(re.split("[eEdD]", given)[0]))

@@ -1,8 +1,8 @@
-"""Sizes of cross-sections as the VISUALIZATION section has them: BEAMPROPS, CROSSTYPE, CROSSDIM, read and written.
+"""Sizes of cross-sections in the VISUALIZATION section: BEAMPROPS, CROSSTYPE, CROSSDIM, read and written.
 
-Numbers of ESTIFF and EM say how stiff and heavy a beam is, not how large: without these lines it has no stress. The
-first size lies along local y, the second along local z. That a circle has its diameter, and that hollow ones
-have their outer sizes first and then those of the hole, is our reading: the predecessor's manual is not known.
+ESTIFF and EM state how stiff and heavy a beam is, not its sizes: without these lines it has no stress. The first size
+lies along local y, the second along local z. A circle has its diameter, and hollow sections have outer sizes before
+inner ones; this is our reading, since the predecessor's manual is not known.
 """
 
 from collections.abc import Callable
@@ -13,21 +13,20 @@ import numpy as np
 from ..elements.section import Material, Rigidity, Section
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Tube
 from ..errors import clean
+from ..numerical_limits import SIZES_ALIKE
 from .lines import DRAWING, Fault, Statement, known, parse
 from .reading import AlreadyReported, Reading
 
 TITLE, PROPS, TYPE, SIZES = DRAWING.upper(), "BEAMPROPS", "CROSSTYPE", "CROSSDIM"
-# Of an outline the sizes alone count; its material is none.
+# The material of an outline has no effect.
 NONE = Material(E=1.0, G=0.5, rho=1.0)
-# Sizes of each type.
+# Number of sizes of each type.
 COUNTS = {"rect": 2, "recthol": 4, "circ": 1, "circhol": 2, "line": 0}
-# By how much, relatively, second moments over the area may differ by sizes and by ESTIFF.
-ALIKE = 0.02
 
 
 def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
-    """Act on the lines among those that draw, once elements are declared; they are no longer said to have no effect."""
-    told: list[Statement] = []
+    """Act on the lines with sizes once elements are declared; they no longer cause a warning."""
+    effective: list[Statement] = []
     kept = list(r.drawn)
     for group in _groups(r.drawn):
         try:
@@ -37,11 +36,11 @@ def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
         except Fault as fault:
             blame(group[PROPS], str(fault))
             continue
-        told += group.values() if used else ()
-        # Of elements that have no use for it, such as rigid ones, the lines are kept as they stand.
+        effective += group.values() if used else ()
+        # Lines about elements without use for them, such as rigid ones, are kept unchanged.
         kept = [s for s in kept if not (whole and s in group.values())]
-    if told:
-        r.drawn = _without_title([s for s in r.drawn if s not in told])
+    if effective:
+        r.drawn = _without_title([s for s in r.drawn if s not in effective])
         if lines := [s.raw for s in _without_title(kept)]:
             r.settings[TITLE] = lines
         else:
@@ -49,12 +48,12 @@ def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
 
 
 def _without_title(drawn: list[Statement]) -> list[Statement]:
-    """Lines that draw; none where nothing but their title is left."""
+    """Lines for drawing; none if only the title is left."""
     return drawn if any(s.keyword != TITLE for s in drawn) else []
 
 
 def _groups(drawn: list[Statement]) -> list[dict[str, Statement]]:
-    """BEAMPROPS with the CROSSTYPE and the CROSSDIM that follow, where both do."""
+    """BEAMPROPS with the CROSSTYPE and the CROSSDIM after it, if both exist."""
     found: list[dict[str, Statement]] = []
     open_group: dict[str, Statement] = {}
     for s in drawn:
@@ -69,7 +68,7 @@ def _groups(drawn: list[Statement]) -> list[dict[str, Statement]]:
 
 
 def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
-    """Note the outlines of the elements named; whether one of them has a use for it, and whether all have."""
+    """Note the outlines of the named elements; whether one of them uses it, and whether all do."""
     kind = parse(TYPE, "name", group[TYPE].words)["name"].lower()
     if kind not in COUNTS:
         raise Fault(f"{TYPE} must be one of {', '.join(COUNTS)}, but is '{clean(kind)}'")
@@ -84,8 +83,8 @@ def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
     declared = [r.declared(number) for number in numbers]
     used = [
         number
-        for number, one in zip(numbers, declared, strict=True)
-        if outline is not None and "EA" in one.kind.stiffness and "ESTIFF" in r.lines.get(number, {})
+        for number, element in zip(numbers, declared, strict=True)
+        if outline is not None and "EA" in element.kind.stiffness and "ESTIFF" in r.lines.get(number, {})
     ]
     for number in used:
         r.once(group[PROPS], number)
@@ -94,7 +93,7 @@ def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
 
 
 def of_sizes(kind: str, sizes: list[Any]) -> Section:
-    """Outline of the sizes of a type."""
+    """Outline from the sizes of a type."""
     if kind == "rect":
         width, thickness = sizes
         return Rectangle(width, thickness, NONE)
@@ -108,7 +107,7 @@ def of_sizes(kind: str, sizes: list[Any]) -> Section:
 
 
 def sizes_of(section: Section) -> tuple[str, list[Any]] | None:
-    """Type and sizes of a section that has an outline; None of another."""
+    """Type and sizes of a section with an outline; None for another section."""
     outline: Any = section.outline if isinstance(section, Rigidity) else section
     if isinstance(outline, Rectangle):
         return "rect", [outline.width, outline.thickness]
@@ -123,19 +122,19 @@ def sizes_of(section: Section) -> tuple[str, list[Any]] | None:
 
 
 def disagreement(section: Rigidity) -> str:
-    """What does not go together in the rigidities and the sizes of a section; empty where they agree or are traced."""
+    """Disagreement of the rigidities and the sizes of a section; empty if they agree or are traced."""
     if section.outline is None or not known(section.EA) or not known(section.EIy) or not known(section.EIz):
         return ""
-    own = section.outline.rigidity()
-    if not all(map(known, (own.EA, own.EIy, own.EIz))) or not section.EA:
+    sized_by = section.outline.rigidity()
+    if not all(map(known, (sized_by.EA, sized_by.EIy, sized_by.EIz))) or not section.EA:
         return ""
     stated = {n: float(getattr(section, n)) / float(section.EA) for n in ("EIy", "EIz") if getattr(section, n)}
-    sized = {n: float(np.asarray(getattr(own, n) / own.EA)) for n in ("EIy", "EIz")}
-    wrong = [n for n in stated if abs(sized[n] / stated[n] - 1) > ALIKE]
+    sized = {n: float(np.asarray(getattr(sized_by, n) / sized_by.EA)) for n in ("EIy", "EIz")}
+    wrong = [n for n in stated if abs(sized[n] / stated[n] - 1) > SIZES_ALIKE]
     if not wrong:
         return ""
-    said = ", ".join(f"{n}/EA is {stated[n]:.4g} m^2 by ESTIFF and {sized[n]:.4g} by {SIZES}" for n in wrong)
+    values = ", ".join(f"{n}/EA is {stated[n]:.4g} m^2 by ESTIFF and {sized[n]:.4g} by {SIZES}" for n in wrong)
     other = {"EIy": "EIz", "EIz": "EIy"}
-    turned = all(abs(sized[other[n]] / value - 1) <= ALIKE for n, value in stated.items())
+    turned = all(abs(sized[other[n]] / value - 1) <= SIZES_ALIKE for n, value in stated.items())
     hint = ": the first size lies along local y, the second along local z; exchanged they agree" if turned else ""
-    return f"sizes do not go with the stiffness: {said}{hint}; stress is that of the sizes"
+    return f"sizes do not go with the stiffness: {values}{hint}; stress follows from the sizes"

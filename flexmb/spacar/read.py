@@ -1,4 +1,4 @@
-"""SPACAR input files (.dat) to a Builder: every line is acted on, refused, or named in a warning."""
+"""SPACAR input files (.dat) as Builders: every line has an effect, a fault, or a warning."""
 
 import contextlib
 import dataclasses
@@ -40,25 +40,25 @@ from .lines import (
 )
 from .reading import AlreadyReported, Declared, Reading
 
-# Nobody reads more, and a file of another kind has one in each line.
+# A file of another kind has a fault in each line.
 MOST_FAULTS = 100
 SHOWN_LINES = 20
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class SpacarModel(Result):
-    """What a SPACAR input file says.
+    """The contents of a SPACAR input file.
 
     Attributes:
-        builder: The mechanism; nodes and elements are named by their numbers, "3" and "1".
-        warnings: What was read without effect, one text each with file, line and keyword.
+        builder: Mechanism; nodes and elements have their numbers as names, "3" and "1".
+        warnings: Lines without effect, one text each with file, line and keyword.
         name: Name of the file.
-        settings: What is not part of the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX,
-            STARTDE as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value,
-            velocity, acceleration); TRAJX, TRAJE as lists of (.., start, end, value, law, line); NOMF, NOMS, REFX, REFE
-            and the like as lists of (number, node or element, component, line); USERSIG, USERINP as (name, function);
+        settings: Lines beside the mechanism, by keyword: TIMESTEP, ERROR and ITERSTEP as dictionaries; STARTDX, STARTDE
+            as lists of (node or element, component, value, velocity); INPUTX, INPUTE as lists of (.., value, velocity,
+            acceleration); TRAJX, TRAJE as lists of (.., start, end, value, law, line); NOMF, NOMS, REFX, REFE and the
+            like as lists of (number, node or element, component, line); USERSIG, USERINP as (name, function);
             VISUALIZATION as a list of lines.
-        text: What was read.
+        text: Text of the file.
         parameters: Names in the placeholders of the file.
     """
 
@@ -70,7 +70,7 @@ class SpacarModel(Result):
     parameters: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
-        """What the file says beside the mechanism."""
+        """Return the contents beside the mechanism."""
         rows = {"elements": str(len(self.builder.members)), "settings": listed(sorted(self.settings))}
         rows |= {"parameters": listed(self.parameters), "warnings": str(len(self.warnings))}
         return Summary(f"SpacarModel: {self.name}", rows)
@@ -85,34 +85,35 @@ def read_spacar(
 ) -> SpacarModel:
     """Read a SPACAR input file.
 
-    Deformations are FIXED and coordinates DEPENDENT unless the file says otherwise. Some keywords are our own: PLSBEAM
-    and SBEAM, spectral beams of order p, 4 unless given; RLSE, DYNE, ESIG and EINIT take the numbers of a beam's
-    deformations for whole strain fields, and from 4 in the plane, 7 in space, those of single coefficients. So are the
-    form of PLBELT, with radii positive where the belt runs to the left of the centre on the way from p to q, and the
-    deformations of SCREW: 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and 6
-    tilt. LEAF and PLLEAF are leaf springs of order p, 6 unless given, of the rectangle that SECTION says; RLSE and DYNE
-    take numbers as for spectral beams, single coefficients in space from 9. Free warping is a degree of freedom by
-    itself, and CLAMP says which ends are clamped where that shall not be found.
+    Deformations are FIXED and coordinates DEPENDENT by default. Some keywords are flexmb's own:
+
+    - PLSBEAM and SBEAM are spectral beams of order p (default 4). In RLSE, DYNE, ESIG and EINIT the numbers of a beam's
+      deformations mean whole strain fields; numbers from 4 in the plane and 7 in space mean single coefficients.
+    - LEAF and PLLEAF are leaf springs of order p (default 6) with the rectangle of SECTION. RLSE and DYNE accept
+      numbers as for spectral beams, single coefficients in space from 9. Free warping is a degree of freedom by itself;
+      CLAMP sets which ends are clamped if flexmb shall not find them.
+    - PLBELT has radii, positive if the belt passes to the left of the centre on the way from p to q.
+    - SCREW has the deformations 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and
+      6 tilt.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
-        callables: User routines by the names that USERSIG and USERINP give.
-        numbers: What the names in placeholders such as "{t}" or "{pi*t**2/4}" stand for; they may be traced. Only pi
-            is known without being given.
+        callables: User routines by the names in USERSIG and USERINP.
+        numbers: Values of the names in placeholders such as "{t}" or "{pi*t**2/4}", which may be traced; pi is known.
 
     Returns:
-        SpacarModel with an unbuilt Builder, so that more can be added.
+        SpacarModel with an unbuilt Builder, to which more can be added.
 
     Raises:
         SpacarError: The file is wrong: one line a fault, each with file, line number and keyword.
         OSError: The file cannot be read.
-        TypeError, ValueError: A number or a user routine is none.
+        TypeError, ValueError: A number or a user routine is wrong.
     """
     _check_arguments(callables or {}, numbers or {})
     name, text = _source(path_or_text)
     faults = _Faults()
     r = Reading(dict(callables or {}))
-    # What has no name in it, such as "{2*pi}", is a number without any being given.
+    # A placeholder without names, such as "{2*pi}", needs no numbers.
     found: list[Statement] = []
     with contextlib.suppress(_Enough):
         _read(r, statements(text, numbers or {}), found, faults)
@@ -140,21 +141,21 @@ def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -
 
 
 def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
-    """Name and text of what is to be read."""
+    """Name and text of a file."""
     if isinstance(path_or_text, str) and (set("\r\n") & set(path_or_text) or not path_or_text.strip()):
         return "text", path_or_text.removeprefix("\ufeff")
     return clean(Path(path_or_text).name), read_text(path_or_text)
 
 
 class _Enough(Exception):
-    """More faults than anyone reads."""
+    """There are more faults than anyone reads."""
 
 
 class _Faults(list[tuple[int, str]]):
     """Faults so far: line and text."""
 
     def blame(self, s: Statement, text: str, form: str = "") -> None:
-        """Add a fault, with the node or element that a line is about."""
+        """Add a fault, with the node or element of its line."""
         about = first_parameter(form)
         if about == "number":
             about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
@@ -167,7 +168,7 @@ class _Faults(list[tuple[int, str]]):
 
 
 def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults: _Faults) -> None:
-    """Act on all lines, in the order in which they build on each other; they are added to those that were found."""
+    """Act on all lines, in the order in which they depend on each other, and append them to ``found``."""
     placed = list(_Blocks(r, faults).rows(lines, found))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
@@ -191,14 +192,14 @@ def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults
 
 
 class _Blocks:
-    """Where in the file a line stands: in a block, after END, or in the visualization section."""
+    """The place of a line in the file: in a block, after END, or in the visualization section."""
 
     def __init__(self, r: Reading, faults: _Faults):
         self.reading, self.faults = r, faults
         self.block, self.ends, self.drawing = 0, 0, False
 
     def rows(self, lines: Iterator[Statement], found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
-        """Rows of the keyword table for the lines that have one; the others are acted on here."""
+        """Rows of the keyword table for lines that have one; other lines are handled here."""
         for s in lines:
             found.append(s)
             try:
@@ -244,7 +245,7 @@ class _Blocks:
         self.block, self.ends = self.block + 1, 0
 
     def _resume(self, s: Statement) -> None:
-        """Go on after END as if HALT stood there, so that one missing line is one fault."""
+        """Continue after END as if HALT stood there: one missing line is one fault."""
         later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
         if self.ends > 1 or not later:
             raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
@@ -257,7 +258,7 @@ def _homes(keyword: str) -> list[str]:
 
 
 def _form(keyword: str) -> str:
-    """Form of a keyword; of a refused one, what it is about."""
+    """Form of a keyword; for a refused one, its subject."""
     if keyword in REFUSED:
         return "node" if keyword == "KINX" else "element"
     return next((row.form for row in ROWS if row.keyword == keyword), "")
@@ -270,7 +271,7 @@ def _near(keyword: str) -> str | None:
 
 
 def _may_declare(keyword: str) -> bool:
-    """Whether a line that is not understood may have been one that names nodes and elements first."""
+    """Whether a faulty line may have been one that introduces nodes and elements."""
     near = _near(keyword)
     return near is None or near in REFUSED or near in {kind.keyword for kind in KINDS}
 
@@ -285,7 +286,7 @@ def _row(s: Statement, block: str) -> Row:
 
 
 def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _Faults) -> None:
-    """Act on the lines of one stage, each by itself."""
+    """Act on the lines of one stage."""
     for row, s in placed:
         if row.stage != stage:
             continue
@@ -309,7 +310,7 @@ def _without_name(text: str) -> str:
 
 
 def _build(r: Reading, faults: _Faults) -> None:
-    """Nodes in the order of their numbers, then elements in the order of the file."""
+    """Add nodes in the order of their numbers, then elements in the order of the file."""
     first = next(iter(r.elements.values()), None)
     r.builder.dimension = first.kind.dimension if first else None
     for number, (kind, line) in sorted(r.nodes.items()):
@@ -317,7 +318,7 @@ def _build(r: Reading, faults: _Faults) -> None:
             (r.builder.rotation if kind.part == "rotation" else r.builder.warping)(str(number))
             continue
         if number in r.misplaced:
-            # Anywhere, but apart from the others, so that further faults of its elements are found too.
+            # Any place apart from the others, to find further faults of its elements.
             r.positions.setdefault(number, [float(number) ** (i + 1) for i in range(kind.size)])
         if number not in r.positions:
             r.warnings.append((line, f"node {number} has no X and stands at the origin"))
@@ -345,7 +346,7 @@ def _build(r: Reading, faults: _Faults) -> None:
 
 
 def _names_of_nodes(r: Reading, declared: Declared) -> list[str]:
-    """Nodes of an element; a leaf spring in space also has the warping that BEAMW names at its ends, or its own."""
+    """Nodes of an element; for a leaf spring in space with the warping of BEAMW at its ends, or its own."""
     names = [str(n) for n in declared.nodes]
     if not declared.kind.sized or declared.kind.dimension == 2:
         return names
@@ -354,17 +355,16 @@ def _names_of_nodes(r: Reading, declared: Declared) -> list[str]:
         found.append(name)
         if r.nodes[node][0].part == "rotation":
             beams = [d.nodes for d in r.elements.values() if d.kind.warps and node in d.nodes]
-            own = sorted({nodes[nodes.index(node) + 1] for nodes in beams})
-            if len(own) > 1:
-                raise Fault(
-                    f"shares the warping of node {node}, where BEAMW names several: {listed([str(n) for n in own])}"
-                )
-            found.append(str(own[0]) if own else f"{name}.warping")
+            shared = sorted({nodes[nodes.index(node) + 1] for nodes in beams})
+            if len(shared) > 1:
+                several = listed([str(n) for n in shared])
+                raise Fault(f"shares the warping of node {node}, where BEAMW names several: {several}")
+            found.append(str(shared[0]) if shared else f"{name}.warping")
     return found
 
 
 def _check_rigid(r: Reading, declared: Declared) -> None:
-    """A rigid beam needs a length, though its element type does not."""
+    """Refuse a rigid beam without length."""
     if declared.kind.keyword in ("RBEAM", "PLRBEAM"):
         p, q = (r.builder.nodes[str(n)].start for n in (declared.nodes[0], declared.nodes[-1]))
         if all(map(known, (*p, *q))) and not np.linalg.norm(np.subtract(q, p)):
@@ -373,7 +373,7 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
 
 
 def _check_clamps(r: Reading, faults: _Faults) -> None:
-    """Whether it can be found which ends of leaf springs are clamped; building says so too, but knows of no line."""
+    """Report at its line if clamped ends of a leaf spring cannot be found."""
     members = r.builder.members.values()
     if not is_concrete(([n.start for n in r.builder.nodes.values()], [m.properties for m in members])):
         return
@@ -386,7 +386,7 @@ def _check_clamps(r: Reading, faults: _Faults) -> None:
 
 
 def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[str, Any]) -> Iterator[str]:
-    """Warnings of an element that cannot move although its lines look as if it should, or that is limp."""
+    """Warnings of an element that is rigid despite its lines, or that lacks stiffness."""
     rigid = all(role is Role.FIXED for role in member.roles)
     given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in lines]
     if kind.element is spatial.screw and member.roles[1] is Role.FIXED:
@@ -406,7 +406,7 @@ def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[
 
 
 def _warn_of_expansion(r: Reading) -> None:
-    """ALPHA of an element whose temperature does not change."""
+    """Warn of ALPHA at constant temperature."""
     for number, lines in r.lines.items():
         if "ALPHA" in lines and ("TEMP", number) not in r.given and ("DELTEMP", number) not in r.given:
             text = f"of element {number} changes nothing: TEMP {number} value or DELTEMP {number} value warms it"
@@ -414,7 +414,7 @@ def _warn_of_expansion(r: Reading) -> None:
 
 
 def _warn_of_drawing(r: Reading) -> None:
-    """One warning names all lines that draw."""
+    """Warn once of all lines for drawing."""
     if r.drawn:
         named = [f"{clean(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)

@@ -1,4 +1,4 @@
-"""State of one reading of a SPACAR input file: what its lines have said so far."""
+"""The state of one reading of a SPACAR input file: everything that its lines have stated so far."""
 
 import dataclasses
 from collections.abc import Callable, Collection, Mapping
@@ -12,20 +12,16 @@ from . import series as series
 from .kinds import ElementKind
 from .lines import Fault, Statement
 
-# What is numbered, each by itself: inputs and outputs, and what drives a trajectory and what is to follow it.
+# Numberings of their own: inputs and outputs, and signals along a trajectory.
 SIDES = ("input", "output", "nominal input", "reference output")
 
 
 class AlreadyReported(Exception):
-    """A line refers to a node or element whose own line is at fault."""
+    """A line refers to a node or element whose own line has a fault."""
 
 
 class Setting(dict[str, float]):
-    """Numbers of a line that is not part of the mechanism, and where it stands.
-
-    Attributes:
-        line: Its number.
-    """
+    """Numbers of a line beside the mechanism, and the number of the line."""
 
     def __init__(self, line: int, numbers: Mapping[str, float]):
         super().__init__(numbers)
@@ -33,15 +29,15 @@ class Setting(dict[str, float]):
 
 
 class Leg(NamedTuple):
-    """One way of a coordinate or a deformation, as TRAJX and TRAJE say it; it starts from where the last one ended.
+    """One motion of a coordinate or a deformation by TRAJX or TRAJE, which starts at the end of the motion before.
 
     Attributes:
         of: Number of the node or element.
         component: Number of the coordinate or deformation.
-        start, end: From when to when [s].
-        value: Where it goes: the coordinate or the deformation itself [m, rad].
+        start, end: Times [s].
+        value: Value of the coordinate or the deformation at the end [m, rad].
         law: "quintic", "septic" or "scurve".
-        line: Number of its line.
+        line: Number of the line.
     """
 
     of: int
@@ -54,13 +50,13 @@ class Leg(NamedTuple):
 
 
 class Channel(NamedTuple):
-    """A nominal input or a reference output, as NOMF, REFX and the like say it.
+    """A nominal input or a reference output by NOMF, REFX and the like.
 
     Attributes:
-        number: Its place, from 1.
+        number: Number from 1.
         of: Number of the node or element.
-        component: Number of the coordinate or deformation, or the axis of a rotation in space, "rx", "ry" or "rz".
-        line: Number of its line.
+        component: Number of the coordinate or deformation, or axis "rx", "ry" or "rz" of a rotation in space.
+        line: Number of the line.
     """
 
     number: int
@@ -71,16 +67,7 @@ class Channel(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Declared:
-    """An element as its line describes it.
-
-    Attributes:
-        statement: The line.
-        kind: Element type.
-        nodes: Node numbers in the order of the element's parameters.
-        vector: Local y vector or axis, if given.
-        order: Order of a spectral beam, if given.
-        numbers: Other numbers, by property.
-    """
+    """An element from its line: node numbers in the order of parameters, a vector y or axis, the order of a series."""
 
     statement: Statement
     kind: ElementKind
@@ -92,25 +79,25 @@ class Declared:
 
 @dataclasses.dataclass
 class Reading:
-    """State of one reading.
+    """The state of one reading.
 
     Attributes:
         callables: User routines by name.
-        builder: What is being built.
+        builder: Builder so far.
         elements: Element lines by number.
-        nodes: Kind of each node, and the line that says so.
-        positions: Coordinates that X gives.
-        misplaced: Nodes whose X line is at fault.
+        nodes: Kind of each node, and its first line.
+        positions: Coordinates from X.
+        misplaced: Nodes with a faulty X line.
         lines: Numbers of ESTIFF, EM, EDAMP, ALPHA, SECTION and CLAMP by element and keyword.
-        unsized: Numbers in faulty SECTION lines, whose elements are not blamed for having none.
-        roles: Which line gave an entry its role.
-        given: Which line gave what can be given once.
-        signals: Inputs and outputs, and those along a trajectory, by number: their line, and the call that adds them.
-        excused: Numbers in faulty element lines, about which no other line is blamed.
-        settings: What is not part of the mechanism.
-        outlines: Sizes of cross-sections by element, as CROSSDIM has them.
-        drawn: Lines that draw.
-        warnings: Line and text.
+        unsized: Numbers in faulty SECTION lines; a missing section of these elements is no further fault.
+        roles: Line that gave an entry its role.
+        given: Line of everything that may occur once.
+        signals: Inputs, outputs and signals along a trajectory by number: their line, and the call that adds them.
+        excused: Numbers in faulty element lines; other lines about them are no further faults.
+        settings: Lines beside the mechanism.
+        outlines: Sizes of cross-sections by element, from CROSSDIM.
+        drawn: Lines for drawing.
+        warnings: Lines with their warnings.
     """
 
     callables: Mapping[str, Callable[..., Any]]
@@ -133,13 +120,13 @@ class Reading:
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 
     def once(self, statement: Statement, *key: Any) -> None:
-        """Refuse what is given a second time."""
+        """Refuse a second statement."""
         first = self.given.setdefault((statement.keyword, *key), statement)
         if first is not statement:
             raise Fault(f"is given already on line {first.line}; give it once")
 
     def kind_of(self, number: int) -> NodeKind:
-        """Kind of a node that elements name."""
+        """Kind of a node in an element."""
         if number in self.nodes:
             return self.nodes[number][0]
         if number in self.excused:
@@ -155,7 +142,7 @@ class Reading:
         raise Fault(f"there is no element {number} ({_listed(self.elements)})")
 
     def entries(self, of: int, components: list[int], kind: str) -> list[Role]:
-        """Roles of the coordinates of a node or the deformations of an element, which must have those named."""
+        """Roles of existing coordinates of a node, or deformations of an element."""
         if kind == "node":
             self.kind_of(of)
             owner = self.builder.nodes.get(str(of))
@@ -171,13 +158,13 @@ class Reading:
         return [owner.roles[c - 1] for c in components]
 
     def meant(self, of: int, component: int, kind: str) -> tuple[int, ...]:
-        """Coordinates or deformations that a number stands for: all of a strain field, of a spectral beam."""
+        """Coordinates or deformations of a number: a whole strain field of a spectral beam."""
         self.entries(of, [component], kind)
         self.not_warping(of, component, kind)
         return (component,) if kind == "node" else series.meant(self.builder.members[str(of)].element, component)
 
     def not_warping(self, of: int, component: int, kind: str) -> None:
-        """Refuse the warping of a leaf spring's end where something is given or held."""
+        """Refuse a value or a role for the warping of a leaf spring's end."""
         if kind == "element" and component in series.warping(self.builder.members[str(of)].element):
             raise Fault(
                 f"deformation {component} of {self.declared(of).kind.keyword} is the warping of an end, which what is"
@@ -185,7 +172,7 @@ class Reading:
             )
 
     def single(self, of: int, component: int, kind: str) -> None:
-        """Refuse a whole strain field where one number is wanted."""
+        """Refuse a whole strain field where one number is needed."""
         self.entries(of, [component], kind)
         if kind == "node":
             return
@@ -197,7 +184,7 @@ class Reading:
             )
 
     def require(self, of: int, component: int, kind: str, role: Role) -> None:
-        """Refuse a value for an entry that has another role."""
+        """Refuse a value for an entry with another role."""
         self.single(of, component, kind)
         self.not_warping(of, component, kind)
         if self.entries(of, [component], kind) != [role]:

@@ -1,9 +1,9 @@
 """Deformation numbers of spectral beams in SPACAR input files.
 
-A file speaks of a spectral beam as of a beam: the beam's numbers, up to 3 in the plane and 6 in space, stand for whole
-strain fields (1 elongation, 2 torsion, 3 or 4 and 5 or 6 the two bendings; in the plane 1, and 2 or 3). The closure,
-which has these numbers in ``e``, is always FIXED and needs none. The numbers after them are single coefficients; of a
-leaf spring in space 7 and 8 are the warping of its ends, of which a file says nothing.
+A file numbers a spectral beam like a beam: numbers up to 3 in the plane and 6 in space mean whole strain fields (1
+elongation, 2 torsion, 3 or 4 and 5 or 6 the two bendings; in the plane 1, and 2 or 3). The closure, which has these
+numbers in ``e``, is always FIXED. Further numbers mean single coefficients. In a leaf spring in space 7 and 8 are the
+warping of its ends, which a file does not mention.
 """
 
 import math
@@ -15,22 +15,22 @@ FIELDS = {
     2: ("elongation", "bending"),
     3: ("elongation", "torsion", "bending about y", "bending about z", "shear along y", "shear along z"),
 }
-# Fields that move with each number of the beam: a beam that bends along z shears along z too.
+# Fields of each number of the beam: a beam that bends along z also shears along z.
 _PARTS: dict[int, tuple[tuple[int, ...], ...]] = {
     2: ((0,), (1,), (1,)),
     3: ((0,), (1,), (2, 5), (2, 5), (3, 4), (3, 4)),
 }
-# Fields of the bendings, the beam's number of each at end p, and the sign of the beam's against the curvature.
+# Fields of the bendings, number of the beam's bending at end p, and sign of its bending relative to the curvature.
 _BENDINGS = {2: ((1, 2, -1.0),), 3: ((2, 3, 1.0), (3, 5, 1.0))}
 
 
 def closure(element: Element) -> int:
-    """Number of deformations that close a spectral beam; none for any other element."""
+    """Number of deformations that close a spectral beam; zero for other elements."""
     return len(element.closure)
 
 
 def warping(element: Element) -> tuple[int, ...]:
-    """Deformations that are the warping of the ends of a leaf spring in space; none of any other element."""
+    """Deformations for the warping of the ends of a leaf spring in space; none for other elements."""
     return element.measured if element.fields else ()
 
 
@@ -39,7 +39,7 @@ def _dimension(element: Element) -> int:
 
 
 def meant(element: Element, number: int) -> tuple[int, ...]:
-    """Deformations that a number in a file stands for."""
+    """Deformations of a number in a file."""
     if number > closure(element):
         return (number,)
     parts = _PARTS[_dimension(element)][number - 1]
@@ -47,7 +47,7 @@ def meant(element: Element, number: int) -> tuple[int, ...]:
 
 
 def shortened(element: Element, numbers: list[int]) -> list[int]:
-    """Numbers for a file that stand for the given deformations, in their order, whole fields by the beam's."""
+    """Numbers in a file for some deformations in their order, with whole fields under the beam's numbers."""
     found, left = [], list(numbers)
     beam = range(1, closure(element) + 1)
     while left:
@@ -64,34 +64,18 @@ def arranged(element: Element, numbers: list[int]) -> list[int]:
 
 
 def resultants(element: Element, length: float, values: list[float]) -> dict[int, float]:
-    """Stress resultants of the coefficients that do the same work as those of a beam.
+    """Stress resultants of the coefficients that do the same work as values of ESIG, by number.
 
-    Args:
-        length: Of the beam [m].
-        values: As ESIG gives them: of the beam's deformations, then of the coefficients.
-
-    Returns:
-        Nonzero values by number of the deformation.
-
-    Source:
-        The beam's deformations are, to first order, integrals of the strains: e1 of the elongation, e2 of the twist
-        times the length, those of bending of the curvature times the length times the distance from the other end.
+    To first order the beam's deformations are integrals of the strains: e1 of the elongation, e2 of the twist times the
+    length, bendings of the curvature times the length times the distance from the other end.
     """
     return _spread(element, values, (length, length / 2, length / 6))
 
 
 def strains(element: Element, length: float, values: list[float]) -> dict[int, float]:
-    """Coefficients of the strains that a beam has with given deformations.
+    """Coefficients of the strains of a beam with deformations of EINIT, by number.
 
-    Args:
-        length: Of the beam [m].
-        values: As EINIT gives them: deformations of the beam, then coefficients.
-
-    Returns:
-        Nonzero values by number of the deformation.
-
-    Source:
-        Inverse of the integrals of :func:`resultants`, for a curvature that is linear along the beam.
+    Inverse of the integrals of :func:`resultants` for a curvature that is linear along the beam.
     """
     return _spread(element, values, (1 / length, 1 / length, 3 / length))
 
@@ -119,7 +103,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
 
 
 def described(element: Element) -> str:
-    """Which deformations belong to what, for the log."""
+    """Meaning of the deformations, for the log."""
     names = FIELDS[_dimension(element)]
     parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
     ends = [f"warping {' and '.join(map(str, own))}"] if (own := warping(element)) else []

@@ -1,4 +1,4 @@
-"""Inputs and outputs of SPACAR input files, and how those along a trajectory are numbered."""
+"""Inputs and outputs of SPACAR input files, and the numbering of signals along a trajectory."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from .lines import Fault, Statement
 from .reading import Reading
 
 HELD = (Role.FIXED, Role.PRESCRIBED)
-# What each keyword is about, in the words of Builder.input and Builder.output.
+# Quantity of each keyword, in the words of Builder.input and Builder.output.
 QUANTITIES: dict[tuple[str, str], dict[str, str]] = {
     ("input", "node"): {"INPUTF": "force", **dict(zip(("INX", "INXP", "INXDP"), MOTIONS, strict=True))},
     ("input", "element"): {"INPUTS": "stress", **dict(zip(("INE", "INEP", "INEDP"), MOTIONS, strict=True))},
@@ -33,14 +33,14 @@ EULER = {
 
 
 def keyword_of(side: str, kind: str, quantity: str) -> str:
-    """Keyword of an input or output of a quantity of a node or an element."""
-    # A moment is the force on a rotation.
+    """Keyword of an input or output, by its quantity and the kind of its owner."""
+    # A moment is a force on a rotation.
     wanted = "force" if quantity == "moment" else quantity
     return next(keyword for keyword, own in QUANTITIES[side, kind].items() if own == wanted)
 
 
 def place_of(r: Reading, s: Statement, p: dict[str, Any]) -> tuple[str, int, int, int | None]:
-    """Node or element that a signal is about, its coordinate or deformation, or the axis of its rotation in space."""
+    """Node or element of a signal, and its coordinate or deformation, or the axis of its rotation in space."""
     kind, of, component = target(p)
     if component not in TURNS:
         r.single(of, component, kind)
@@ -48,15 +48,13 @@ def place_of(r: Reading, s: Statement, p: dict[str, Any]) -> tuple[str, int, int
     node = r.kind_of(of)
     if node is not ROTATION3:
         has = "1" if node.size == 1 else f"1 to {node.size}"
-        raise Fault(
-            f"{component} is an axis of a rotation in space, which node {of} is none of; its coordinate is {has}"
-        )
+        raise Fault(f"{component} is an axis of a rotation in space, which node {of} is not; its coordinate is {has}")
     r.entries(of, [1], kind)
     return kind, of, 1, TURNS.index(component)
 
 
 def signal(r: Reading, s: Statement, p: dict[str, Any]) -> None:
-    """INPUTF, INX, OUTX, OUTF and the like: one input or output, added when all are known."""
+    """INPUTF, INX, OUTX, OUTF and the like: one input or output, added once all are known."""
     side = side_of(s.keyword)
     number_signal(r, s, p["number"])
     kind, of, component, axis = place_of(r, s, p)
@@ -95,13 +93,13 @@ def signal(r: Reading, s: Statement, p: dict[str, Any]) -> None:
 
 
 def side_of(keyword: str) -> str:
-    """Among what the number of a signal counts."""
+    """Numbering of a keyword's signals."""
     sides = {"IN": "input", "NOM": "nominal input", "REF": "reference output"}
     return next((side for start, side in sides.items() if keyword.startswith(start)), "output")
 
 
 def number_signal(r: Reading, s: Statement, number: int) -> None:
-    """Take a number of an input or output, of which each is used once."""
+    """Take a number of an input or output, each once."""
     side = side_of(s.keyword)
     first = r.signals[side].get(number)
     if first is not None:

@@ -1,4 +1,4 @@
-"""Trajectories in SPACAR input files: where coordinates go (our own keywords), what drives them, what is to follow."""
+"""Trajectories in SPACAR input files (our own keywords): motions of coordinates, their inputs, and their outputs."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,7 +14,7 @@ from .signals import EULER, number_signal, place_of, side_of
 LAWS = ("quintic", "septic", "scurve")
 WAYS = ("TRAJX", "TRAJE")
 NOMINAL = ("NOMF", "NOMS")
-# What is measured, in the words of Builder.output.
+# Quantities in the words of Builder.output.
 REFERENCES = {
     "REFX": "position",
     "REFXP": "velocity",
@@ -26,7 +26,7 @@ REFERENCES = {
 
 
 def leg(r: Reading, s: Statement, p: dict[str, Any]) -> None:
-    """TRAJX, TRAJE: a coordinate or a deformation goes somewhere; several lines follow each other in time."""
+    """TRAJX, TRAJE: motion of a coordinate or a deformation; lines follow each other in time."""
     kind, of, component = target(p)
     r.single(of, component, kind)
     r.not_warping(of, component, kind)
@@ -44,20 +44,20 @@ def leg(r: Reading, s: Statement, p: dict[str, Any]) -> None:
         raise Fault(f"start is a time [s] from 0, but is {start}")
     if known(start) and known(end) and end <= start:
         raise Fault(f"end must be later than start, which is {start} s, but is {end}; both are times [s]")
-    own = r.settings.setdefault(s.keyword, [])
-    for other in own:
+    legs = r.settings.setdefault(s.keyword, [])
+    for other in legs:
         times = (start, end, other.start, other.end)
         if other[:2] == (of, component) and all(map(known, times)) and start < other.end and other.start < end:
             raise Fault(
                 f"{what} {component} is on its way from {other.start} s to {other.end} s already by line {other.line};"
                 " lines follow each other in time"
             )
-    own.append(Leg(of, component, start, end, p["value"], law, s.line))
+    legs.append(Leg(of, component, start, end, p["value"], law, s.line))
     r.given.setdefault((s.keyword, of, component), s)
 
 
 def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
-    """NOMF, NOMS, REFX, REFE and the like: one nominal input or reference output, kept when all are known."""
+    """NOMF, NOMS, REFX, REFE and the like: one nominal input or reference output, kept once all are known."""
     number_signal(r, s, p["number"])
     kind, of, component, axis = place_of(r, s, p)
     if kind == "node" and r.kind_of(of) is ROTATION3 and axis is None:
@@ -68,12 +68,12 @@ def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
         if all(role is Role.FIXED for role in r.entries(of, [component] if axis is None else [1, 2, 3, 4], kind)):
             what = "coordinate" if kind == "node" else "deformation"
             raise Fault(f"{what} {word} is held, so that nothing can drive it; let the input act on one that moves")
-    own = Channel(p["number"], of, word, s.line)
-    r.signals[side_of(s.keyword)][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(own)
+    kept = Channel(p["number"], of, word, s.line)
+    r.signals[side_of(s.keyword)][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(kept)
 
 
 def check(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
-    """Blame lines about trajectories for what they say of each other, once all have been acted on."""
+    """Report contradictions between lines about trajectories, once all have been read."""
     for keyword, rates in zip(WAYS, ("INPUTX", "INPUTE"), strict=True):
         about = "node" if keyword == "TRAJX" else "element"
         for of, component, _, *given in r.settings.get(rates, []):

@@ -1,4 +1,4 @@
-"""A Builder as a SPACAR input file."""
+"""Builders as SPACAR input files."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from ..errors import ModelError
 from ..files import write_whole
 from ..model.by_name import TURNS
 from ..model.roles import Role
+from ..numerical_limits import SAME_POISSON
 from . import outlines, trajectories
 from . import series as series
 from .actions import start_of
@@ -31,65 +32,57 @@ from .read import SpacarModel
 from .signals import keyword_of
 from .written import WrittenLine, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
-# Elements that the lines of a node stand for, by their property.
+# Elements that become lines of a node, by their property.
 _LUMPED = {
     "mass": (planar.mass, spatial.mass),
     "inertia": (planar.inertia, spatial.inertia),
     "moment": (spatial.moment,),
 }
-# Poisson's ratios are one up to round-off.
-EQUAL = 1e-12
 
 
 def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
-    Nodes and elements that are not named by numbers are numbered; comments say which is which. Sections are written
-    as their rigidities, and their sizes as what is drawn (CROSSTYPE, CROSSDIM), by which what is read back has its
-    stress, without strength or fatigue; those of leaf springs as SECTION. Comments of a file that was read, names of
-    inputs and outputs, and user routines themselves are not kept. SPACAR and the command line ask for degrees of
-    freedom by name: name them with ``dof()``; those that ``build()`` finds are not written.
+    Nodes and elements whose names are no numbers are numbered; comments contain their names. Sections become
+    rigidities, and sizes for drawing (CROSSTYPE, CROSSDIM), from which the reader computes stress without strength or
+    fatigue; sections of leaf springs become SECTION. The file does not contain comments of a file that was read, names
+    of inputs and outputs, and user routines. Name degrees of freedom with ``dof()``: those that ``build()`` finds are
+    not written.
 
     Args:
-        model: Builder, or what read_spacar returned, whose settings are written too.
-        path: Where; the file appears whole or not at all.
+        model: Builder, or a result of read_spacar with its settings.
+        path: Path of the file, which is written whole or not at all.
 
     Raises:
-        ModelError: Something that the format cannot express, by name.
+        ModelError: The format cannot express a part of the mechanism.
         OSError: The folder is missing or not writable.
     """
     builder = model if isinstance(model, Builder) else getattr(model, "builder", None)
     if not isinstance(builder, Builder):
-        raise ModelError(f"write_spacar takes a Builder or what read_spacar returns, not {type(model).__name__}.")
+        raise ModelError(f"write_spacar needs a Builder or a result of read_spacar, not {type(model).__name__}.")
     settings = {} if isinstance(model, Builder) else model.settings
     write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
 
 
 def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[WrittenLine | str]:
-    """Lines of the file of a mechanism; those without numbers are texts.
-
-    Of traced numbers, ``like`` is the same mechanism with concrete numbers, by which what depends on values is decided.
-
-    Raises:
-        ModelError: Something that the format cannot express, by name.
-    """
+    """Lines of the file of a mechanism; ``like`` is the same mechanism with concrete numbers, if it is traced."""
     numbers = [n.start for n in builder.nodes.values()], [m.properties for m in builder.members.values()]
     if like is None and not is_concrete((numbers, builder.loads)):
-        raise ModelError("The model has traced numbers; write it outside of the transformation.")
+        raise ModelError("The model has traced numbers. Write it outside of the transformation.")
     return _Writer(builder, settings, like).lines()
 
 
 def _numbered(names: list[str]) -> dict[str, int]:
-    """Number of each name: its own if it is one, else the next that is free."""
-    own = {name: int(name) for name in names if re.fullmatch("[1-9][0-9]{0,8}", name)}
-    taken, last = set(own.values()), max(own.values(), default=0)
+    """Number of each name: the name itself if it is a number, otherwise the next free one."""
+    numbers = {name: int(name) for name in names if re.fullmatch("[1-9][0-9]{0,8}", name)}
+    taken, last = set(numbers.values()), max(numbers.values(), default=0)
     free = (n for n in itertools.chain(range(last + 1, MOST + 1), itertools.count(1)) if n not in taken)
-    return {name: own[name] if name in own else next(free) for name in names}
+    return {name: numbers[name] if name in numbers else next(free) for name in names}
 
 
 def told_in_no_element(node: str) -> str:
-    """Message of a node that no element joins."""
-    return f"Node '{node}' is in no element, so a SPACAR input file cannot have it."
+    """Message about a node that no element joins."""
+    return f"Node '{node}' is in no element. A SPACAR input file cannot contain it."
 
 
 def _inexpressible(what: str, instead: str = "") -> ModelError:
@@ -97,17 +90,17 @@ def _inexpressible(what: str, instead: str = "") -> ModelError:
 
 
 class _Nodes(dict[str, int]):
-    """Number of each node that the format has a number for."""
+    """Number of each node with a number in the format."""
 
     def __missing__(self, name: str):
         if name.endswith(".warping"):
             raise ModelError(
                 f"'{name}' has a role, a load or a signal, but a SPACAR input file has no number for warping. Leave it"
-                " out: where it is free it is a degree of freedom by itself, and `clamped` of the element holds it."
+                " out: free warping is a degree of freedom by itself, and `clamped` of the element holds it."
             )
         raise ModelError(
-            f"'{name}' is named, coordinates that an element owns, for which a SPACAR input file has no number; name"
-            " the deformations of the element instead."
+            f"'{name}' contains coordinates of an element, for which a SPACAR input file has no number. Name the"
+            " deformations of the element instead."
         )
 
 
@@ -125,14 +118,14 @@ class _Writer:
         named = {node for name, m in self.shown.items() for node in self._named(name, m)}
         self.node = _Nodes(_numbered([n for n in builder.nodes if n in named]))
         self.element = _numbered(list(self.shown))
-        # Files say what is held; a build finds it where nothing is said.
+        # Files state which warping is held; a build finds it.
         warps = any(kind.warps for kind in self.kinds.values())
         self.clamped = with_clamps(self.concrete, None) if warps else builder
         if like is None:
             self._check()
 
     def lines(self) -> list[WrittenLine | str]:
-        """All lines."""
+        """All lines of the file."""
         signals, drawn = self._signals(), self.settings.get(DRAWING.upper(), [])
         third = ["END", "HALT", *signals, "END", "END"] if signals else ["END", "END"]
         drawn = self._outlines(drawn) + [line for line in drawn if line.upper().split() != [outlines.TITLE]]
@@ -140,7 +133,7 @@ class _Writer:
         return [*self._legend(), *self._kinematics(), "END", "HALT", *self._dynamics(), *third, *drawn]
 
     def _outlines(self, drawn: list[str]) -> list[WrittenLine]:
-        """Sizes of cross-sections, but of elements whose lines are kept as they stand."""
+        """Sizes of cross-sections, without elements whose lines are kept unchanged."""
         words = [line.split() for line in drawn]
         there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
         groups: dict[tuple, tuple[Any, list[int]]] = {}
@@ -157,7 +150,7 @@ class _Writer:
         return lines
 
     def _named(self, name: str, member: Member) -> list[str]:
-        """Nodes that the line of an element names."""
+        """Nodes on the line of an element."""
         parts = [kind.part for kind in self.kinds[name].node_kinds]
         kinds = member.element.nodes.values()
         return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part in parts]
@@ -168,8 +161,8 @@ class _Writer:
         if not found:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
-                f"{what} has no keyword in a SPACAR input file; it has: {known}. A body that is clamped at both ends is"
-                " a beam there that has no section and releases nothing."
+                f"{what} has no keyword in a SPACAR input file. There are: {known}. A body that is clamped at both ends"
+                " is a beam without section that releases nothing."
             )
         if member.element.options.get("second_order", True) is not True:
             raise _inexpressible(f"{what} has second_order=False")
@@ -177,12 +170,12 @@ class _Writer:
             raise _inexpressible(f"{what} has an initial curvature")
         if member.element.fields:
             return found[0]
-        # A rigid beam without length is what the format calls a pinned body.
+        # The format calls a rigid beam without length a pinned body.
         p, q = (np.asarray(self.concrete.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
         return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
 
     def _check(self) -> None:
-        """Refuse what the format has no words for."""
+        """Refuse everything that the format cannot express."""
         joined = {node for m in self.shown.values() for node in m.nodes}
         if not self.shown:
             raise ModelError("The model has no elements. Add at least one.")
@@ -191,8 +184,8 @@ class _Writer:
                 raise ModelError(f"The load that follows node '{m.nodes[0]}' cannot be expressed in a SPACAR file.")
             if m.element in (planar.body, spatial.body):
                 raise ModelError(
-                    f"The body on node '{m.nodes[0]}' cannot be expressed in a SPACAR file: put its mass and inertia on"
-                    " a node in its centre, which a rigid beam joins."
+                    f"The body on node '{m.nodes[0]}' cannot be expressed in a SPACAR file. Put its mass and inertia on"
+                    " a node in its centre, and join it by a rigid beam."
                 )
         for name, m in self.shown.items():
             what, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
@@ -212,59 +205,58 @@ class _Writer:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
 
     def _check_closure(self, what: str, name: str, m: Member) -> None:
-        """Numbers up to those of the closure stand for strain fields in a file, so that nothing can be said of it."""
+        """Refuse statements about the closure, whose numbers mean strain fields in a file, and about warping."""
         closed = range(1, series.closure(m.element) + 1)
         warping = series.warping(m.element)
         given = [k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0]
         inputs, outputs = ([signal.key for signal in self.builder.signals[side]] for side in ("input", "output"))
         values = [*given, *inputs, *outputs]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
-            raise _inexpressible(
-                f"{what} has a role, a load or a signal at its closure, deformations 1 to {len(closed)}"
-            )
+            raise _inexpressible(f"{what} has a role, a load or a signal at deformations 1 to {len(closed)} (closure)")
         if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *given) for n in warping):
             numbers = f"deformations {warping[0]} and {warping[-1]}"
             raise _inexpressible(f"{what} has a role, a load or an input at its warping, {numbers}")
 
     @staticmethod
     def _check_damping(what: str, kind: ElementKind, section: Section) -> None:
-        """EDAMP has a number for each rigidity but those of warping and shear, which a material damps too."""
-        own = ["warping"] if kind.warps else []
+        """Refuse material damping of warping or shear, for which EDAMP has no numbers."""
+        without = ["warping"] if kind.warps else []
         sheared = [n for n in kind.stiffness if n.startswith("shear")]
         if sheared and not all(is_zero(getattr(section.rigidity(), n)) for n in sheared):
-            own.append("shear")
-        if own:
-            damped = f"{what} is damped by its material, its {' and its '.join(own)} too"
+            without.append("shear")
+        if without:
+            damped = f"{what} is damped by its material, its {' and its '.join(without)} too"
             raise _inexpressible(damped, ": give `damping`")
 
     def _check_leaf(self, what: str, m: Member) -> None:
-        """A leaf spring is a rectangle of one material, whose warping goes with the rotations of its ends."""
+        """Refuse leaf springs that are no rectangle of one material, or whose warping belongs to other rotations."""
         section: Rectangle = m.properties["section"]
         material = section.material
-        told = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
-        if material.nu is not None and abs(float(material.nu) - float(material.E / (2 * material.G) - 1)) > EQUAL:
-            told.append("nu other than E/(2 G) - 1")
-        told += ["torsion by an approximation"] if section.torsion != "series" else []
-        told += [] if section.rotary else ["no rotary inertia"]
-        if told:
+        extras = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
+        if material.nu is not None:
+            difference = abs(float(material.nu) - float(material.E / (2 * material.G) - 1))
+            extras += ["nu other than E/(2 G) - 1"] if difference > SAME_POISSON else []
+        extras += ["torsion by an approximation"] if section.torsion != "series" else []
+        extras += [] if section.rotary else ["no rotary inertia"]
+        if extras:
             numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
-            raise _inexpressible(f"{what}: its section has {', '.join(told)}", numbers)
+            raise _inexpressible(f"{what}: its section has {', '.join(extras)}", numbers)
         for rotation, warping in zip(parts_of(m, "rotation"), parts_of(m, "warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
-            own = {nodes[nodes.index(rotation) + 1] for nodes in beams}
-            if {warping} != (own or {f"{rotation.removesuffix('.rotation')}.warping"}):
+            shared = {nodes[nodes.index(rotation) + 1] for nodes in beams}
+            if {warping} != (shared or {f"{rotation.removesuffix('.rotation')}.warping"}):
                 raise ModelError(
-                    f"{what} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has that which goes"
-                    " with the rotation, or which all warping beams have there."
+                    f"{what} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has the warping of"
+                    " the rotation, or the warping of all warping beams there."
                 )
 
     def _loads_of_deformations(self) -> list[list[dict]]:
-        """Loads of each set but for temperatures, which are of whole elements."""
+        """Loads of each set without temperatures, which belong to whole elements."""
         sets = self.builder.loads.values()
         return [[load for kind, load in own.items() if kind != "temperature"] for own in sets]
 
     def _legend(self) -> list[str]:
-        """Which number is which name, where they differ."""
+        """Comments with names that are no numbers."""
         both = (("node", self.node), ("element", self.element))
         return [
             f"% {what} {number}: {' '.join(name.split())}"
@@ -272,8 +264,6 @@ class _Writer:
             for name, number in numbers.items()
             if str(number) != name
         ]
-
-    # -- kinematics -----------------------------------------------------------------------------------------------
 
     def _kinematics(self) -> list[WrittenLine]:
         lines, clamps = [], []
@@ -284,9 +274,9 @@ class _Writer:
             nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
             across = [] if vector is None else numbers_of(vector)
-            own = [one_of(m.properties[prop]) for _, prop in self.kinds[name].numbers]
-            lines.append(line_of(keyword, self.element[name], *nodes, *across, *own, *order))
-            # Of warping beams FIX says it.
+            others = [one_of(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            lines.append(line_of(keyword, self.element[name], *nodes, *across, *others, *order))
+            # FIX holds the ends of warping beams.
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
             clamps += [] if clamped is None else [line_of("CLAMP", self.element[name], *map(int, clamped))]
         lines += clamps
@@ -300,7 +290,7 @@ class _Writer:
         for name, m in self.shown.items():
             keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
             lines += self._roles(self.element[name], m.roles, keywords, m.element)
-        # One line each, since their order is that of q.
+        # One line each: their order is the order of q.
         for (kind, of), numbers in self._dofs():
             numbers = numbers if kind == "node" else series.shortened(self.shown[of].element, numbers)
             letter, at = self._place(kind, of)
@@ -308,14 +298,14 @@ class _Writer:
         return lines
 
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
-        """Degrees of freedom that follow each other at one node or element."""
+        """Consecutive degrees of freedom of one node or element."""
         runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
         return [(of, [number for *_, number in run]) for of, run in runs]
 
     def _across(self, m: Member) -> np.ndarray:
-        """A local y vector for a beam that needs none here but has one in the format; the one taken without."""
-        own = [self.concrete.nodes[n] for n in m.nodes]
-        p, q = (np.asarray(node.start, float) for node in own if node.kind.part == "position")
+        """Default local y of a beam that needs one in the format."""
+        nodes = [self.concrete.nodes[n] for n in m.nodes]
+        p, q = (np.asarray(node.start, float) for node in nodes if node.kind.part == "position")
         return np.eye(3)[np.argmin(np.abs(q - p))]
 
     @staticmethod
@@ -332,8 +322,6 @@ class _Writer:
                     having = series.shortened(element, series.arranged(element, having))
                 lines += [line_of(keyword, number, *([] if whole else having))] if having else []
         return lines
-
-    # -- dynamics -------------------------------------------------------------------------------------------------
 
     def _dynamics(self) -> list[WrittenLine]:
         lines = [line for name, m in self.shown.items() for line in self._section(name, m)]
@@ -356,19 +344,19 @@ class _Writer:
         if kind.sized:
             lines.append(line_of("SECTION", number, *_sizes(m.properties["section"])))
         elif section is not None:
-            # Many elements share a section, and a torsional rigidity is a long series.
+            # Many elements share a section, and its torsional rigidity is a long series.
             s = self.rigidities.get(id(section)) or section.rigidity()
             self.rigidities[id(section)] = s
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
                 [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
             )
-            # Of a rigid body that has a mass alone it would be said to change nothing.
+            # The reader would warn that stiffness of a rigid body has no effect.
             idle = all(role is Role.FIXED for role in m.roles) and all(map(is_zero, stiffness))
             lines += [line_of("ESTIFF", number, *trimmed(stiffness))] if stiffness and not idle else []
             heavy = not all(map(is_zero, mass)) or (mass and not stiffness)
             lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
-        # Of an element that is not warmed it would be said to change nothing.
+        # The reader would warn that it has no effect on an element with constant temperature.
         if alpha is not None and name in self.warmed and not kind.sized and m.element.thermal is not None:
             lines.append(line_of("ALPHA", number, one_of(alpha)))
         if isinstance(damping, MaterialDamping):
@@ -379,7 +367,7 @@ class _Writer:
         return lines
 
     def _lumped(self) -> list[WrittenLine]:
-        """Masses, rotary inertias and moments about fixed axes; several on one node add up."""
+        """Masses, rotary inertias and moments about fixed axes, summed over each node."""
         totals: dict[tuple[str, str], Any] = {}
         for m in self.hidden:
             names = [name for name, kinds in _LUMPED.items() if m.element in kinds]
@@ -391,7 +379,7 @@ class _Writer:
                 value = stack(numbers_of(value))
             totals[key] = totals.get(key, 0.0) + (np.asarray(value, float) if known(value) else value)
             if names == ["mass"] and known(totals[key]) and totals[key] < 0:
-                raise ModelError(f"Node '{m.nodes[0]}' has a negative mass, which a SPACAR input file does not take.")
+                raise ModelError(f"Node '{m.nodes[0]}' has a negative mass. A SPACAR input file cannot contain it.")
         moments_last = sorted(totals.items(), key=lambda item: item[0][0] != "XM")
         return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in moments_last]
 
@@ -419,7 +407,7 @@ class _Writer:
         return lines
 
     def _place(self, kind: str, of: str) -> tuple[str, int]:
-        """Letter in the keywords about a node or an element, and its number."""
+        """Letter of keywords about a node or an element, and its number."""
         return ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
 
     def _rates(self, letter: str, of: int, number: int) -> list[float]:
@@ -440,7 +428,7 @@ class _Writer:
         return lines + self._ways()
 
     def _ways(self) -> list[WrittenLine]:
-        """Where coordinates and deformations go."""
+        """Lines of trajectories."""
         lines = []
         for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
             for way in self.settings.get(keyword, []):
@@ -448,22 +436,20 @@ class _Writer:
                 lines.append(line_of(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
-    # -- inputs and outputs ---------------------------------------------------------------------------------------
-
     def _signals(self) -> list[WrittenLine]:
         lines = []
         for side in ("input", "output"):
-            for i, own in enumerate(self.builder.signals[side], 1):
-                if own.local or own.parts:
-                    told = "is about an axis that turns" if own.local else "is a linear combination"
-                    raise _inexpressible(f"The {side} '{own.name}' {told}")
-                kind, of, number = own.key
-                component = number if own.axis is None else TURNS[own.axis]
-                lines.append(line_of(keyword_of(side, kind, own.quantity), i, self._place(kind, of)[1], component))
+            for i, signal in enumerate(self.builder.signals[side], 1):
+                if signal.local or signal.parts:
+                    why = "is about an axis that turns" if signal.local else "is a linear combination"
+                    raise _inexpressible(f"The {side} '{signal.name}' {why}")
+                kind, of, number = signal.key
+                component = number if signal.axis is None else TURNS[signal.axis]
+                lines.append(line_of(keyword_of(side, kind, signal.quantity), i, self._place(kind, of)[1], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
-            for own in self.settings.get(keyword, []):
-                lines.append(line_of(keyword, own.number, numbers[str(own.of)], own.component))
+            for channel in self.settings.get(keyword, []):
+                lines.append(line_of(keyword, channel.number, numbers[str(channel.of)], channel.component))
         return lines
 
 
@@ -483,5 +469,5 @@ def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
 
 
 def _filled(values: dict[int, Any], size: int = 0) -> list[Any]:
-    """Values in order, zero where none is given."""
+    """Values in order, with zeros for missing ones."""
     return [one_of(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

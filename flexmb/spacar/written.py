@@ -1,4 +1,4 @@
-"""Lines of a SPACAR input file on their way out: their numbers, which may be traced, and their texts."""
+"""Lines of a SPACAR input file to be written: their numbers, which may be traced, and their texts."""
 
 import dataclasses
 from typing import Any
@@ -12,32 +12,21 @@ from .lines import LARGEST, SMALLEST, known, within
 
 @dataclasses.dataclass(frozen=True)
 class WrittenLine:
-    """One line of a file.
-
-    Attributes:
-        keyword: Its keyword.
-        values: Words and whole numbers as they stand there, and real numbers, which may be traced.
-    """
+    """One line of a file: keyword, and words, whole numbers and real numbers, which may be traced."""
 
     keyword: str
     values: tuple[Any, ...]
 
 
 def text_of(line: WrittenLine | str) -> str:
-    """One line as text; real numbers with all their digits.
-
-    Raises:
-        ModelError: A number that is too small or too large for the format.
-    """
+    """One line as text, real numbers with all their digits."""
     if isinstance(line, str):
         return line
     text = " ".join([line.keyword, *(str(v) if isinstance(v, int | str) else repr(float(v)) for v in line.values)])
     for value in line.values:
         if not isinstance(value, int | str) and not within(value):
-            raise ModelError(
-                f"'{clean(text)}' cannot stand in a SPACAR input file: its numbers are 0 or from {SMALLEST:g} to"
-                f" {LARGEST:g} in size."
-            )
+            size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
+            raise ModelError(f"'{clean(text)}' cannot stand in a SPACAR input file: numbers there are {size}.")
     return text
 
 
@@ -47,16 +36,16 @@ def line_of(keyword: str, *values: Any) -> WrittenLine:
 
 
 def numbers_of(value: Any) -> list[Any]:
-    """Numbers of one, of an array or of a sequence, which may be traced."""
+    """Numbers of a scalar, an array or a sequence, which may be traced."""
     if is_concrete(value):
         return np.ravel(np.asarray(value, float)).tolist()
     if isinstance(value, list | tuple):
-        return [one for entry in value for one in numbers_of(entry)]
+        return [number for entry in value for number in numbers_of(entry)]
     return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
 
 
 def one_of(value: Any) -> Any:
-    """A number as it is written."""
+    """A number for a line."""
     return float(np.asarray(value)) if known(value) else value
 
 
@@ -66,7 +55,7 @@ def is_zero(value: Any) -> bool:
 
 
 def trimmed(values: list[Any]) -> list[Any]:
-    """Without zeros at the end, but for the first."""
+    """Values without zeros at the end, except the first."""
     while len(values) > 1 and is_zero(values[-1]):
         values = values[:-1]
     return values

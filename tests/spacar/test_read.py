@@ -658,7 +658,7 @@ BAD = [
         "{S}: INX: input 1: coordinate 2 is not held, so that it moves by itself; INPUTF",
     ),
     ("S", "INEP 1 1 2", "{S}: INEP: input 1: deformation 2 is not held, so that it moves by itself; INPUTF"),
-    ("S", "INPUTF 1 3 rx", "{S}: INPUTF: input 1: rx is an axis of a rotation in space, which node 3 is none of; its"),
+    ("S", "INPUTF 1 3 rx", "{S}: INPUTF: input 1: rx is an axis of a rotation in space, which node 3 is not; its"),
     (
         "S",
         "INPUTF 1 3 ra",

@@ -326,8 +326,8 @@ def test_a_local_y_that_is_not_given_is_written_as_it_is_taken(element, tmp_path
 
 INEXPRESSIBLE = {
     "Element 'left' (spectral_beam) has an initial curvature": named(curvature=2.0),
-    "Element 'left' (spectral_beam) has a role, a load or a signal at its closure, deformations 1 to 3": named(),
-    "'left.internal' is named, coordinates that an element owns": named(),
+    "Element 'left' (spectral_beam) has a role, a load or a signal at deformations 1 to 3 (closure)": named(),
+    "'left.internal' contains coordinates of an element": named(),
 }
 _CLOSED, _INTERNAL = list(INEXPRESSIBLE.values())[1:]
 _CLOSED.release("left", "closure_y")

@@ -101,7 +101,7 @@ END
             "INPUTF 3 1 1",
             "coordinate 1 is held, so that a force on it does nothing; let it act on one that moves, or mo",
         ),
-        ("OUTX 4 2 ry", "ry is an axis of a rotation in space, which node 2 is none of; its coordinate is 1 to 2"),
+        ("OUTX 4 2 ry", "ry is an axis of a rotation in space, which node 2 is not; its coordinate is 1 to 2"),
     ],
 )
 def test_signals_that_cannot_be(line, words):
