@@ -1,4 +1,4 @@
-"""The C compiler of this machine, where there is one."""
+"""The C compiler of this machine, if there is one."""
 
 import os
 import platform
@@ -15,7 +15,7 @@ LONGEST = 600
 
 
 def place_of_binary(identifier: str, fmi: int) -> str | None:
-    """Path in a unit of the functions compiled for this platform; None where it is none that FMI names."""
+    """Path of the binary for this platform in a unit; None if FMI has no name for the platform."""
     system, processor = SYSTEMS.get(sys.platform), PROCESSORS.get(platform.machine().lower())
     if system is None or processor is None:
         return None
@@ -26,7 +26,7 @@ def place_of_binary(identifier: str, fmi: int) -> str | None:
 
 
 def found_compiler() -> list[str] | None:
-    """Command of a C compiler: that in $CC, or else cc, gcc or clang; None without any."""
+    """Command of a C compiler: $CC, or else cc, gcc or clang; None without any."""
     words = shlex.split(os.environ.get("CC", ""))
     for candidate in [words] if words else [["cc"], ["gcc"], ["clang"]]:
         if shutil.which(candidate[0]):
@@ -35,16 +35,12 @@ def found_compiler() -> list[str] | None:
 
 
 def compiled(files: dict[str, bytes], main: str) -> tuple[bytes | None, str]:
-    """A shared library of C sources by name, of which the main one includes the others; the same bytes each time.
-
-    Returns:
-        Contents of the library, and nothing; or None, and why there is none.
-    """
+    """A shared library of C sources, reproducible to the byte; or None, and why there is none."""
     command = found_compiler()
     if command is None:
         given = os.environ.get("CC")
         return None, f"there is no C compiler '{given}'" if given else "there is no C compiler (cc, gcc, clang, or $CC)"
-    # Neither paths nor times nor numbers of the build go into it, and products and sums are not joined.
+    # The library contains no paths, times or build numbers, and no fused multiply-adds.
     options = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared"]
     if sys.platform != "win32":
         options.append("-fPIC")

@@ -1,4 +1,4 @@
-"""modelDescription.xml of a unit, of FMI 3.0 and 2.0, and how importers are to compile it."""
+"""modelDescription.xml of a unit for FMI 3.0 and 2.0, and build instructions for importers."""
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
@@ -10,7 +10,7 @@ from .. import __version__
 from ..errors import clean
 from .plant import Plant, Variable
 
-# Exponents of the base units in those that signals have.
+# Exponents of base units.
 UNITS = {
     "m": {"m": 1},
     "rad": {"rad": 1},
@@ -25,13 +25,13 @@ UNITS = {
 
 
 class Placed(NamedTuple):
-    """A variable of a unit, with what an importer may do with it.
+    """A variable of a unit with its role.
 
     Attributes:
         variable: Name, unit, value at the start.
-        reference: Its number, by which it is asked for.
+        reference: Number in the unit.
         kind: "time", "input", "state", "parameter", "rate" or "output".
-        of: Of a rate, the reference of its state.
+        of: Reference of the state of a rate.
     """
 
     variable: Variable
@@ -40,7 +40,7 @@ class Placed(NamedTuple):
     of: int = 0
 
 
-# Causality, variability and how it begins, by kind.
+# Causality, variability and initial value by kind.
 ROLES = {
     "time": ("independent", "continuous", None),
     "input": ("input", "continuous", None),
@@ -52,15 +52,14 @@ ROLES = {
 
 
 def placed(plant: Plant, settable: bool) -> list[Placed]:
-    """All variables of a unit in the order of their references, that of core.c; matrices where they are settable."""
+    """All variables of a unit in the order of core.c, with matrices if they are settable."""
     parameters = list(plant.parameters)
     if plant.times is not None:
         parameters.append(Variable("substep", "s", plant.substep))
     if settable:
-        # A linear plant has one of each, and no need of an index for it.
-        parameters += [
-            Variable(name, start=m if plant.times is not None else m[0]) for name, m in plant.matrices.items() if m.size
-        ]
+        # A linear plant has one of each matrix, without an index.
+        linear = plant.times is None
+        parameters += [Variable(name, start=m[0] if linear else m) for name, m in plant.matrices.items() if m.size]
     found = [Placed(Variable("time", "s"), 0, "time")]
 
     def follow(kind: str, variables: Sequence[Variable]):
@@ -70,10 +69,10 @@ def placed(plant: Plant, settable: bool) -> list[Placed]:
 
     for kind, variables in (("input", plant.inputs), ("state", plant.states), ("parameter", parameters)):
         follow(kind, variables)
-    states = [one for one in found if one.kind == "state"]
-    follow("rate", [Variable(f"der({one.variable.name})", _rate(one.variable.unit)) for one in states])
-    rates = iter([one.reference for one in states])
-    found = [one._replace(of=next(rates)) if one.kind == "rate" else one for one in found]
+    states = [variable for variable in found if variable.kind == "state"]
+    follow("rate", [Variable(f"der({state.variable.name})", _rate(state.variable.unit)) for state in states])
+    rates = iter([state.reference for state in states])
+    found = [each._replace(of=next(rates)) if each.kind == "rate" else each for each in found]
     follow("output", plant.outputs)
     return found
 
@@ -83,10 +82,7 @@ def _rate(unit: str) -> str:
 
 
 def check_names(plant: Plant, found: list[Placed]) -> None:
-    """Refuse an input or output with the name of another variable of the unit, or two states that share one.
-
-    FMI 2.0 lists the entries of arrays, "A[1,2]", and importers of FMI 3.0 show them so.
-    """
+    """Refuse repeated names, also of the entries of arrays, which FMI 2.0 and importers name "A[1,2]"."""
     outputs = [one for one in found if one.kind == "output"]
     own = [one for one in found if one.kind == "input"] + outputs[: plant.n_own]
     others = [one for one in found if one not in own]
@@ -96,14 +92,14 @@ def check_names(plant: Plant, found: list[Placed]) -> None:
         if name in kinds and kind != "parameter":
             builder = "" if kind == "state" else f"`name` of Builder.{kind}, or "
             raise ValueError(
-                f"The {kind} '{clean(name)}' shares its name with the unit's {kinds[name]}, and in an FMU each name is"
-                f" given once. Rename the {kind}, by {builder}`{kind}s` of control.StateSpace."
+                f"The {kind} '{clean(name)}' shares its name with the unit's {kinds[name]}. Rename the {kind}, by"
+                f" {builder}`{kind}s` of control.StateSpace."
             )
         kinds[name] = kind
 
 
 def scalars(found: list[Placed]) -> Iterator[Placed]:
-    """The same with each entry of an array on its own, "A[1,2]", as FMI 2.0 has them."""
+    """The same with each entry of an array as a variable, "A[1,2]"."""
     for one in found:
         if np.ndim(one.variable.start) == 0:
             yield one
@@ -115,7 +111,7 @@ def scalars(found: list[Placed]) -> Iterator[Placed]:
 
 
 def _attributes(one: Placed, of: int) -> dict[str, str]:
-    """Of a variable, those that both versions share, those of the number itself."""
+    """Attributes of a number in both versions."""
     v, found = one.variable, {}
     if one.kind in ("input", "state", "parameter"):
         found["start"] = " ".join(repr(float(value)) for value in np.ravel(v.start))
@@ -129,7 +125,7 @@ def _attributes(one: Placed, of: int) -> dict[str, str]:
 
 
 def description(plant: Plant, found: list[Placed], identifier: str, title: str, token: str, fmi: int) -> bytes:
-    """modelDescription.xml of a unit; the token is also in the file of its functions, ``identifier``."""
+    """modelDescription.xml of a unit, with the token and the ``identifier`` of its functions."""
     root = ElementTree.Element(
         "fmiModelDescription",
         {
@@ -194,7 +190,7 @@ def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
 
 
 def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], places: dict[int, str], fmi: int) -> None:
-    """Which variables are outputs and rates, and on what they depend: where D is zero, outputs on no input."""
+    """Outputs and rates, and their dependencies: without D outputs depend on no input."""
 
     def of(kind: str):
         return [one for one in found if one.kind == kind]
@@ -206,7 +202,7 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
     nominal = range(plant.n_own, plant.n_own + plant.n_nominal)
     structure = ElementTree.SubElement(root, "ModelStructure")
     outputs, rates = of("output"), of("rate")
-    # Nominal inputs and outputs are functions of time alone.
+    # Nominal inputs and outputs are functions of time.
     of_outputs = [(one, of("time") if i in nominal else known) for i, one in enumerate(outputs)]
     unknowns = sorted([*outputs, *rates], key=lambda one: one.reference)
     for group, tag, entries in (
@@ -223,7 +219,7 @@ def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], pla
 
 
 def build_description(identifier: str) -> bytes:
-    """buildDescription.xml of FMI 3.0: which file is to be compiled."""
+    """buildDescription.xml of FMI 3.0: the file to compile."""
     root = ElementTree.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = ElementTree.SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
     files = ElementTree.SubElement(configuration, "SourceFileSet", language="C99")

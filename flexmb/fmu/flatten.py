@@ -1,8 +1,7 @@
-"""A traced function as plain lists of equations: calls opened, constants worked out, what stays out of loops.
+"""A traced function as flat lists of equations, without calls and with computed constants.
 
-C has no use for the calls that a trace is made of, and a mechanism's numbers do not change once it is exported. So
-every inner program is put in the place of its call, what follows from constants alone is worked out by JAX once, what
-does not change in a loop goes in front of it, and what is done twice is done once.
+Every inner program replaces its call. JAX computes once what follows from constants, since the numbers of a mechanism
+are fixed after the export. Equations that do not change in a loop stand before it, and equal ones stand once.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +16,7 @@ from ..compilation.compile import QUICK
 from ..compilation.threads import one_thread
 from ..errors import ModelError
 
-# Calls whose program is that of the function itself; what is said of their derivatives does not matter here.
+# Calls of plain programs; their derivative rules have no effect here.
 CALLS = {
     "jit": "jaxpr",
     "closed_call": "call_jaxpr",
@@ -28,19 +27,13 @@ CALLS = {
     "custom_vjp_call": "call_jaxpr",
     "custom_lin": "jaxpr",
 }
-# What hands its input on.
+# Operations that return their input.
 SAME = {"stop_gradient", "copy", "copy_p", "optimization_barrier", "sharding_constraint", "layout_constraint"}
 LOOPS = {"scan", "while"}
 
 
 class Atom:
-    """A value of the program.
-
-    Attributes:
-        shape: Of the array.
-        dtype: Of its numbers.
-        depth: 0 of what follows from constants, 1 of the outermost list, one more in each loop or branch.
-    """
+    """A value of the program; depth 0 follows from constants, 1 is the outermost list, then each loop adds one."""
 
     __slots__ = ("depth", "dtype", "shape")
 
@@ -53,13 +46,7 @@ def _atom(variable: Any, depth: int) -> Atom:
 
 
 class Body(NamedTuple):
-    """Body of a loop or branch.
-
-    Attributes:
-        inputs: Carried values and those of the step; whatever else is read stands outside.
-        equations: In their order.
-        outputs: Values.
-    """
+    """Body of a loop or branch: carried values and values of the step, equations, and outputs."""
 
     inputs: list[Atom]
     equations: list["Equation"]
@@ -70,12 +57,10 @@ class Equation(NamedTuple):
     """One operation.
 
     Attributes:
-        name: Of the primitive.
-        params: Its options, as JAX names them.
-        inputs: What it reads.
-        outputs: What it gives.
+        name: Name of the primitive.
+        params: Options, as JAX names them.
         blocks: Bodies of a loop or branch.
-        origin: The equation of the trace, then those that called it, the outermost first.
+        origin: The equation of the trace, then the calls around it, the innermost first.
     """
 
     name: str
@@ -87,19 +72,14 @@ class Equation(NamedTuple):
 
 
 class FlatProgram(NamedTuple):
-    """A function whose constants are numbers.
-
-    Attributes:
-        block: Its inputs, equations and outputs.
-        constants: Numbers of the values of depth 0 that it reads.
-    """
+    """A function with constants, the numbers of values of depth 0."""
 
     block: Body
     constants: dict[Atom, np.ndarray]
 
 
 def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
-    """Trace a function of arrays and open all that it calls; raise ModelError if that calls back to Python."""
+    """Trace a function of arrays and open all calls; ModelError if it calls back to Python."""
     program = jax.make_jaxpr(function)(*(jax.typeof(one) for one in like))
     refuse_callbacks(program.jaxpr)
     opener = _Opener()
@@ -110,7 +90,7 @@ def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
 
 
 def read_by(equations: list[Equation], also: list[Atom]) -> list[Atom]:
-    """Values that equations or their bodies read, and some more, each once, in order."""
+    """Values that equations or their bodies read, and more values, each once, in order."""
     found: dict[Atom, None] = {}
     for equation in equations:
         found.update(dict.fromkeys(equation.inputs))
@@ -120,12 +100,12 @@ def read_by(equations: list[Equation], also: list[Atom]) -> list[Atom]:
 
 
 class _Opener:
-    """Puts equations where they belong: into the list of the deepest value that they read."""
+    """Appends equations to the list of the deepest value that they read."""
 
     def __init__(self):
         self.early: list[Equation] = []
         self.lists: list[list[Equation]] = [self.early, []]
-        # Below this depth a value of a branch is not worked out: the branch may not be taken.
+        # Values of a branch are not computed outside: it may not be taken.
         self.floors = [1]
         self.known: list[dict[Any, list[Atom]]] = [{}, {}]
         self.values: dict[Atom, np.ndarray] = {}
@@ -133,7 +113,7 @@ class _Opener:
         self.callers: list[Any] = []
 
     def constant(self, number: Any) -> Atom:
-        """A number as a value; equal ones are one."""
+        """A number as a value, equal ones once."""
         number = np.asarray(number)
         key = (number.dtype.str, number.shape, number.tobytes())
         if key not in self.words:
@@ -142,13 +122,13 @@ class _Opener:
         return self.words[key]
 
     def opened(self, jaxpr: Jaxpr, constants: Any, arguments: list[Atom]) -> list[Atom]:
-        """Results of a program for given arguments, its equations put into the lists."""
+        """Results of a program for arguments; its equations go into the lists."""
         place: dict[Any, Atom] = {}
         for variables, atoms in ((jaxpr.constvars, map(self.constant, constants)), (jaxpr.invars, arguments)):
             place.update(zip(variables, atoms, strict=True))
 
         def read(one: Any) -> Atom:
-            # A literal may be a number of Python's, whose type its place says.
+            # A Python number has the type of its place.
             if not isinstance(one, Literal):
                 return place[one]
             kind: Any = one.aval
@@ -170,7 +150,7 @@ class _Opener:
             inner = params[CALLS[name]]
             return self.opened(getattr(inner, "jaxpr", inner), getattr(inner, "consts", ()), inputs)
         if name == "call_hi_primitive":
-            # JAX from 0.12 on writes out some of its functions, such as jnp.searchsorted, at the very last.
+            # JAX from 0.12 on opens some functions, such as jnp.searchsorted, late.
             like = [jax.ShapeDtypeStruct(one.shape, one.dtype) for one in inputs]
             inner = jax.make_jaxpr(lambda *given: jax.tree.leaves(params["_prim"].expand(*given)))(*like)
             return self.opened(inner.jaxpr, inner.consts, inputs)
@@ -178,7 +158,7 @@ class _Opener:
             names = [("cpu" in one) if one else True for one in params["platforms"]]
             return [self.constant(np.int32(names.index(True)))]
         if name == "custom_linear_solve":
-            # Its solution is written out; the product that it inverts serves derivatives only.
+            # Only derivatives need the product that it inverts.
             lengths, inner = params["const_lengths"], params["jaxprs"].solve
             first = lengths.matvec + lengths.vecmat
             own, right = inputs[first : first + lengths.solve], inputs[sum(lengths) :]
@@ -192,12 +172,12 @@ class _Opener:
         return self.placed(name, params, inputs, equation)
 
     def placed(self, name: str, params: dict, inputs: list[Atom], origin: Any, blocks: tuple = ()) -> list[Atom]:
-        """Put an equation into the list that it belongs to, unless the same was done before."""
+        """Append an equation to its list, unless an equal one exists."""
         depth = max((one.depth for one in inputs), default=0)
         if depth:
             depth = max(depth, self.floors[-1])
         if blocks:
-            # A loop that may not end is begun where it was begun.
+            # A loop that may not end stays where it is.
             depth = len(self.lists) - 1
         meaning = _meaning(params)
         key = None if meaning is None else (name, meaning, *map(_signature, blocks), *inputs)
@@ -232,16 +212,16 @@ class _Opener:
         return self.placed(name, {}, carry, origin, (unfinished, body))
 
     def block(self, program: ClosedJaxpr, fixed: list[Atom], branch: bool = False) -> Body:
-        """A body; what it reads from outside is read where it stands."""
+        """A body, which reads outer values where they are."""
         depth = len(self.lists)
         self.lists.append([])
         self.known.append({})
         self.floors.append(depth if branch else self.floors[-1])
-        own = [_atom(v, depth) for v in program.jaxpr.invars[len(fixed) :]]
-        outputs = self.opened(program.jaxpr, program.consts, [*fixed, *own])
+        inputs = [_atom(v, depth) for v in program.jaxpr.invars[len(fixed) :]]
+        outputs = self.opened(program.jaxpr, program.consts, [*fixed, *inputs])
         self.floors.pop()
         self.known.pop()
-        return Body(own, self.lists.pop(), outputs)
+        return Body(inputs, self.lists.pop(), outputs)
 
     def numbers(self, wanted: list[Atom]) -> dict[Atom, np.ndarray]:
         """Numbers of values that follow from constants."""
@@ -260,7 +240,7 @@ class _Opener:
                 at.update(zip(equation.outputs, found, strict=True))
             return [at[one] for one in later]
 
-        # A trace is never kept on disk: what it captures is this program's own.
+        # The captured numbers belong to this program: the trace is never kept on disk.
         run = jax.jit(work_out, compiler_options=QUICK)
         with one_thread():
             found = run([jnp.asarray(self.values[one]) for one in given]) if later else []
@@ -269,7 +249,7 @@ class _Opener:
 
 
 def _needed(equations: list[Equation], wanted: set[Atom]) -> list[Equation]:
-    """Equations that lead to what is wanted, also within loops and branches; ``wanted`` grows by what they read."""
+    """Equations for wanted values, also in loops and branches; ``wanted`` grows by their inputs."""
     found = []
     for equation in reversed(equations):
         if not wanted.intersection(equation.outputs):
@@ -284,7 +264,7 @@ def _needed(equations: list[Equation], wanted: set[Atom]) -> list[Equation]:
 
 
 def _signature(block: Body) -> tuple:
-    """Equal for bodies that do the same with what stands outside."""
+    """Equal for bodies that do the same with outer values."""
     places: dict[Atom, Any] = {atom: i for i, atom in enumerate(block.inputs)}
     found: list[Any] = [len(block.inputs)]
     for equation in block.equations:
@@ -298,7 +278,7 @@ def _signature(block: Body) -> tuple:
 
 
 def _meaning(params: dict[str, Any]) -> Any:
-    """Equal for equal options; None where they cannot be compared."""
+    """Equal for equal options; None if they cannot be compared."""
     try:
         key = tuple((name, repr(one), one) for name, one in sorted(params.items()))
         hash(key)
@@ -308,7 +288,7 @@ def _meaning(params: dict[str, Any]) -> Any:
 
 
 def _programs(jaxpr: Jaxpr) -> Iterator[Any]:
-    """All equations, those of inner programs too."""
+    """All equations, also of inner programs."""
     for equation in jaxpr.eqns:
         yield equation
         for parameter in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
@@ -321,11 +301,7 @@ def _is_program(thing: Any) -> bool:
 
 
 def refuse_callbacks(jaxpr: Jaxpr) -> None:
-    """Raise where a program calls back to Python, with the name of what it calls.
-
-    Raises:
-        ModelError: The same.
-    """
+    """Raise ModelError with the names of Python functions that a program calls."""
     found: dict[str, None] = {}
     for equation in _programs(jaxpr):
         if "callback" in equation.primitive.name:
@@ -336,7 +312,7 @@ def refuse_callbacks(jaxpr: Jaxpr) -> None:
     if found:
         raise ModelError(
             f"C cannot call back to Python, but the model does: {'; '.join(found)}. Write these functions with"
-            " jax.numpy, or take prints out of them."
+            " jax.numpy, or remove prints."
         )
 
 

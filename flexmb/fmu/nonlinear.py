@@ -1,4 +1,4 @@
-"""The nonlinear mechanism as C: rates and outputs by time, state and inputs, as core.c calls them."""
+"""The nonlinear mechanism as C: rates and outputs from time, state and inputs, as called by core.c."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -29,15 +29,14 @@ class PlantSource(NamedTuple):
 
     Attributes:
         source: Text of a file, C99, that defines ``static int plant(const double *p, double t, const double *x, const
-            double *u, double *xdot, double *y, double *memory, double *work)``: it fills ``xdot`` and ``y`` and renews
-            ``memory``, where Newton's method starts, and returns 0 where all was found. No parameters are read. It
-            defines ``BENDS`` too, 1 where laws may have kinks.
+            double *u, double *xdot, double *y, double *memory, double *work)``. The function computes ``xdot`` and
+            ``y`` and updates ``memory``, the start of Newton's method. It returns 0 on success. ``BENDS`` is 1 if laws
+            may have kinks.
         states: Names of the states: degrees of freedom, then their rates.
         inputs: Names of the inputs.
         outputs: Names of the outputs.
-        memory: What the memory begins with: coordinates and deformations where the builder lets a motion begin,
-            (n_x + n_e,) [m, rad, -].
-        work: So many numbers (double) of workspace it needs.
+        memory: Start of the memory: coordinates and deformations at the builder's start, (n_x + n_e,) [m, rad, -].
+        work: Number of entries (double) of the workspace.
     """
 
     source: str
@@ -51,21 +50,11 @@ class PlantSource(NamedTuple):
 def plant(
     model: Model, *, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> PlantSource:
-    """Translate the equations of motion of a mechanism, with all their nonlinearity, to C.
+    """Translate the nonlinear equations of motion of a mechanism to C without libraries.
 
-    What :func:`flexmb.control.to_nonlinear_system` computes, in C without libraries: states are the degrees of freedom
-    from the undeformed mechanism and their rates. The dependent coordinates are searched for from where the last call
-    left them, by twice three steps of Newton's method; where that is far away, in steps of the degrees of freedom.
-
-    Args:
-        model: Mechanism with named inputs and outputs.
-        loads: Loads as functions of time, see :class:`flexmb.motion.Drives`.
-        motion: Prescribed motion as functions of time, see :class:`flexmb.motion.Drives`.
-
-    Raises:
-        AnalysisError: singular_mass, where a motion carries no mass.
-        ModelError: The model names no inputs or no outputs, or one that has no place in a simulation; or an element or
-            a function of time calls back to Python or does what has no translation.
+    States are the degrees of freedom from the undeformed mechanism and their rates. The search for the dependent
+    coordinates starts from the last call, with up to twice three steps of Newton's method; over a long way it takes
+    steps of the degrees of freedom.
 
     Source:
         THEORY.md 5, eq. (5.2), 9 (a), and 14, eq. (14.55).
@@ -88,13 +77,11 @@ def plant(
     done = unit.add("plant_rates", rates, like, ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap"), static=True)
     freedoms = freedoms_in_memory(model)
     bends = kinks_of(coordinates_form(topology, model.parameters, driven)) is not None
+    lists = {"FROM": freedoms.origins.tolist(), "SIZE": freedoms.sizes.tolist()}
     table = (
         f"/* Whether laws may have kinks, which are then looked for within steps. */\n#define BENDS {int(bends)}\n"
         f"static const int DOF_AT[] = {{{', '.join(map(str, freedoms.places.tolist()))}}};\n"
-        + "".join(
-            f"static const double DOF_{name}[] = {{{', '.join(map(repr, own.tolist()))}}};\n"
-            for name, own in (("FROM", freedoms.origins), ("SIZE", freedoms.sizes))
-        )
+        + "".join(f"static const double DOF_{n}[] = {{{', '.join(map(repr, v))}}};\n" for n, v in lists.items())
     )
     (w, n), m = done.work, memory.size
     numbers = {"WORK": w, "MEMORY": m, "X": 2 * n_q, "Q": n_q}

@@ -1,4 +1,4 @@
-"""What a functional mock-up unit computes, as numbers and names: a linear, a time-varying or a nonlinear plant."""
+"""The plant of a functional mock-up unit in numbers and names: linear, time-varying or nonlinear."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -16,11 +16,11 @@ from ..model.model import Model
 from ..trajectory.linear_along import TimeVarying
 from .nonlinear import plant as translated
 
-# Importers measure the error of states against these: a millimetre of a mechanism, one of what is not known.
+# Typical size of a state, for the importer's error control: a millimetre for a mechanism, 1 for an unknown system.
 NOMINAL_OF_MECHANISM = 1e-3
-# What no XML file holds, or a name may not in an FMU.
+# Characters that XML or FMI forbid in names.
 FORBIDDEN = "[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]"
-# What a unit of a signal or a state is of.
+# Quantity of a unit.
 MOTION_OF = {"m": "Displacement", "rad": "Rotation"}
 UNDEFORMED = "the undeformed mechanism"
 
@@ -29,12 +29,12 @@ class Variable(NamedTuple):
     """One number or array of a unit.
 
     Attributes:
-        name: As importers show it.
-        unit: SI, in Modelica's notation, such as "N.m"; empty where none is known.
-        start: Its value at the start.
-        nominal: Of a state, its typical size.
-        description: What importers show beside the name.
-        origin: Of an output that is a displacement, the coordinate that it counts from [m]; None of all others.
+        name: Name for importers.
+        unit: SI unit in Modelica's notation, such as "N.m"; empty if unknown.
+        start: Value at the start.
+        nominal: Typical size of a state.
+        description: Description for importers.
+        origin: Coordinate from which an output counts that is a displacement [m]; None for other outputs.
     """
 
     name: str
@@ -46,20 +46,20 @@ class Variable(NamedTuple):
 
 
 class Plant(NamedTuple):
-    """What a unit computes; the one between Python and the C of this folder, which says what is meant.
+    """The plant of a unit, the interface between Python and the C of this folder.
 
     Attributes:
-        inputs: In order.
-        outputs: In order; :func:`named_apart` adds nominal inputs and outputs, then absolute positions.
-        states: In order, with their values at the start.
-        matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each; a D of zeros, and
-            u0 and y0 of a linear one, are left out.
+        inputs: Inputs in order.
+        outputs: Outputs in order; :func:`named_apart` adds nominal inputs and outputs, then absolute positions.
+        states: States in order, with their values at the start.
+        matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each, without a zero D,
+            and without u0 and y0 of a linear one.
         times: Knots of a time-varying plant, (n_t,) [s].
         substep: Longest step of its integration [s].
-        parameters: Of a nonlinear plant, in order.
-        source: Text of plant.c of a nonlinear plant; see core.c for what it defines.
-        memory: Values at the start of what a nonlinear plant hands from call to call.
-        work: Numbers that it needs room for.
+        parameters: Parameters of a nonlinear plant, in order.
+        source: Text of plant.c of a nonlinear plant; core.c describes its definitions.
+        memory: Start values that a nonlinear plant passes from call to call.
+        work: Number of entries of its workspace.
     """
 
     inputs: tuple[Variable, ...]
@@ -75,12 +75,12 @@ class Plant(NamedTuple):
 
     @property
     def n_nominal(self) -> int:
-        """Number of nominal inputs and outputs, which are outputs too."""
+        """Number of nominal inputs and outputs, which are also outputs."""
         return sum(self.matrices[name].shape[-1] for name in ("u0", "y0") if name in self.matrices)
 
     @property
     def displacements(self) -> list[int]:
-        """Numbers of the outputs whose absolute positions are the last outputs."""
+        """Numbers of the outputs with absolute positions, which are the last outputs."""
         return [i for i, v in enumerate(self.outputs) if v.origin is not None]
 
     @property
@@ -90,23 +90,23 @@ class Plant(NamedTuple):
 
 
 def named_apart(plant: Plant) -> Plant:
-    """Return the plant with the names of a unit: where an input and an output share one, both say what they are.
+    """Return the plant with unique names: an input and an output with one name both name their kind.
 
     States are named "state q", nominal inputs and outputs "nominal u", absolute positions "absolute y".
     """
     shared = {v.name for v in plant.inputs} & {v.name for v in plant.outputs}
 
-    def told(kind: str, found: tuple[Variable, ...]) -> tuple[Variable, ...]:
-        return tuple(v._replace(name=f"{kind} {v.name}") if v.name in shared else v for v in found)
+    def with_kind(kind: str, variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
+        return tuple(v._replace(name=f"{kind} {v.name}") if v.name in shared else v for v in variables)
 
     for kind in ("input", "output", "state"):
         for v in getattr(plant, kind + "s"):
             if not v.name.strip() or re.search(FORBIDDEN, v.name):
                 raise ValueError(
-                    f"The {kind} '{clean(v.name)}' has no name that an FMU takes: give it one that is not empty and has"
-                    " no line feeds, tabs or other control characters."
+                    f"The {kind} '{clean(v.name)}' has a name that FMI forbids. Give it one that is not empty, without"
+                    " line feeds, tabs or other control characters."
                 )
-    inputs, outputs = told("input", plant.inputs), told("output", plant.outputs)
+    inputs, outputs = with_kind("input", plant.inputs), with_kind("output", plant.outputs)
     states = tuple(v._replace(name=f"state {v.name}") for v in plant.states)
     if "u0" in plant.matrices:
         outputs += tuple(v._replace(name=f"nominal {v.name}", origin=None) for v in (*inputs, *outputs))
@@ -132,10 +132,10 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
     found, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
     labels = model.labels
     if not labels.inputs or not labels.outputs:
-        raise ModelError("An FMU needs an input and an output: name them with input() and output().")
+        raise ModelError("The model lacks inputs or outputs. Name them with input() and output().")
     if np.ndim(found.A) > 2:
         raise ModelError(
-            f"This linearisation is along a motion, at {len(found.A)} times: give lin.at_time(0), or the time-varying"
+            f"This linearisation is along a motion, at {len(found.A)} times. Give lin.at_time(0), or the time-varying"
             " system of the motion."
         )
     whence = "the static equilibrium" if isinstance(model, Model) else "the state of the linearisation"
@@ -144,14 +144,14 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
 
 
 def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
-    """SI units of a mechanism by the names of its inputs, outputs and states, of those that are known."""
+    """SI units of a mechanism by the names of inputs, outputs and states, if known."""
     return {v.name: v.unit for found in _variables(model, names) for v in found if v.unit and v.name}
 
 
 def nonlinear(
     model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> Plant:
-    """Nonlinear plant of a mechanism, translated to C; it starts as the builder says, or undeformed and at rest."""
+    """Nonlinear plant of a mechanism in C, from the builder's start values, or undeformed and at rest."""
     found = translated(model, loads=loads, motion=motion)
     inputs, outputs, states = _variables(model, found.states, np.asarray(model.parameters.reference), UNDEFORMED)
     memory = np.asarray(found.memory).tolist()
@@ -163,7 +163,7 @@ def nonlinear(
 def _variables(
     model: Model, states: Sequence[str], origin: np.ndarray | None = None, whence: str = ""
 ) -> tuple[tuple[Variable, ...], tuple[Variable, ...], tuple[Variable, ...]]:
-    """Inputs, outputs and states with their units; displacements count from ``origin``, in words ``whence``."""
+    """Inputs, outputs and states with units; displacements count from ``origin``, described by ``whence``."""
     units = {str(entry): unit_of(entry).replace("-", "") for entry in model.labels.x}
     units |= {f"d {name}": f"{unit}/s" if unit else "" for name, unit in units.items()}
 
@@ -178,13 +178,10 @@ def _variables(
 
 
 def of_state_space(system: Any) -> Plant:
-    """Linear plant of a ``control.StateSpace``, which has names and no units; raise ValueError for a sampled one."""
+    """Linear plant of a ``control.StateSpace``, which has names and no units."""
     if system.dt:
-        told = "" if system.dt is True else f" (dt = {system.dt:g} s)"
-        raise ValueError(
-            f"This state space is sampled{told}, and an FMU of flexmb moves in continuous time: give the continuous"
-            " system that it was sampled from."
-        )
+        rate = "" if system.dt is True else f" (dt = {system.dt:g} s)"
+        raise ValueError(f"This state space is sampled{rate}. Give the continuous system.")
     labels = (system.input_labels, system.output_labels, system.state_labels)
     return linear(system.A, system.B, system.C, system.D, *([Variable(name) for name in own] for own in labels))
 
@@ -196,18 +193,13 @@ def linear(a: Any, b: Any, c: Any, d: Any, inputs: Any, outputs: Any, states: An
 
 
 def time_varying(system: TimeVarying, substep: float | None) -> Plant:
-    """Time-varying plant of a system along a motion, whose inputs and outputs are whole: nominal ones and deviations.
+    """Time-varying plant of a system along a motion, with total inputs and outputs (nominal plus deviation).
 
-    Args:
-        system: Its names, and matrices at its times.
-        substep: Longest step of the integration [s]; a quarter of the shortest time between two knots unless given.
-
-    Raises:
-        ValueError: Times do not ascend.
+    The default substep is a quarter of the shortest time between two knots [s].
     """
     t = np.asarray(system.t, float)
     if len(t) < 2 or not np.all(np.diff(t) > 0):
-        raise ValueError("A time-varying system needs two times at least, ascending.")
+        raise ValueError("The times do not ascend. A time-varying system needs at least two ascending times.")
     substep = float(np.min(np.diff(t))) / 4 if substep is None else substep
     matrices = {name: np.asarray(getattr(system, name), float) for name in ("A", "B", "C", "D", "u0", "y0")}
     starts = np.asarray(matrices["u0"])[0]
@@ -224,25 +216,24 @@ def time_varying(system: TimeVarying, substep: float | None) -> Plant:
 
 def _checked(plant: Plant) -> Plant:
     if not plant.inputs or not plant.outputs or not plant.states:
-        raise ValueError("An FMU needs an input, an output and a state at least.")
+        raise ValueError("The system lacks inputs, outputs or states. An FMU needs at least one of each.")
     for name, m in plant.matrices.items():
         if not np.all(np.isfinite(m)):
             place = ", ".join(str(i + 1) for i in np.argwhere(~np.isfinite(m))[0][m.shape[0] == 1 :])
-            raise ValueError(f"{name}[{place}] is no finite number: an FMU of it would compute nothing.")
+            raise ValueError(f"{name}[{place}] is no finite number. An FMU would compute nothing.")
     kept = {name: m for name, m in plant.matrices.items() if name != "D" or np.any(m)}
     return plant._replace(matrices=kept)
 
 
 def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -> Plant:
-    """The plant with other states at the start, by name or all in order; raise ValueError for unknown or wrong ones."""
+    """The plant with other start values of states, by name or all in order."""
     if start is None:
         return plant
     names = [v.name for v in plant.states]
     given = dict(start) if isinstance(start, Mapping) else None
     if given is not None and (unknown := [name for name in given if name not in names]):
-        raise ValueError(
-            f"Argument `start` names '{clean(unknown[0])}', which is no state: there are {', '.join(names)}."
-        )
+        names_of = ", ".join(names)
+        raise ValueError(f"Argument `start` names '{clean(unknown[0])}', which is no state: there are {names_of}.")
     values = numbers([given.get(v.name, v.start) for v in plant.states] if given is not None else start)
     if values is None or values.shape != (len(names),) or not np.all(np.isfinite(values)):
         raise ValueError(

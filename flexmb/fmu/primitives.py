@@ -1,4 +1,4 @@
-"""How each primitive of JAX is said in C."""
+"""The translation of each primitive of JAX to C."""
 
 import functools
 from collections.abc import Callable
@@ -10,16 +10,16 @@ from .flatten import Atom, Equation
 from .terms import ArrayView, Lazy, Place, Value, compact, literal, reshaped, variable
 from .writer import Writer, counters
 
-# So many terms of a sum are written out; more make a loop.
+# Number of terms of a sum that are written out; more make a loop.
 SHORT = 4
-# A constant matrix of at least so many entries, of which this share or less is not zero, is multiplied by those alone.
-# What is no number goes on from there only where it meets one of them.
+# A constant matrix with at least so many entries is multiplied by its nonzero entries if their share is at most this.
+# NaN then passes through nonzero entries only.
 LARGE, SPARSE = 256, 0.25
 RULES: dict[str, Callable[..., list[Value]]] = {}
 
 
 def rule(*names: str):
-    """Enter a translation under the names of primitives."""
+    """Register a translation under the names of primitives."""
 
     def enter(function: Callable[..., Any]):
         for name in names:
@@ -33,7 +33,7 @@ def rule(*names: str):
 
 
 def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
-    """An operand as an array of the wanted shape: an axis of one entry serves all."""
+    """An operand in the wanted shape, with axes of one entry repeated."""
     if value.shape == shape:
         return value
     one, missing = w.cheap(value), len(shape) - len(value.shape)
@@ -46,15 +46,15 @@ def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
 
 
 def mapped(w: Writer, equation: Equation, values: list[Value], write: Callable[..., str]) -> list[Value]:
-    """An elementwise operation, which writes its expression from those of the operands."""
+    """An elementwise operation, by its expression from those of the operands."""
     (out,) = equation.outputs
     operands = [spread(w, value, out.shape) for value in values]
-    cost = 1 + sum(one.cost for one in operands)
-    return [Lazy(lambda index: write(*(one.at(index) for one in operands)), cost, out.shape, out.dtype)]
+    cost = 1 + sum(operand.cost for operand in operands)
+    return [Lazy(lambda index: write(*(operand.at(index) for operand in operands)), cost, out.shape, out.dtype)]
 
 
 def wrapped(dtype: np.dtype, text: str) -> str:
-    """A whole number as its type holds it."""
+    """An integer wrapped to its type."""
     if dtype.kind == "b":
         return text
     bits = f"{'u' if dtype.kind == 'u' else ''}int{8 * dtype.itemsize}_t"
@@ -62,7 +62,7 @@ def wrapped(dtype: np.dtype, text: str) -> str:
 
 
 def _by_kind(names: str, decimal: str, whole: str | None = None, truth: str | None = None) -> None:
-    """Enter operations by their C expressions for numbers, whole numbers and truth values."""
+    """Register operations by their C expressions for numbers, integers and truth values."""
 
     def translate(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         dtype = values[-1].dtype
@@ -86,7 +86,7 @@ COMPARISONS = {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "
 OF_MATH = (
     "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log1p sqrt cbrt floor ceil erf erfc"
 )
-# Names of primitives, and their expressions for numbers, whole numbers and truth values.
+# Names of primitives, and their expressions for numbers, integers and truth values.
 ELEMENTWISE = (
     ("add add_any", "({} + {})", "(uint64_t){} + (uint64_t){}", "({} | {})"),
     ("sub", "({} - {})", "(uint64_t){} - (uint64_t){}"),
@@ -256,7 +256,7 @@ def _transpose(w: Writer, equation: Equation, values: list[Value]) -> list[Value
 
 
 def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]) -> Value:
-    """A part of an array, of a shape, from a place in steps along each axis, which may be negative."""
+    """A part of an array from a place in steps along each axis, which may be negative."""
     if isinstance(x, ArrayView):
         strides = tuple(stride * step for stride, step in zip(x.strides, steps, strict=True))
         return ArrayView(x.pool, x.place(starts), strides, shape, x.dtype)
@@ -268,7 +268,7 @@ def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]
 
 
 def window(x: Value, axis: int, at: int | Place, shape: tuple[int, ...]) -> Value:
-    """A part of an array that begins at a place along one axis and is whole along the others."""
+    """A part of an array that begins at a place along one axis and is complete along the others."""
     place = at if isinstance(at, Place) else Place(at)
     return part(x, [place if i == axis else Place() for i in range(len(shape))], [1] * len(shape), shape)
 
@@ -365,7 +365,7 @@ STARTS = {"sum": "0", "prod": "1", "or": "0", "and": "1", "xor": "0"}
 
 
 def _combined(w: Writer, kind: str, dtype: np.dtype) -> tuple[str, Callable[[str, str], str]]:
-    """What a sum, a product or an extreme begins with, and how two numbers make one."""
+    """Start value of a reduction, and the expression that combines two numbers."""
     decimal = dtype.kind == "f"
     if kind in ("max", "min"):
         if decimal:
@@ -385,7 +385,7 @@ def _combined(w: Writer, kind: str, dtype: np.dtype) -> tuple[str, Callable[[str
 
 
 def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
-    """An array with some of its axes summed, multiplied, or searched for an extreme."""
+    """An array with some axes reduced."""
     kept = [axis for axis in range(len(x.shape)) if axis not in axes]
     shape, inner = tuple(x.shape[axis] for axis in kept), tuple(x.shape[axis] for axis in axes)
     start, combine = _combined(w, kind, x.dtype)
@@ -442,7 +442,7 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
             operand = w.stored(values[1 - side])
             operand = _in_order(operand, orders[1 - side])
             return [_sparse(w, out, np.transpose(array, orders[side]), len(lc), operand, list(ours[side]), len(lb))]
-    # A number that is read once is worked out where it is read.
+    # An expression that is read once stays an expression.
     left = left if np.prod([right.shape[axis] for axis in other], dtype=int) <= 1 else w.cheap(left)
     right = right if np.prod([left.shape[axis] for axis in own], dtype=int) <= 1 else w.cheap(right)
     along = tuple(left.shape[axis] for axis in lc)
@@ -467,7 +467,7 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
 
 
 def _in_order(view: ArrayView, axes: list[int]) -> ArrayView:
-    """The same numbers with their axes in another order."""
+    """The same numbers with axes in another order."""
     shape, strides = (tuple(kind[axis] for axis in axes) for kind in (view.shape, view.strides))
     return view._replace(shape=shape, strides=strides)
 
@@ -475,14 +475,10 @@ def _in_order(view: ArrayView, axes: list[int]) -> ArrayView:
 def _sparse(
     w: Writer, out: Atom, array: np.ndarray, summed: int, other: ArrayView, axes: list[int], batch: int
 ) -> ArrayView:
-    """A product with a constant matrix, row by row of what is not zero in it.
+    """A product with the nonzero entries of a constant, row by row.
 
-    Args:
-        array: The constant; its last axes are summed over.
-        summed: How many of them.
-        other: The other operand, with these axes last too.
-        axes: Those of the product that belong to the constant, in its order.
-        batch: So many first axes belong to both.
+    The last ``summed`` axes of both operands are summed over. ``axes`` of the product belong to the constant, and its
+    first ``batch`` axes to both.
     """
     rows, columns = array.shape[: array.ndim - summed], array.shape[array.ndim - summed :]
     table = array.reshape(int(np.prod(rows, dtype=int)), -1)
@@ -531,7 +527,7 @@ def _arg(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     kind_of = "double" if x.dtype.kind == "f" else "int64_t"
     first = x.at([*index[:axis], Place(), *index[axis:]])
     each = x.at([*index[:axis], variable("r"), *index[axis:]])
-    # The first that is no number is the answer.
+    # The first NaN is the answer.
     better = f"v {sign} s || (v != v && s == s)" if x.dtype.kind == "f" else f"v {sign} s"
     step = f"{{ {kind_of} v = {each}; if ({better}) {{ s = v; k = r; }} }}"
     w.add(f"{loops}{{ {kind_of} s = {first}; int k = 0; F(r, {x.shape[axis]}) {step} {found.at(index)} = k; }}")
@@ -569,7 +565,7 @@ def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
 
 def _each(w: Writer, batch: tuple[int, ...], name: str, *arguments: Any) -> None:
-    """Call a helper for each entry of a batch; of arrays it is handed where the entry begins."""
+    """Call a helper for each entry of a batch, with the place of the entry for arrays."""
     loops, index = counters("i", batch)
     index = [*index, Place(), Place()]
     if not any(isinstance(one, ArrayView) and 0 in one.shape for one in arguments):

@@ -23,22 +23,22 @@ from .description import build_description, check_names, description, placed, sc
 from .plant import Plant, Variable
 from .sources import TABLE_FILE, sources, table
 
-# Numbers in matrices up to which they are parameters: FMI 2.0 lists each on its own.
+# Most numbers of matrices that are parameters. FMI 2.0 lists each number.
 MOST_SETTABLE = {2: 5_000, 3: 50_000}
 TIME_OF_FILES = (1980, 1, 1, 0, 0, 0)
 
 
 class Fmu(NamedTuple):
-    """What :func:`flexmb.save_fmu` wrote.
+    """The file of :func:`flexmb.save_fmu`.
 
     Attributes:
         path: The file.
         fmi: Version of the standard, 2 or 3.
-        inputs: In order, each with name, unit and value at the start.
-        outputs: Likewise.
-        states: Likewise.
-        parameters: What importers can set, arrays whole.
-        binary: Where in the file its functions are compiled for this platform; None where it holds sources alone.
+        inputs: Inputs in order, each with name, unit and start value.
+        outputs: Outputs likewise.
+        states: States likewise.
+        parameters: Parameters that importers can set, arrays whole.
+        binary: Place in the file of the library for this platform; None if the file has only sources.
     """
 
     path: Path
@@ -77,55 +77,53 @@ def save_fmu(
 ) -> Fmu:
     """Save a mechanism as a functional mock-up unit, which Simulink, Dymola, OpenModelica and others import.
 
-    The unit does co-simulation and model exchange, and needs neither Python nor flexmb where it runs. It holds its
-    sources in C99 and, where this machine has a C compiler (``$CC``, cc, gcc or clang), what they compile to for this
+    The unit does co-simulation and model exchange, and needs neither Python nor flexmb where it runs. It contains
+    sources in C99. If this machine has a C compiler (``$CC``, cc, gcc or clang), it also contains the library for this
     platform. Exporting twice gives the same bytes.
 
-    In co-simulation inputs are held for each step. Linear plants move exactly then, by a matrix exponential that is
-    kept for steps of the same length; time-varying ones by Magnus' series of fourth order, in substeps that end at the
-    knots. Model exchange gives rates to the importer's solver; light damping at kilohertz is hard for it, so keep fewer
-    ``modes`` or co-simulate. A nonlinear plant is integrated by Rosenbrock's method of order five, with the importer's
-    relative tolerance or 1e-6, of which a state of less than a millimetre or a milliradian counts as one; its Jacobian
-    takes as many evaluations a step as there are states. Stops and barriers that are met and left again within a step
-    are looked for at 17 places of it.
+    Co-simulation holds the inputs during each step. Linear plants then move exactly, by a matrix exponential that is
+    kept for steps of the same length. Time-varying plants move by Magnus' series of fourth order, in substeps that end
+    at the knots. Model exchange gives rates to the importer's solver. Light damping at kilohertz is hard for such
+    solvers: keep fewer ``modes`` or co-simulate. Nonlinear plants are integrated by Rosenbrock's method of order five,
+    with the importer's relative tolerance or 1e-6. States below a millimetre or a milliradian count as one in it. The
+    Jacobian takes as many evaluations a step as there are states. Stops and barriers are looked for at 17 places of a
+    step.
 
     Args:
         system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system
-            along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of the last are whole, nominal
-            ones and deviations together, and the nominal ones are outputs too, named "nominal u".
-        path: Where, ending in .fmu; its name is that of the unit.
+            along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of a time-varying system are
+            nominal values and deviations together. Its nominal inputs are outputs too, named "nominal u".
+        path: File ending in .fmu. The unit has its name.
         fmi: Version of the standard, 3 or 2.
-        start: Values of states at the start, by name or all in order; zero unless given. An importer can set them
-            too, as "state q".
-        units: SI units by the names of inputs, outputs and states, such as "m/s" or "N.m", for what has names alone; a
-            Model or Linearization knows those of forces and motions itself.
-        modes: Of a Model or Linearization, see :func:`flexmb.to_statespace`.
-        bandwidth: Likewise, [Hz].
-        substep: Longest step of the integration of a time-varying system, () [s]; a quarter of the shortest time
-            between two knots unless given. It is a parameter of the unit.
-        nonlinear: Of a Model the mechanism with all its nonlinearity, in place of its
-            linear state space: its right-hand side is translated to C. It starts as the builder's start values say,
-            which ``start`` overrules.
-        loads: Of a nonlinear one, loads as functions of time, see :class:`flexmb.motion.Drives`.
-        motion: Likewise, prescribed motion.
+        start: Start values of states, by name or all in order; default zero. Importers can set them as "state q".
+        units: SI units by the names of inputs, outputs and states, such as "m/s" or "N.m". A Model or Linearization
+            knows the units of forces and motions.
+        modes: Modes of a Model or Linearization, see :func:`flexmb.to_statespace`.
+        bandwidth: Bandwidth of a Model or Linearization, likewise [Hz].
+        substep: Longest step of the integration of a time-varying system, () [s]; default a quarter of the shortest
+            time between two knots. It is a parameter of the unit.
+        nonlinear: Export a Model with all its nonlinearity instead of its linear state space: the right-hand side is
+            translated to C. It starts at the builder's start values, unless ``start`` has others.
+        loads: Loads of a nonlinear unit as functions of time, see :class:`flexmb.motion.Drives`.
+        motion: Prescribed motion of a nonlinear unit, likewise.
 
     Returns:
         Fmu with names and units. A position y [m] counts from the undeformed mechanism, or in a linear unit from the
-        state of the linearisation; its description says which. Each has an output "absolute y" beside it. A, B, C and a
-        D that is not zero, along a motion at all knots and with u0 and y0, are parameters: arrays in FMI 3.0 and
-        scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers; larger ones lie in its folder of resources, and
+        state of the linearisation, as its description says. Each position has an output "absolute y" beside it. A, B,
+        C and a D that is not zero are parameters, along a motion at all knots and with u0 and y0: arrays in FMI 3.0 and
+        scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers. Larger ones lie in the folder of resources, and
         cannot be set.
 
     Raises:
-        ValueError: The path ends otherwise, there is no such version, an argument does not belong to this system, the
-            state space is sampled, or a name is one that FMI forbids or that another variable of the unit has.
-        ModelError: As :func:`flexmb.to_statespace`; of a nonlinear one, an element or a function of time calls back to
-            Python or does what has no translation, or an output is one that a simulation does not give.
-        TypeError: The system is none of these.
+        ValueError: The path has another ending, there is no such version, an argument does not belong to this system,
+            the state space is sampled, or FMI forbids a name or another variable of the unit has it.
+        ModelError: As :func:`flexmb.to_statespace`; of a nonlinear unit, an element or a function of time calls back to
+            Python or has no translation, or a simulation does not give an output.
+        TypeError: The system is of another type.
         OSError: The file cannot be written.
 
     Warns:
-        FlexmbWarning: No compiler is found, or it fails: the unit holds sources alone. A nonlinear mechanism starts
+        FlexmbWarning: There is no compiler, or it fails: the unit has only sources. A nonlinear mechanism starts
             stressed by strain or imperfection, unasked.
 
     Source:
@@ -175,13 +173,13 @@ def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) ->
 
 
 def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[Variable, ...]]:
-    """Content of the file, where it has a library for this platform, and what can be set."""
+    """Content of the file, place of its library for this platform, and parameters that importers can set."""
     settable = bool(plant.matrices) and sum(m.size for m in plant.matrices.values()) <= MOST_SETTABLE[fmi]
     identifier = _identifier(title)
     found = placed(plant, settable)
     check_names(plant, found)
     listed = list(scalars(found)) if fmi == 2 else found
-    # The token follows from all that the unit is: with another, the same files.
+    # The token follows from the content of the unit: the same content has the same token.
     parts = [sources(plant, found, "", fmi, settable), {"xml": description(plant, listed, identifier, title, "", fmi)}]
     resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": table(plant)}
     digest = hashlib.sha256()
@@ -208,13 +206,13 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
 
 
 def _identifier(title: str) -> str:
-    """A name of C for the unit's functions."""
+    """C name of the unit's functions."""
     name = re.sub(r"\W", "_", title, flags=re.ASCII)
     return f"_{name}" if name[0].isdigit() else name
 
 
 def _packed(files: dict[str, bytes]) -> bytes:
-    """A zip archive whose bytes follow from its files alone."""
+    """A zip archive without dates: the same files give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
         for name, file in sorted(files.items(), key=lambda one: (one[0] != "modelDescription.xml", one[0])):

@@ -14,7 +14,7 @@ TABLE_FILE = "matrices.bin"
 
 
 def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> dict[str, bytes]:
-    """Contents of the files that are compiled, by name; matrices that are not settable are read from a file."""
+    """Contents of the files to compile, by name; the unit reads matrices that are not settable from a file."""
     kernel = ["nonlinear.c"] if plant.source else ["linear.c"]
     files = {name: (FOLDER / name).read_bytes() for name in ("core.c", "algebra.c", "fmi.c", *kernel, f"fmi{fmi}.c")}
     if plant.source:
@@ -24,7 +24,7 @@ def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: b
 
 
 def table(plant: Plant) -> bytes:
-    """Matrices as the unit reads them from a file: one after the other, each at all knots; a one before them."""
+    """Matrices in the unit's file: a one, then each matrix at all knots."""
     values = [np.ones(1), *(np.ravel(m) for m in plant.matrices.values())]
     return np.concatenate(values).astype("<f8").tobytes()
 
@@ -32,7 +32,7 @@ def table(plant: Plant) -> bytes:
 def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> str:
     n_t = 0 if plant.source else 1 if plant.times is None else len(plant.times)
     kinds = {kind: [one for one in found if one.kind == kind] for kind in ("input", "state", "parameter", "output")}
-    # FMI 2.0 knows no arrays: each of their entries has a reference.
+    # FMI 2.0 has no arrays: each entry has a reference.
     arrays = [one for one in kinds["parameter"] if np.ndim(one.variable.start)] if fmi == 3 else []
     starts = [np.ravel(one.variable.start) for kind in ("input", "state", "parameter") for one in kinds[kind]]
     counts = {
@@ -52,11 +52,11 @@ def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: boo
     lines = ["/* The numbers of one plant; core.c says what they are. Generated. */"]
     lines += [f"#define {name} {count}" for name, count in counts.items()]
     lines += [f'#define TOKEN "{token}"', f'#define TABLE_FILE "{TABLE_FILE}"']
-    # Without arrays one that no reference is that of.
+    # Without arrays one entry with an unused reference.
     at, sizes = [one.reference for one in arrays], [np.size(one.variable.start) for one in arrays]
     lines += [_array("unsigned int", "ARRAY_AT", map(str, at or [4294967295]))]
     lines += [_array("size_t", "ARRAY_SIZE", map(str, sizes or [0]))]
-    # Without displacements one entry that is not read: C has no empty arrays.
+    # Without displacements one unused entry: C has no empty arrays.
     lines += [_array("size_t", "ABSOLUTE_OF", map(str, plant.displacements or [0]))]
     lines += [_numbers("ABSOLUTE_FROM", [plant.outputs[i].origin for i in plant.displacements] or [0.0])]
     lines += [_numbers("NOMINAL", [v.nominal for v in plant.states])]

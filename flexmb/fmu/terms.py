@@ -1,8 +1,8 @@
-"""What C expressions are made of: places in memory, linear in loop counters, and values that wait to be written.
+"""The parts of C expressions: places in memory, linear in loop counters, and values that are not written yet.
 
-A number of the program stands in one of four arrays of C: ``w`` (double) and ``n`` (int64_t) are the workspace, ``K``
-and ``I`` the constants. Where in the workspace is decided when all is written; until then a place has a mark:
-``{@3+5}`` is the sixth number of buffer 3, ``{@K3+5}`` that of table 3.
+A number of the program is in one of four arrays of C: ``w`` (double) and ``n`` (int64_t) are the workspace, ``K`` and
+``I`` the constants. Until the workspace is divided a place has a mark: ``{@3+5}`` is the sixth number of buffer 3,
+``{@K3+5}`` the sixth number of table 3.
 """
 
 from collections.abc import Callable
@@ -12,13 +12,7 @@ import numpy as np
 
 
 class Place:
-    """Where a number stands: a buffer, whole multiples of loop counters, and a number.
-
-    Attributes:
-        constant: The number.
-        terms: Factors by C expression.
-        buffer: Of the workspace, or table of constants, whose start is decided when all is written; None of none.
-    """
+    """The place of a number: a buffer or table, factors of loop counters by C expression, and a constant."""
 
     __slots__ = ("buffer", "constant", "terms")
 
@@ -35,7 +29,7 @@ class Place:
         return Place(self.constant + other.constant, terms, other.buffer if self.buffer is None else self.buffer)
 
     def __mul__(self, factor: int) -> "Place":
-        return Place(self.constant * factor, {key: own * factor for key, own in self.terms.items()})
+        return Place(self.constant * factor, {key: value * factor for key, value in self.terms.items()})
 
     def __str__(self) -> str:
         text = ""
@@ -49,20 +43,12 @@ class Place:
 
 
 def variable(name: str) -> Place:
-    """A loop counter or another whole number of C."""
+    """A loop counter or another integer of C."""
     return Place(0, {name: 1})
 
 
 class ArrayView(NamedTuple):
-    """Numbers in memory.
-
-    Attributes:
-        pool: Array of C.
-        start: Place of the first one.
-        strides: From one to the next along each axis.
-        shape: Of the array.
-        dtype: Of its numbers.
-    """
+    """Numbers in memory: array of C, place of the first one, strides, shape and type."""
 
     pool: str
     start: Place
@@ -71,10 +57,10 @@ class ArrayView(NamedTuple):
     dtype: np.dtype
 
     def place(self, index: list[Place]) -> Place:
-        """Where an entry stands."""
+        """Place of an entry."""
         found = self.start
-        for one, stride in zip(index, self.strides, strict=True):
-            found = found + one * stride
+        for position, stride in zip(index, self.strides, strict=True):
+            found = found + position * stride
         return found
 
     def at(self, index: list[Place]) -> str:
@@ -88,13 +74,11 @@ class ArrayView(NamedTuple):
 
 
 class Lazy(NamedTuple):
-    """Numbers that are worked out where they are read.
+    """Numbers that are computed where they are read.
 
     Attributes:
         at: Expression of an entry.
-        cost: Number of operations in it; 0 if it may be read as often as one likes.
-        shape: Of the array.
-        dtype: Of its numbers.
+        cost: Number of operations in it; 0 if it may be read repeatedly.
     """
 
     at: Callable[[list[Place]], str]
@@ -107,7 +91,7 @@ Value = ArrayView | Lazy
 
 
 def compact(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Strides of an array whose rows follow each other."""
+    """Strides of an array in row order."""
     strides, size = [], 1
     for length in reversed(shape):
         strides.append(size)
@@ -116,7 +100,7 @@ def compact(shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def linear(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
-    """Start and strides of whole numbers that grow evenly along each axis; None of others."""
+    """Start and strides of integers that grow evenly along each axis; None for others."""
     if not numbers.size:
         return 0, (0,) * numbers.ndim
     first = int(numbers.flat[0])
@@ -133,11 +117,11 @@ def linear(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
 
 
 def reshaped(view: ArrayView, shape: tuple[int, ...]) -> ArrayView | None:
-    """The same numbers in another shape; None where one stride an axis cannot say it."""
+    """The same numbers in another shape; None if that needs more than one stride an axis."""
     if 0 in shape:
         return view._replace(shape=shape, strides=(0,) * len(shape))
     old = [(length, stride) for length, stride in zip(view.shape, view.strides, strict=True) if length != 1]
-    # Axes that follow each other as those of one longer axis do are one.
+    # Merge axes that one longer axis could replace.
     merged: list[list[int]] = []
     for length, stride in old:
         if merged and merged[-1][1] == stride * length:
@@ -162,7 +146,7 @@ def literal(value: Any, dtype: np.dtype) -> str:
     """A constant in C."""
     if dtype.kind != "f":
         value = int(value)
-        if value == -(2**63):  # It has no digits of its own in C.
+        if value == -(2**63):  # C has no literal for it.
             return "INT64_MIN"
         text = str(value) if abs(value) < 2**31 else f"INT64_C({value})"
     else:

@@ -14,7 +14,7 @@ from .terms import ArrayView, Place, Value, variable
 from .writer import Compound, Tables, Writer
 
 RUNTIME = Path(__file__).with_name("runtime.c")
-# A longer expression is written to memory, so that lines stay readable and compilers quick.
+# Longest expression; longer ones are stored, which keeps lines readable and compilers fast.
 OPERATIONS = 16
 
 
@@ -22,11 +22,11 @@ class Translated(NamedTuple):
     """A function in C.
 
     Attributes:
-        name: Of the function of C.
-        inputs: Names, shapes and types of what it reads; whole numbers and truth values are int64_t.
-        outputs: The same of what it writes.
-        work: Length of the workspace: numbers (double) and whole numbers (int64_t).
-        declaration: Of the function, without semicolon.
+        name: Name of the function.
+        inputs: Names, shapes and types of its inputs; integers and truth values are int64_t.
+        outputs: The same for its outputs.
+        work: Length of the workspace: numbers (double) and integers (int64_t).
+        declaration: Declaration without semicolon.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Translated(NamedTuple):
 
 
 class Unit:
-    """A file of C, with as many functions as are added; tables and helpers are shared."""
+    """A C file of any number of functions, with shared tables and helpers."""
 
     def __init__(self):
         self._tables = Tables()
@@ -55,20 +55,10 @@ class Unit:
     ) -> Translated:
         """Translate a function of arrays.
 
-        In C it is ``void name(const double *a, .., double *r, .., double *w, int64_t *n)``: its arguments, its results,
-        and a workspace that it needs to find in no particular state. Loops, sums and products do what JAX does, with
-        its bounds of indices, whole numbers that wrap, and what is no number; they differ by round-off.
-
-        Args:
-            name: Of the function in C.
-            function: Of arrays; gives an array or a tuple of them. Numbers that it captures become constants.
-            like: Arguments, or their shapes.
-            inputs: Names of the arguments in C.
-            outputs: Names of the results in C.
-            static: Whether only this file calls it.
-
-        Raises:
-            ModelError: The function calls back to Python, or does what has no translation: the primitive by name.
+        The function in C is ``void name(const double *a, .., double *r, .., double *w, int64_t *n)``: arguments,
+        results, and a workspace in any state. Loops, sums, products, bounds of indices, wrapping integers and NaN
+        follow JAX up to round-off. ``like`` has arguments or their shapes; captured numbers become constants; only
+        this file calls a ``static`` function.
         """
         program = flattened(function, *like)
         inputs = inputs or [f"a{i}" for i in range(len(program.block.inputs))]
@@ -85,7 +75,7 @@ class Unit:
                 w.store(view._replace(pool=given, start=Place()), view)
         with w.writing([]) as middle:
             emitter.run(program.block.equations)
-        # The middle alone is divided among functions, which do not know the arguments.
+        # Only the middle is divided into functions, which do not know the arguments.
         w.add(Compound([("{", middle)], "}"))
         results = []
         for given, atom in zip(outputs, program.block.outputs, strict=True):
@@ -120,7 +110,7 @@ def _kind(atom: Atom) -> str:
 
 
 def _runtime(wanted: dict[str, None]) -> list[str]:
-    """What ``runtime.c`` begins with, and its functions by name."""
+    """The beginning of ``runtime.c``, and its functions by name."""
     _, head, *texts = RUNTIME.read_text(encoding="utf-8").split("\n\n")
     found = [head + "\n"]
     for text in texts:
@@ -131,11 +121,7 @@ def _runtime(wanted: dict[str, None]) -> list[str]:
 
 
 class _Emitter:
-    """Writes equations, one after another.
-
-    Attributes:
-        at: Where each value is, or how it is worked out.
-    """
+    """Writes equations one after another; ``at`` is each value."""
 
     def __init__(self, w: Writer, program: FlatProgram):
         self.w, self.known = w, program.constants
@@ -149,15 +135,15 @@ class _Emitter:
                 self.uses[atom] = self.uses.get(atom, 0) + 1
             for inner in equation.blocks:
                 self._count(inner)
-                # What a loop reads from outside is in memory before it begins.
-                own = {atom for one in inner.equations for atom in one.outputs}
+                # Values from outside a loop are stored before it begins.
+                inside = {atom for other in inner.equations for atom in other.outputs}
                 for atom in read_by(inner.equations, inner.outputs):
-                    self.uses[atom] = self.uses.get(atom, 0) + (atom not in own)
+                    self.uses[atom] = self.uses.get(atom, 0) + (atom not in inside)
         for atom in block.outputs:
             self.uses[atom] = self.uses.get(atom, 0) + 1
 
     def run(self, equations: list[Equation]) -> None:
-        """Write equations in their order."""
+        """Write equations in order."""
         for equation in equations:
             for atom in equation.outputs:
                 _check_type(equation, atom)
@@ -179,8 +165,8 @@ class _Emitter:
         except NotImplementedError as fault:
             what = f" of {fault}" if fault.args else ""
             raise ModelError(
-                f"The operation `{equation.name}`{what}{origin_of(equation.origin)} has no translation to C. Write it"
-                " by others of jax.numpy."
+                f"The operation `{equation.name}`{what}{origin_of(equation.origin)} has no translation to C. Use other"
+                " functions of jax.numpy."
             ) from None
 
     def _body(self, block: Body) -> list:
@@ -190,17 +176,16 @@ class _Emitter:
         return inside
 
     def _renewed(self, block: Body, atoms: list[Atom], carried: list[ArrayView]) -> None:
-        """Hand the results of a round to the next, all at once."""
+        """Pass the results of a round to the next, all at once."""
         news = [self.at[atom] for atom in atoms]
         moving = [(new, old) for new, old in zip(news, carried, strict=True) if new is not old]
-        # Of one result alone nothing else can read what it overwrites before it is read: each entry is by itself,
-        # unless it is worked out from others.
+        # A result in a buffer of its own can be stored entry by entry. Others may be computed from carried values.
         fresh = [new if self._is_own(new, block) else self.w.copied(new) for new, _ in moving]
         for new, (_, old) in zip(fresh, moving, strict=True):
             self.w.store(new, old)
 
     def _is_own(self, value: Value, block: Body) -> bool:
-        """Whether a value stands where no carried value does."""
+        """Whether a value is in a buffer other than those of carried values."""
         carried = {view.start.buffer for view in map(self.at.get, block.inputs) if isinstance(view, ArrayView)}
         return isinstance(value, ArrayView) and value.start.buffer not in carried
 
@@ -223,7 +208,7 @@ class _Emitter:
                 self.w.store(self.at[atom], _row(stack, row))
             self._renewed(block, block.outputs[:carry], carried)
         i = counter.at([])
-        # The counter is named at the end, so that its place is not given away before.
+        # Naming the counter at the end keeps its place.
         self.w.add(Compound([(f"for ({i} = 0; {i} < {length}; {i}++) {{", inside)], f"}} /* {i} */"))
         return [*carried, *stacks]
 
@@ -249,7 +234,7 @@ class _Emitter:
             with self.w.writing(inside):
                 for atom, to in zip(block.outputs, found, strict=True):
                     self.w.store(self.at[atom], to)
-            # What is beyond the last branch takes the last, and what is below the first takes the first.
+            # An index outside the branches takes the nearest.
             ask = "" if i == len(equation.blocks) - 1 else f"if ({which} <= {i}) "
             sections.append((f"{'} else ' if i else ''}{ask}{{", inside))
         self.w.add(Compound(sections, "}"))
@@ -261,12 +246,12 @@ def _unknown(*_: Any) -> list[Value]:
 
 
 def _row(view: ArrayView, place: Place) -> ArrayView:
-    """One row of an array, whose number is known when it runs."""
+    """One row of an array, with a number known at run time."""
     return ArrayView(view.pool, view.start + place * view.strides[0], view.strides[1:], view.shape[1:], view.dtype)
 
 
 def _check_type(equation: Equation, atom: Atom) -> None:
-    """Refuse numbers that C does not hold as JAX does."""
+    """Refuse types of numbers that C represents differently from JAX."""
     kind = atom.dtype
     if kind.kind in "fiub" and (kind.kind != "f" or kind.itemsize == 8) and kind != np.uint64:
         return

@@ -9,21 +9,16 @@ import numpy as np
 
 from .terms import ArrayView, Lazy, Place, Value, compact, linear, literal, variable
 
-# So many statements make a function of C: compilers take more than twice the time for one that is twice as long.
+# Number of statements in a C function: compile time grows faster than the length.
 STATEMENTS = 50
-# So many zeros in a table are passed over.
+# Number of zeros in a table from which on they are skipped.
 ZEROS = 4
 MARK = re.compile(r"\{@(\d+)\+(\d+)\}|\{@(\d+)(-\d+)\}")
 TABLE = re.compile(r"\{@([KI]\d+)([+-]\d+)\}")
 
 
 class Compound(NamedTuple):
-    """A loop or branch: text and statements by turns, and text at its end.
-
-    Attributes:
-        sections: Text, and the statements that follow it.
-        end: Text.
-    """
+    """A loop or branch: texts, each with the statements after it, and text at the end."""
 
     sections: list[tuple[str, list["Statement"]]]
     end: str
@@ -33,14 +28,14 @@ Statement = str | Compound
 
 
 class Tables:
-    """Constants of a file, equal ones once."""
+    """Constants of a file, each once."""
 
     def __init__(self):
         self._arrays: list[np.ndarray] = []
         self._known: dict[tuple, str] = {}
 
     def value(self, array: np.ndarray) -> Value:
-        """An array of constants: a number, whole numbers that grow evenly, or a place in a table."""
+        """An array of constants: a number, evenly growing integers, or a place in a table."""
         array = np.asarray(array)
         shape, dtype = array.shape, array.dtype
         if not array.size or all(_same(array, axis) for axis in range(array.ndim)):
@@ -54,7 +49,7 @@ class Tables:
                 return f"({ArrayView('', Place(start), strides, shape, dtype).place(index)})"
 
             return Lazy(grown, 0, shape, dtype)
-        # An axis along which nothing changes is not written out.
+        # Axes along which nothing changes are not written out.
         moving = [axis for axis, n in enumerate(shape) if n > 1 and not _same(array, axis)]
         short = array[tuple(slice(None) if axis in moving else slice(0, 1) for axis in range(array.ndim))]
         pool = "K" if dtype.kind == "f" else "I"
@@ -63,7 +58,7 @@ class Tables:
         return ArrayView(pool, self.start(pool, short), strides, shape, dtype)
 
     def start(self, pool: str, array: np.ndarray) -> Place:
-        """Where an array begins in a table, "K" of numbers or "I" of whole numbers."""
+        """Place of an array in a table, "K" of numbers or "I" of integers."""
         array = np.ascontiguousarray(array, float if pool == "K" else np.int64)
         key = (pool, array.tobytes())
         if key not in self._known:
@@ -72,7 +67,7 @@ class Tables:
         return Place(buffer=self._known[key])
 
     def completed(self, code: str) -> str:
-        """Definitions of the tables that a text reads, and the text with their places put in."""
+        """Definitions of the tables in a text, and the text with their places filled in."""
         starts: dict[str, int] = {}
         numbers: dict[str, list[str]] = {"K": [], "I": []}
 
@@ -81,7 +76,7 @@ class Tables:
             if name not in starts:
                 array, table = self._arrays[int(name[1:])], numbers[name[0]]
                 starts[name] = len(table)
-                table.extend(literal(one, array.dtype) for one in array.ravel())
+                table.extend(literal(number, array.dtype) for number in array.ravel())
             return str(starts[name] + int(match[2]))
 
         code = TABLE.sub(put, code)
@@ -100,7 +95,7 @@ class Tables:
 
 
 def _words(numbers: list[str]) -> Iterator[str]:
-    """Entries of a table as C takes them; where it is zero for long it goes on at a place."""
+    """Entries of a table in C; a place in brackets skips zeros."""
     skipped = 0
     for place, number in enumerate(numbers):
         if number in ("0.0", "0"):
@@ -118,13 +113,7 @@ def _same(array: np.ndarray, axis: int) -> bool:
 
 
 class Writer:
-    """Statements in their order, and the buffers that they work in.
-
-    Attributes:
-        tables: Constants of the file.
-        helpers: Names of the functions of ``runtime.c`` that are called.
-        statements: The list that is written to.
-    """
+    """Statements in order, and their buffers; ``helpers`` are called functions of ``runtime.c``."""
 
     def __init__(self, tables: Tables):
         self.tables = tables
@@ -134,18 +123,18 @@ class Writer:
         self._parts: list[str] = []
 
     def add(self, statement: Statement) -> None:
-        """Go on by a statement."""
+        """Append a statement."""
         self.statements.append(statement)
 
     @contextlib.contextmanager
     def writing(self, statements: list[Statement]) -> Iterator[list[Statement]]:
-        """Go on in another list of statements."""
+        """Append to another list of statements."""
         outside, self.statements = self.statements, statements
         yield statements
         self.statements = outside
 
     def helper(self, name: str) -> str:
-        """The name of a function of ``runtime.c``, which the file then holds."""
+        """Name of a function of ``runtime.c``, which becomes part of the file."""
         self.helpers[name] = None
         return name
 
@@ -162,17 +151,17 @@ class Writer:
             self.add(f"{loops}{to.at(index)} = {value.at(index)};")
 
     def copied(self, value: Value) -> ArrayView:
-        """An array in a buffer of its own."""
+        """An array in a new buffer."""
         found = self.new(value.shape, value.dtype)
         self.store(value, found)
         return found
 
     def stored(self, value: Value) -> ArrayView:
-        """An array in memory, where it is or in a buffer of its own."""
+        """An array in memory, where it is or in a new buffer."""
         return value if isinstance(value, ArrayView) else self.copied(value)
 
     def cheap(self, value: Value) -> Value:
-        """An array that may be read as often as one likes."""
+        """An array that may be read repeatedly without cost."""
         return self.copied(value) if value.cost else value
 
     def sizes(self) -> dict[str, int]:
@@ -180,11 +169,7 @@ class Writer:
         return {pool: max(1, size) for pool, size in self._sizes.items()}
 
     def text(self, name: str) -> tuple[list[str], list[str]]:
-        """Functions that all statements are divided among, and lines that call them.
-
-        Args:
-            name: How their names begin.
-        """
+        """Functions for all statements, with names that begin with ``name``, and lines that call them."""
         starts = self._placed()
 
         def put(match: re.Match) -> str:
@@ -195,13 +180,13 @@ class Writer:
 
         def lines(statements: list[Statement]) -> list[str]:
             found = []
-            for one in statements:
-                if isinstance(one, str):
-                    found.append(MARK.sub(put, one))
+            for statement in statements:
+                if isinstance(statement, str):
+                    found.append(MARK.sub(put, statement))
                     continue
-                for text, body in one.sections:
+                for text, body in statement.sections:
                     found.append("\n".join([MARK.sub(put, text), *divided(body)]))
-                found.append(MARK.sub(put, one.end))
+                found.append(MARK.sub(put, statement.end))
             return found
 
         def divided(statements: list[Statement]) -> list[str]:
@@ -210,32 +195,32 @@ class Writer:
             calls = []
             for i in range(0, len(statements), STATEMENTS):
                 body = lines(statements[i : i + STATEMENTS])
-                own = f"{name}_{len(functions)}"
-                head = f"static PART void {own}(double *w, int64_t *n)\n{{\n(void)w;\n(void)n;\n"
+                part = f"{name}_{len(functions)}"
+                head = f"static PART void {part}(double *w, int64_t *n)\n{{\n(void)w;\n(void)n;\n"
                 functions.append(head + "\n".join(body) + "\n}\n")
-                calls.append(f"{own}(w, n);")
+                calls.append(f"{part}(w, n);")
             return calls
 
-        # Arguments are known to the outermost list alone.
+        # Only the outermost list knows the arguments.
         return functions, lines(self.statements)
 
     def _placed(self) -> list[int]:
-        """Starts of the buffers: what is read no more gives its place to others."""
+        """Starts of the buffers, which share memory if they are not needed at the same time."""
         lives: dict[int, list[int]] = {}
         loops: list[tuple[int, int]] = []
         count = 0
 
         def walk(statements: list[Statement]) -> None:
             nonlocal count
-            for one in statements:
-                if isinstance(one, str):
-                    seen(one)
+            for statement in statements:
+                if isinstance(statement, str):
+                    seen(statement)
                     continue
                 first = count
-                for text, body in one.sections:
+                for text, body in statement.sections:
                     seen(text)
                     walk(body)
-                seen(one.end)
+                seen(statement.end)
                 loops.append((first, count))
 
         def seen(text: str) -> None:
@@ -245,7 +230,7 @@ class Writer:
             count += 1
 
         walk(self.statements)
-        # What lives within a loop and beyond lives as long as all its rounds. Inner loops come first.
+        # A buffer that is needed in a loop and outside is needed in all rounds. Inner loops come first.
         for first, end in loops:
             for life in lives.values():
                 if life[0] < first <= life[1] < end or first <= life[0] < end <= life[1]:
@@ -255,7 +240,7 @@ class Writer:
         busy: dict[str, list[tuple[int, int, int]]] = {"w": [], "n": []}
         for buffer, (begin, end) in sorted(lives.items(), key=lambda item: item[1][0]):
             pool, size = self._buffers[buffer]
-            busy[pool] = [one for one in busy[pool] if one[2] >= begin]
+            busy[pool] = [used for used in busy[pool] if used[2] >= begin]
             start = 0
             for other, length, _ in sorted(busy[pool]):
                 if other - start >= size:
@@ -268,7 +253,7 @@ class Writer:
 
 
 def counters(letter: str, shape: tuple[int, ...]) -> tuple[str, list[Place]]:
-    """Loops over an array, and the index within them; an axis of one entry has no counter."""
+    """Loops over an array, and the index within them; axes with one entry have no counter."""
     names = [f"{letter}{axis}" if length > 1 else "" for axis, length in enumerate(shape)]
     loops = "".join(f"F({name}, {length}) " for name, length in zip(names, shape, strict=True) if name)
     return loops, [variable(name) if name else Place() for name in names]

@@ -564,8 +564,8 @@ def renamed(inputs=("u",), outputs=("y",), states=("q",)):
 @pytest.mark.parametrize(
     ("system", "options", "message"),
     [
-        (renamed(inputs=("a\tb",)), {}, r"input 'a\\tb' has no name that an FMU takes"),
-        (renamed(outputs=("",)), {}, "output '' has no name"),
+        (renamed(inputs=("a\tb",)), {}, r"input 'a\\tb' has a name that FMI forbids"),
+        (renamed(outputs=("",)), {}, "output '' has a name that FMI forbids"),
         (renamed(outputs=("time",)), {}, "output 'time' shares its name with the unit's time"),
         (renamed(inputs=("A",), outputs=("A", "B")), {}, "output 'B' shares its name with the unit's parameter"),
         (renamed(inputs=("A[1,1]",)), {}, r"'A\[1,1\]' shares .* Rename the input, by `name` of Builder\.input, or"),
@@ -575,7 +575,7 @@ def renamed(inputs=("u",), outputs=("y",), states=("q",)):
         (renamed(outputs=("y", "y")), {}, "output 'y' shares its name with the unit's output"),
         (renamed(states=("q", "q")), {}, "'state q' shares .* Rename the state, by `states` of control"),
         (control.StateSpace([[0.5]], [[1]], [[1]], [[0]], 1e-3), {}, r"sampled \(dt = 0.001 s\)"),
-        (control.StateSpace([], [], [], [[1]]), {}, "an input, an output and a state at least"),
+        (control.StateSpace([], [], [], [[1]]), {}, "lacks inputs, outputs or states"),
         (
             control.StateSpace([[np.nan]], [[1]], [[1]], [[0]], remove_useless_states=False),
             {},
@@ -588,7 +588,7 @@ def renamed(inputs=("u",), outputs=("y",), states=("q",)):
         (renamed(), {"modes": 2}, "for a Model or a Linearization"),
         (renamed(), {"substep": 0.1}, "for a time-varying system"),
         (swaying(), {"substep": 0.0}, "`substep` must be positive"),
-        (swaying(1), {}, "two times at least"),
+        (swaying(1), {}, "two ascending times"),
     ],
 )
 def test_what_is_refused_is_named(system, options, message, tmp_path):
