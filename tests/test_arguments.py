@@ -70,7 +70,7 @@ ASKS = {
 @pytest.mark.parametrize("name", ASKS)
 def test_what_is_no_model_is_refused_by_what_to_do(name):
     given = {
-        "Builder": (cart(), r"say build\(\) first"),
+        "Builder": (cart(), r"call its build\(\) first"),
         "SpacarModel": (fm.read_spacar(SPACAR), r"builder\.build\(\)"),
         "str": ("guide.dat", r"fm\.read_spacar\(.*\)\.builder\.build\(\)"),
         "PosixPath": (Path("guide.dat"), r"fm\.read_spacar"),

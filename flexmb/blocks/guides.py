@@ -1,8 +1,8 @@
-"""Guides: stages on parallel leaf springs that move along a line, or along two.
+"""Guides: stages on parallel leaf springs that move along one line or two.
 
-The drive stiffnesses are those of clamped beams in sway, THEORY.md 13, eq. (13.1), in parallel and in series. Leaf
-springs, which the blocks are made of, are plates near their clamps and make all of them stiffer by the same factor, eq.
-(13.9): 1.04 where their width is a fifth of their length.
+Drive stiffnesses are those of clamped beams in sway, THEORY.md 13, eq. (13.1), in parallel and in series. Blocks
+consist of leaf springs, which are plates near their clamps. This makes them stiffer by one factor, eq. (13.9): 1.04 for
+a width of a fifth of the length.
 """
 
 from typing import Any
@@ -28,8 +28,8 @@ def parallel_guide(
 ) -> str:
     """Two parallel leaf springs: the stage moves across them.
 
-    Drive stiffness 24 EI/length^3 by beam theory, with EI of one leaf spring; along the leaf springs 2 EA/length. The
-    stage sinks by 3/5 of the square of its stroke over the length.
+    Drive stiffness 24 EI/length^3 by beam theory, with EI of one leaf spring; stiffness along the leaf springs
+    2 EA/length. The stage sinks by 3/5 of the square of its stroke over the length.
 
         stage ___________
                |       |
@@ -39,26 +39,27 @@ def parallel_guide(
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node whose body the block stands on. It must be there.
-        stage: Name of the node whose body it carries. Where it is not there, it is made in the middle of the tops.
-        length: Of the leaf springs, () [m].
+        base: Name of the node whose body the block stands on. The node must exist.
+        stage: Name of the node whose body the block carries. If it does not exist, it is made in the middle of the
+            tops.
+        length: Length of the leaf springs, () [m].
         spacing: Distance between the leaf springs, () [m].
-        section: Of one leaf spring, such as ``fm.Rectangle(width, thickness, material)``.
-        name: Of the block; the names of its own nodes and elements begin with it.
-        at: The middle between the feet, (d,) [m]; the place of ``base`` unless given. Base and stage may be anywhere:
-            they are rigid bodies.
-        along: Direction of the leaf springs from base to stage, (d,) [-]; (0, 1) or (0, 1, 0) unless given.
-        y: Direction of their width, in space only, (3,) [-]; (0, 0, 1) unless given. The stage moves along
+        section: Section of one leaf spring, such as ``fm.Rectangle(width, thickness, material)``.
+        name: Name of the block, which begins the names of its own nodes and elements.
+        at: Middle between the feet, (d,) [m]; by default the place of ``base``. Base and stage are rigid bodies and may
+            be anywhere.
+        along: Direction of the leaf springs from base to stage, (d,) [-]; by default (0, 1) or (0, 1, 0).
+        y: Direction of their width, in space only, (3,) [-]; by default (0, 0, 1). The stage moves along
             ``along`` × ``y``.
-        element: Type of the flexible elements, such as ``spatial.beam``, instead of what the block takes:
-            ``leaf_spring`` for a rectangle that is the same everywhere or varies smoothly, else a spectral beam.
+        element: Type of the flexible elements, such as ``spatial.beam``. By default ``leaf_spring`` for a rectangle
+            that is uniform or varies smoothly, else a spectral beam.
 
     Returns:
         Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same of leaf 2, rigidly attached to base and
         stage; elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: No such base, a name that is taken, or directions that are none; a size that is not positive.
+        ModelError: No such base, a name that exists, or invalid directions; a size that is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2), (13.9).
@@ -87,24 +88,24 @@ def double_parallel_guide(
 ) -> str:
     """Folded guide: a parallel guide that hangs in another one, so that the stage moves on a straighter line.
 
-    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. What one sinks the other lifts. The
-    middle body is held along the line of motion by the leaf springs alone.
+    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One sinks as far as the other rises.
+    Only the leaf springs hold the middle body along the line of motion.
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node whose body the block stands on, by its outer leaf springs.
-        stage: Name of the node whose body the inner leaf springs carry; made in the middle of their ends, which lie
-            beside the feet.
-        length: Of the leaf springs, () [m].
-        spacing: Distance between the two that stand on the base, () [m].
-        inner: Distance between the two that carry the stage, () [m]; it may be the larger one.
-        section: Of one leaf spring.
+        base: Name of the node whose body carries the outer leaf springs.
+        stage: Name of the node whose body the inner leaf springs carry; made in the middle of their ends, beside the
+            feet.
+        length: Length of the leaf springs, () [m].
+        spacing: Distance between the outer leaf springs, on the base, () [m].
+        inner: Distance between the inner leaf springs, which carry the stage, () [m]; it may be larger.
+        section: Section of one leaf spring.
         name: See :func:`parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
         Name of the stage. Nodes and elements are those of two parallel guides, "<name> outer" and "<name> inner", and
-        the body "<name> middle", on which one may put a mass.
+        the body "<name> middle", which may get a mass.
 
     Raises:
         ModelError: See :func:`parallel_guide`; a size that is not positive.
@@ -139,21 +140,21 @@ def straight_line_stage(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Two folded guides, one the mirror image of the other: the stage moves on a straight line and does not turn.
+    """Two folded guides, mirror images of each other: the stage moves on a straight line and does not turn.
 
-    Drive stiffness 24 EI/length^3 by beam theory: four leaf springs beside each other, twice in series. By symmetry the
-    stage neither sinks nor turns, at any stroke.
+    Drive stiffness 24 EI/length^3 by beam theory: four leaf springs in parallel, twice in series. By symmetry the stage
+    neither sinks nor turns, at any stroke.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made in the middle of the block.
-        length: Of the leaf springs, () [m].
-        spacing: Distance between the two of each side that stand on the base, () [m].
-        inner: Distance between the two of each side that carry the stage, () [m].
+        stage: Name of the node whose body the block carries; made in the middle of the block.
+        length: Length of the leaf springs, () [m].
+        spacing: Distance between the outer leaf springs of each side, on the base, () [m].
+        inner: Distance between the inner leaf springs of each side, which carry the stage, () [m].
         height: Distance between the feet of the two sides, () [m].
-        section: Of one leaf spring.
-        name: See :func:`parallel_guide`, also for at, along, y and element; the block's middle is at ``at``.
+        section: Section of one leaf spring.
+        name: See :func:`parallel_guide`, also for at, along, y and element; ``at`` is the middle of the block.
         at, along, y, element: The same.
 
     Returns:
@@ -200,17 +201,17 @@ def xy_stage(
 ) -> str:
     """Two folded guides in series at a right angle: the stage moves in a plane and hardly turns.
 
-    Drive stiffness 12 EI/length^3 by beam theory along both lines, small strokes. The first guide, on the base, moves
-    the second one across ``along``; the second moves the stage along it.
+    Drive stiffness 12 EI/length^3 by beam theory along both lines, at small strokes. The first guide, on the base,
+    moves the second one across ``along``; the second moves the stage along it.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made in the middle of the feet.
-        length: Of the leaf springs, () [m].
-        spacing: Of each guide: distance between the two leaf springs that stand on what carries it, () [m].
-        inner: Of each guide: distance between the two that carry, () [m].
-        section: Of one leaf spring.
+        stage: Name of the node whose body the block carries; made in the middle of the feet.
+        length: Length of the leaf springs, () [m].
+        spacing: Distance between the outer leaf springs of each guide, () [m].
+        inner: Distance between the inner leaf springs of each guide, () [m].
+        section: Section of one leaf spring.
         name: See :func:`parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 

@@ -1,4 +1,4 @@
-"""Notch hinges, and guides on them: bars that bend where notches leave a thin neck."""
+"""Notch hinges, and guides on them: bars that bend at thin necks between notches."""
 
 from typing import Any
 
@@ -27,19 +27,19 @@ def notch_hinge(
 ) -> str:
     """Circular notch hinge: a bar with a round notch from both sides, from rim to rim.
 
-    Rotational stiffness nearly 2 E width neck^(5/2)/(9 pi radius^(1/2)) where the neck is thin; the beam that the block
-    adds has the integral of which that is the limit. Another notch is a :func:`flexmb.blocks.wire_flexure` with a
-    section of its own, such as ``fm.sections.notch_filleted(..)``.
+    Rotational stiffness nearly 2 E width neck^(5/2)/(9 pi radius^(1/2)) for a thin neck, the limit of the integral that
+    the beam of this block evaluates. For another notch, use :func:`flexmb.blocks.wire_flexure` with a section such as
+    ``fm.sections.notch_filleted(..)``.
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node whose body one rim of the notch belongs to.
-        stage: Name of the node whose body the other rim belongs to; made there.
-        width: Of the bar, along the axis of the hinge, () [m].
-        height: Of the bar beside the notch, () [m].
-        neck: Height that is left in the middle, () [m].
-        radius: Of the notch, () [m]; at least half of height - neck.
-        material: Of the bar.
+        base: Name of the node whose body has one rim of the notch.
+        stage: Name of the node whose body has the other rim; made there.
+        width: Width of the bar along the axis of the hinge, () [m].
+        height: Height of the bar beside the notch, () [m].
+        neck: Height of the remaining neck, () [m].
+        radius: Radius of the notch, () [m]; at least half of height - neck.
+        material: Material of the bar.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element; ``y`` is the axis.
         at, along, y, element: The same.
 
@@ -48,8 +48,8 @@ def notch_hinge(
         notch".
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`; a size that is not positive, a neck that is higher than
-            the bar, a notch deeper than its radius.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; a size that is not positive, a neck higher than the bar, a
+            notch deeper than its radius.
 
     Source:
         THEORY.md 13, eq. (13.7).
@@ -83,13 +83,13 @@ def notch_four_bar(
 ) -> str:
     """Parallel guide of two bars with a circular notch hinge at each end: a parallelogram of four hinges.
 
-    Drive stiffness 4 k/length^2 with k of one hinge, see :func:`notch_hinge`. The bars are rigid between their notches.
+    Drive stiffness 4 k/length^2, k of one hinge (see :func:`notch_hinge`). The bars are rigid between their notches.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made in the middle of the tops.
-        length: Between the middles of the two hinges of a bar, () [m].
+        stage: Name of the node whose body the block carries; made in the middle of the tops.
+        length: Distance between the middles of the two hinges of a bar, () [m].
         spacing: Distance between the bars, () [m].
         width: See :func:`notch_hinge`, also for height, neck, radius and material.
         height, neck, radius, material: The same.
@@ -101,8 +101,7 @@ def notch_four_bar(
         2; elements "<name> lower hinge 1", "<name> upper hinge 1" and the same of bar 2.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`; see :func:`notch_hinge`; a bar that is shorter than its
-            notches.
+        ModelError: See :func:`flexmb.blocks.parallel_guide` and :func:`notch_hinge`; a bar shorter than its notches.
 
     Source:
         THEORY.md 13, eq. (13.7), (13.8).
@@ -112,7 +111,7 @@ def notch_four_bar(
     notch = _extent(height, neck, radius)
     with nan_if_refused() as marked:
         if not holds(length > notch):
-            raise ModelError(f"Argument `length` must be more than that of a notch, {notch:g} m, but is {length:g}.")
+            raise ModelError(f"Argument `length` must exceed the length of a notch, {notch:g} m, but is {length:g}.")
         length = marked(length)
     s.body(s.stage, length + notch)
     for label, across in (("1", -spacing / 2), ("2", spacing / 2)):

@@ -1,8 +1,8 @@
 """Pivots: leaf springs whose lines meet in an axis, about which the stage turns.
 
-A leaf spring whose line meets the axis at the fraction lambda of its length, counted from either end and also beyond
-it, has the rotational stiffness 4 EI/L (1 - 3 lambda + 3 lambda^2) by beam theory, THEORY.md 13, eq. (13.3). Its clamps
-make it stiffer, eq. (13.10): by 1 to 6 % where its width is a fifth of its length.
+A leaf spring whose line meets the axis at the fraction lambda of its length, from either end and also beyond it, has
+the rotational stiffness 4 EI/L (1 - 3 lambda + 3 lambda^2) by beam theory, THEORY.md 13, eq. (13.3). Its clamps make it
+stiffer, eq. (13.10): by 1 to 6 % for a width of a fifth of its length.
 """
 
 from typing import Any
@@ -37,25 +37,25 @@ def cross_pivot(
 ) -> str:
     """Two crossed leaf springs.
 
-    Rotational stiffness 8 EI/length (1 - 3 ratio + 3 ratio^2) by beam theory: 2 EI/length where they cross in the
-    middle. The axis shifts least where they cross at a ratio of 0.1273 or 0.8727.
+    Rotational stiffness 8 EI/length (1 - 3 ratio + 3 ratio^2) by beam theory: 2 EI/length for a crossing in the middle.
+    The axis shifts least for a ratio of 0.1273 or 0.8727.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made in the middle of the tops.
-        length: Of the leaf springs, () [m].
-        section: Of one leaf spring.
-        ratio: Where they cross, as a fraction of their length from the base, () [-].
-        half_angle: Between a leaf spring and ``along``, () [rad].
-        apart: In space, how far apart they are along their width, () [m]. Unless given they are in one plane, as a
-            pivot of three springs is, one between two of half the width.
+        stage: Name of the node whose body the block carries; made in the middle of the tops.
+        length: Length of the leaf springs, () [m].
+        section: Section of one leaf spring.
+        ratio: Place of the crossing as a fraction of their length from the base, () [-].
+        half_angle: Angle between a leaf spring and ``along``, () [rad].
+        apart: In space, distance between them along their width, () [m]. By default both are in one plane, as for a
+            pivot of three springs with one between two of half the width.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
         Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same of leaf 2, and "<name> axis", the point
-        of the stage that lies on the axis; elements "<name> leaf 1" and 2.
+        of the stage on the axis; elements "<name> leaf 1" and 2.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane; a length that is not positive, an
@@ -96,27 +96,27 @@ def butterfly_pivot(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Two pivots in series about one axis, each of two leaf springs, whose shifts of the axis are opposite.
+    """Two pivots in series about one axis, each of two leaf springs, with opposite shifts of the axis.
 
     Rotational stiffness 4 EI/length (1 + 3 n + 3 n^2) by beam theory, with n = radius/length. The lower leaf springs
-    stand on the base and carry a middle body near the axis. That reaches around the upper ones, from whose far ends
-    these come back towards the axis, where they carry the stage. Each pivot turns by half of the angle.
+    stand on the base and carry a middle body near the axis. This body reaches around the upper leaf springs, which come
+    back from their far ends towards the axis and carry the stage there. Each pivot turns by half of the angle.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made between the inner ends of the upper leaf springs.
-        length: Of the leaf springs, () [m].
+        stage: Name of the node whose body the block carries; made between the inner ends of the upper leaf springs.
+        length: Length of the leaf springs, () [m].
         radius: Distance of their inner ends from the axis, () [m].
-        section: Of one leaf spring.
-        half_angle: Between a leaf spring and ``along``, () [rad].
+        section: Section of one leaf spring.
+        half_angle: Angle between a leaf spring and ``along``, () [rad].
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> middle", a body on which one may put a mass; "<name> foot 1" and "<name> top
-        1" to 4, the ends of the leaf springs, 1 and 2 the lower ones; "<name> axis", the point of the stage that lies
-        on the axis; elements "<name> leaf 1" to 4.
+        Name of the stage. Nodes: "<name> middle", a body that may get a mass; "<name> foot 1" and "<name> top 1" to 4,
+        the ends of the leaf springs, 1 and 2 the lower ones; "<name> axis", the point of the stage on the axis;
+        elements "<name> leaf 1" to 4.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`; a size that is not positive, an angle that is not between
@@ -156,24 +156,24 @@ def cartwheel(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Two crossed leaf springs that are one piece where they cross: four spokes that meet in a hub.
+    """Two crossed leaf springs in one piece: four spokes that meet in a hub.
 
-    Rotational stiffness 8 EI/length by beam theory, four times that of the crossed leaf springs, since each spoke bends
-    as one that is clamped at the axis.
+    Rotational stiffness 8 EI/length by beam theory, four times the stiffness of separate crossed leaf springs, since
+    each spoke bends as if clamped at the axis.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body it carries; made in the middle of the tops.
-        length: From foot to top, twice that of a spoke, () [m].
-        section: Of one spoke.
-        half_angle: Between a spoke and ``along``, () [rad].
+        stage: Name of the node whose body the block carries; made in the middle of the tops.
+        length: Length from foot to top, twice the length of a spoke, () [m].
+        section: Section of one spoke.
+        half_angle: Angle between a spoke and ``along``, () [rad].
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
         Name of the stage. Nodes: "<name> hub"; "<name> foot 1" and "<name> top 1" to 4, the ends of the spokes, 1 and 2
-        the lower ones; "<name> axis", the point of the stage that lies on the axis; elements "<name> leaf 1" to 4.
+        the lower ones; "<name> axis", the point of the stage on the axis; elements "<name> leaf 1" to 4.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`; a length that is not positive, an angle that is not

@@ -1,4 +1,4 @@
-"""Where a building block stands and how it is put together: its axes, its bodies, and the leaf springs between them."""
+"""Assembly of a building block: its axes, its bodies, and the leaf springs between them."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ from ..build.given import listed, named
 from ..elements import planar, spatial
 from ..elements.sections import Circle, Profile, Rectangle, Scalar, Section
 from ..errors import ModelError
+from ..numerical_limits import SHORTEST_DIRECTION
 
 Vector = Sequence[Scalar] | Float[Array, "d"]
-# A body, by the node that its rotation belongs to, and a point of it: along, across and, in space, along the width.
+# A body, by the node of its rotation, and a point of it: along, across and, in space, along the width.
 End = tuple[str, tuple[Scalar, ...]]
 
 
 class Site:
-    """A block that is being added to a mechanism.
+    """A block under construction.
 
-    Its points are given along its leaf springs, across them in the plane in which it moves, and along their width.
+    Points have coordinates along its leaf springs, across them in the plane of motion, and along their width.
 
     Attributes:
-        base: Name of the node that it stands on.
-        stage: Name of the node that it carries.
-        name: Its own name, with which those of its nodes and elements begin.
+        base: Name of the node that carries the block.
+        stage: Name of the node that the block carries.
+        name: Name of the block, which begins the names of its nodes and elements.
     """
 
     def __init__(
@@ -60,7 +61,7 @@ class Site:
         if self.base == self.stage:
             raise ModelError(f"Block '{name}' joins node '{base}' to itself. Give it two nodes.")
         self._check_position(self.stage)
-        # All nodes of the block are placed from here.
+        # Origin of all nodes of the block.
         self.origin = marked(stack(b.nodes[self.base].start) if at is None else self._vector("at", at))
         self._set_axes(along, y)
 
@@ -95,27 +96,27 @@ class Site:
     def _unit(self, argument: str, vector: Any) -> Any:
         size = (vector @ vector) ** 0.5
         with nan_if_refused() as marked:
-            if not holds(size >= 1e-9):
+            if not holds(size >= SHORTEST_DIRECTION):
                 what = "has no length" if argument == "along" else "must not be parallel to `along`"
                 raise ModelError(f"Argument `{argument}` of block '{self.name}' {what}.")
             return marked(vector / size)
 
     def place(self, *coordinates: Scalar) -> Any:
-        """A point of the block in global axes, (d,) [m]; coordinates that are not given are zero."""
+        """A point of the block in global axes; missing coordinates are zero."""
         return sum((c * axis for c, axis in zip(coordinates, self.axes, strict=False)), self.origin)
 
     def body(self, node: str, *coordinates: Scalar) -> str:
-        """A node with a place of its own, which is made unless it is there; returns its name."""
+        """A node, made at a place unless it exists; returns its name."""
         if node not in self.b.nodes:
             self.b.node(node, self.place(*coordinates))
         return node
 
     def inner(self, label: str, *coordinates: Scalar) -> str:
-        """A node that belongs to the block; returns its name."""
+        """A node of the block; returns its name."""
         node = f"{self.name} {label}"
         if node in self.b.nodes:
             raise ModelError(
-                f"Block '{self.name}' is there already, with node '{node}'. Give each block a name of its own."
+                f"Block '{self.name}' exists already, with node '{node}'. Give each block a name of its own."
             )
         return self.body(node, *coordinates)
 
@@ -140,7 +141,7 @@ class Site:
         usual: Callable[[Builder, Section], tuple[Any, Section]],
         section: Section,
     ) -> None:
-        """A flexible beam between two nodes, each named with the one whose rotation it turns with."""
+        """A flexible beam between two nodes, each with the node of its rotation."""
         element, section = usual(self.b, section) if self.element is None else (self.element, section)
         across = {} if self.y is None else {"y": self.y}
         nodes = [part for node, body in (first, last) for part in (node, f"{body}.rotation")]
@@ -148,7 +149,7 @@ class Site:
 
 
 def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
-    """Element type of a leaf spring, and its section as that takes it: a beam where it jumps or has no width."""
+    """Element type and section of a leaf spring; a beam for sections that jump or have no width."""
     if isinstance(section, Rectangle) or (isinstance(section, Profile) and not section.breaks):
         if b.dimension == 3:
             return spatial.leaf_spring, section
@@ -157,10 +158,10 @@ def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
 
 
 def slender(b: Builder, section: Section) -> tuple[Any, Section]:
-    """Element type of a wire or a notch hinge, and its section as that takes it: with shear where it can."""
+    """Element type and section of a wire or a notch hinge, with shear if possible."""
     element = planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam
     if isinstance(section, Profile):
-        # Stress resultants are smooth along a hinge where the section is not; order 3 is theirs at any stroke.
+        # Stress resultants along a hinge are smooth although the section is not; order 3 suffices at any stroke.
         return element(order=3), section
     if isinstance(section, Rectangle | Circle):
         return element(shear=True), dataclasses.replace(section, shear=True)

@@ -1,4 +1,4 @@
-"""Springs that hold few directions: the folded leaf spring holds one, the wire flexure one, and both leave the rest."""
+"""Springs that hold one direction and leave the others: folded leaf spring and wire flexure."""
 
 from typing import Any
 
@@ -29,21 +29,21 @@ def folded_leaf_spring(
 ) -> str:
     """Leaf spring with a fold: it holds its end along the fold line and leaves the five other motions.
 
-    Where the end may turn, two equal legs at a right angle have the compliance 2 (length^3/(3 EIz) + length/(GA k)) +
+    If the end may turn, two equal legs at a right angle have the compliance 2 (length^3/(3 EIz) + length/(GA k)) +
     length^3/GIt along the fold line by beam theory, with EIz in the plane of a leg. Restrained warping makes them
-    stiffer, by some 13 % where their width is a third of a leg's length. Whether the legs are a fold is found when the
-    model is built: where sizes are traced, by ``fm.tune``, ``fm.sweep`` and the like.
+    stiffer, by some 13 % for a width of a third of a leg's length. ``build()`` decides whether the legs form a fold,
+    for traced sizes inside ``fm.tune``, ``fm.sweep`` and the like.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the first leg stands on.
         stage: Name of the node whose body the second leg carries; made at its end.
-        length: Of the first leg, () [m].
-        section: Of both legs.
-        second: Length of the second leg, () [m]; as long as the first unless given.
+        length: Length of the first leg, () [m].
+        section: Section of both legs.
+        second: Length of the second leg, () [m]; by default equal to the first.
         fold: Angle by which the second leg turns from the first towards ``along`` × ``y``, () [rad].
-        name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element. The first leg goes along
-            ``along``; the fold line lies along ``y``, in the plane across it.
+        name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element. The first leg is parallel to
+            ``along``; the fold line is parallel to ``y``, in the plane across it.
         at, along, y, element: The same.
 
     Returns:
@@ -84,14 +84,14 @@ def wire_flexure(
 ) -> str:
     """Wire: it holds its end along itself and leaves the five other motions.
 
-    Stiffness EA/length along it, 12 EI/length^3 across it where the end does not turn, GIt/length in torsion.
+    Stiffness EA/length along it, 12 EI/length^3 across it if the end does not turn, GIt/length in torsion.
 
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body the wire stands on.
-        stage: Name of the node whose body it carries; made at its end.
-        length: Of the wire, () [m].
-        section: Such as ``fm.Circle(diameter, material)``.
+        stage: Name of the node whose body the block carries; made at its end.
+        length: Length of the wire, () [m].
+        section: Section of the wire, such as ``fm.Circle(diameter, material)``.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 

@@ -23,7 +23,7 @@ from .properties import with_property
 from .roles import Role
 from .topology import RoleIndices, Topology
 
-# Inputs that move what is held, in the order of their derivatives.
+# Inputs that move held things, by order of their time derivative.
 MOTIONS = ("displacement", "velocity", "acceleration")
 # Quantities that are dual to coordinates, and what the units of rates have in addition.
 ACTING = ("force", "moment", "reaction")
@@ -36,10 +36,10 @@ class Entry:
 
     Attributes:
         of: Node or element.
-        component: Its number there, from 1.
-        symbol: How it is written: "x", "phi", "e2".
-        kind: "position", "rotation" or "internal" for a coordinate, "deformation", or "norm" (counted by no one).
-        name: Of a deformation that has one, such as "elongation".
+        component: Number within it, from 1.
+        symbol: Its sign, such as "x", "phi", "e2".
+        kind: "position", "rotation" or "internal" for a coordinate, "deformation", or "norm" (not counted).
+        name: Name of a deformation, such as "elongation", or "".
     """
 
     of: str
@@ -74,16 +74,16 @@ class Signal:
 
     Attributes:
         name: Its label.
-        quantity: Of an input "force", "moment", "stress", or "displacement", "velocity", "acceleration" of what is
-            held; of an output "position", "velocity", "acceleration", "reaction", "deformation", "deformation rate",
-            "deformation acceleration", "stress". Of a rotation in space the three of a coordinate are the rotation
-            vector, the angular velocity and the angular acceleration. "actuator" or "sensor" of what has parts.
-        index: Index in x or e; of a rotation in space, that of its first Euler parameter; -1 of what has parts.
-        axis: About which axis of a rotation in space, 0, 1 or 2; None for what is a coordinate or a deformation.
+        quantity: For an input "force", "moment", "stress", or "displacement", "velocity", "acceleration" of something
+            held; for an output "position", "velocity", "acceleration", "reaction", "deformation", "deformation rate",
+            "deformation acceleration", "stress". For a rotation in space, the first three mean rotation vector, angular
+            velocity and angular acceleration. "actuator" or "sensor" for a signal with parts.
+        index: Index in x or e; for a rotation in space, of its first Euler parameter; -1 for a signal with parts.
+        axis: Axis 0, 1 or 2 of a rotation in space; None for a coordinate or a deformation.
         local: Whether the axis turns with the node.
-        of_element: Whether the index is one in e.
-        held: Whether what it is about is FIXED or PRESCRIBED.
-        parts: Signals of which this one is a linear combination, with the weights in ``Parameters.weights``.
+        of_element: Whether the index is in e.
+        held: Whether the coordinate or deformation is FIXED or PRESCRIBED.
+        parts: Signals whose linear combination this is, with the weights in ``Parameters.weights``.
     """
 
     name: str
@@ -97,12 +97,12 @@ class Signal:
 
     @property
     def terms(self) -> tuple["Signal", ...]:
-        """What it is made of: its parts, or itself."""
+        """Its parts, or itself."""
         return self.parts or (self,)
 
     @property
     def order(self) -> int | None:
-        """Of an input that moves what is held, how often its quantity is to be integrated to a displacement."""
+        """Order of the derivative of a displacement, for an input that moves something held; otherwise None."""
         return MOTIONS.index(self.quantity) if self.held and self.quantity in MOTIONS else None
 
     def port(self, labels: "Labels") -> Port:
@@ -120,7 +120,7 @@ class Signal:
         return Port(entry.of.removesuffix(".rotation"), axis, self.quantity, unit)
 
     def without_name(self) -> "Signal":
-        """The same as compiled code takes it."""
+        """The signal without names, for compiled code."""
         return dataclasses.replace(self, name="", parts=tuple(part.without_name() for part in self.parts))
 
 
@@ -134,11 +134,10 @@ class Labels:
         elements: Name, type and nodes of each element, in order of addition.
         inputs, outputs: Signals of the state-space model.
         dimension: 2 or 3.
-        stressed: For each block of the topology, the name of each of its elements in the block's order; None for an
-            element, or in a block, that section stresses are not asked of.
-        warm: Names of the elements that have a temperature.
-        found: Degrees of freedom that were found when the model was built, where none was named. Labels are equal
-            whether they were found or named.
+        stressed: For each block of the topology, names of its elements in order; None for elements without section
+            stresses.
+        warm: Names of elements with a temperature.
+        found: Degrees of freedom that ``build()`` found because none was named. They do not enter comparisons.
     """
 
     x: tuple[Entry, ...]
@@ -163,11 +162,10 @@ class Labels:
         return np.array(indices)
 
     def place(self, name: str) -> tuple[str, int] | None:
-        """Which coordinate or deformation a name means, by "x" or "e" and its index there; None where it means none.
+        """Place in "x" or "e" of a named coordinate or deformation; None for an unknown name.
 
-        Args:
-            name: Such as "top.x", "top.phi" or "top.rotation.phi", "hinge.e2"; "top.rx" means the angle of the hinge
-                that turns or holds the rotation of a node in space about that axis.
+        Names are "top.x", "top.phi" or "top.rotation.phi", "hinge.e2". "top.rx" means the angle of the hinge that turns
+        or holds the rotation of a node in space about this axis.
         """
         of, _, component = str(name).rpartition(".")
         meant = {str(name): 0, f"{of}.rotation.{component}": 1, f"{turn_of(of, component)}.e1": 2}
@@ -182,7 +180,7 @@ class Labels:
         return ("e", self.e_places[name]) if name in self.e_places else None
 
     def names(self) -> list[str]:
-        """Names of what a user drives or loads: coordinates, rotations in space by their axes, deformations."""
+        """Names of everything that can be driven or loaded: coordinates, rotations in space by axis, deformations."""
         found = []
         for entry in (*self.x, *self.e):
             if entry.symbol[0] == "l" and entry.kind == "rotation":
@@ -193,7 +191,7 @@ class Labels:
         return found
 
     def rotation_of(self, name: str) -> tuple[list[int], int] | None:
-        """Euler parameters in x, and the axis, that a name such as "top.rx" means; None where it means none."""
+        """Euler parameters in x, and axis, of a name such as "top.rx"; None for another name."""
         of, _, component = str(name).rpartition(".")
         if component not in TURNS or self.dimension != 3:
             return None
@@ -201,10 +199,7 @@ class Labels:
         return (own, TURNS.index(component)) if own and self.x[own[0]].kind == "rotation" else None
 
     def parts(self, node: str) -> list[str]:
-        """A node and its rotation, as far as there are both; the rotation alone of "name.rotation".
-
-        Raises KeyError: No such node.
-        """
+        """A node and its rotation, if they exist; for "name.rotation" the rotation. Raises KeyError: No such node."""
         found = [part for part in (node, f"{node}.rotation") if self.coordinates(part)]
         if not found:
             self.known(node)
@@ -212,15 +207,12 @@ class Labels:
 
     @property
     def e_places(self) -> dict[str, int]:
-        """Indices in e of the deformations by their labels, such as "leaf.e4", and by name, as "leaf.elongation"."""
-        own = [(i, entry) for i, entry in enumerate(self.e) if entry.kind == "deformation"]
-        return {str(one): i for i, one in own} | {f"{one.of}.{one.name}": i for i, one in own if one.name}
+        """Indices in e of deformations by label, such as "leaf.e4", and by name, as "leaf.elongation"."""
+        entries = [(i, entry) for i, entry in enumerate(self.e) if entry.kind == "deformation"]
+        return {str(entry): i for i, entry in entries} | {f"{e.of}.{e.name}": i for i, e in entries if e.name}
 
     def deformations(self, element: str, number: int | str | None = None) -> Any:
-        """Indices in e of an element's deformations, or of one of them.
-
-        Raises KeyError: No such element, or it has no such deformation.
-        """
+        """Indices in e of an element's deformations, or of one. Raises KeyError: No such element or deformation."""
         own = [i for i, entry in enumerate(self.e) if entry.of == element and entry.kind != "norm"]
         if not own:
             there = [entry.of for entry in self.e if entry.kind != "norm"]
@@ -237,7 +229,7 @@ class Labels:
 
 
 class Model(Result, Record):
-    """A checked mechanism: topology and parameters, with names beside them.
+    """A checked mechanism: topology and parameters, with names.
 
     Attributes:
         topology: Structure.
@@ -251,25 +243,25 @@ class Model(Result, Record):
     one_axis = "parameters.reference"
 
     def without_names(self) -> Model:
-        """The same mechanism as compiled code takes it, which is not to be compiled again for another name."""
+        """The mechanism without names, for compiled code that other names share."""
         own = self.labels
         inputs, outputs = (tuple(s.without_name() for s in some) for some in (own.inputs, own.outputs))
         return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
 
     def with_property(self, path: str, values: Any, elements: Sequence[str] | None = None) -> Model:
-        """The same mechanism with other numbers for one property of its elements, without building it anew.
+        """The mechanism with other numbers for one property of its elements, without building it again.
 
-        It takes a thousand elements as quickly as one, also under ``jax.grad`` and in ``fm.tune``. What was derived of
-        the numbers when the model was built stays: degrees of freedom that were found, and the undeformed mechanism.
+        A thousand elements take as little time as one, also under ``jax.grad`` and in ``fm.tune``. Results of the build
+        stay: found degrees of freedom, and the undeformed mechanism.
 
         Args:
-            path: Of the property, as "section.thickness", "section.material.E" or "stiffness".
-            values: One number for each of the elements, (elements,), or one for all () [the property's unit].
-            elements: Their names, in the order of the numbers; unless given, all that have the property, in the
-                order in which they were added (``labels.elements``).
+            path: Property, as "section.thickness", "section.material.E" or "stiffness".
+            values: One number per element, (elements,), or one for all () [the property's unit].
+            elements: Names of the elements, in the order of the numbers; None: all with this property, in the order of
+                ``labels.elements``.
 
         Raises:
-            ModelError: No such element or property, another number of numbers, or numbers that a build refuses.
+            ModelError: No such element or property, another count of numbers, or numbers that a build refuses.
         """
         changed = with_property(self.topology, self.parameters, self.labels, path, values, elements)
         return dataclasses.replace(self, parameters=changed)
@@ -285,7 +277,7 @@ class Model(Result, Record):
         return _roles(self.topology.x), _roles(self.topology.e)
 
     def signals(self) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
-        """Inputs and outputs, which know whether what they are about is held; they do so of the roles as they are."""
+        """Inputs and outputs, which note whether the present roles hold what they are about."""
         held = None
         if is_concrete(self.topology):
             held = [{*_list(own.fixed), *_list(own.prescribed)} for own in (self.topology.x, self.topology.e)]
@@ -298,19 +290,15 @@ class Model(Result, Record):
         return tuple(tuple(now(s) for s in some) for some in (self.labels.inputs, self.labels.outputs))  # type: ignore
 
     def counts(self) -> dict[str, int]:
-        """The numbers of NDOF = NX - NXO - NEO, tutorial (2.13); a spatial rotation counts as 3.
+        """Numbers of NDOF = NX - NXO - NEO: nx, ne, nxo, neo, ndof; tutorial WA 1239 (2012), eq. (2.13).
 
-        Returns:
-            nx, ne, nxo, neo, ndof; a PRESCRIBED entry counts as a constraint.
-
-        Source:
-            Tutorial WA 1239 (2012), eq. (2.13).
+        A spatial rotation counts as 3 coordinates, a PRESCRIBED entry as a constraint.
         """
         held = (Role.FIXED, Role.PRESCRIBED)
         x_roles, e_roles = self.roles()
         entries = list(zip(self.labels.x, x_roles, strict=True))
         norms = sum(entry.kind == "norm" for entry in self.labels.e)
-        # A rotation that is fixed as a whole loses its norm with its four parameters: 3 coordinates, 3 constraints.
+        # A rotation fixed as a whole loses its norm with its four parameters: 3 coordinates, 3 constraints.
         whole = {entry.of for entry, role in entries if entry.symbol == "l0"}
         whole -= {entry.of for entry, role in entries if entry.symbol[0] == "l" and role not in held}
         nx = len(entries) - sum(entry.symbol == "l0" for entry, _ in entries)
@@ -329,10 +317,10 @@ class Model(Result, Record):
             grouped: dict[str, list[str]] = {}
             for (of, role), run in itertools.groupby(own, key=lambda pair: (pair[0].of, pair[1])):
                 symbols = [entry.symbol for entry, _ in run]
-                # A leaf spring has dozens within it.
-                told = [f"{symbols[0]} to {symbols[-1]}"] if len(symbols) > AT_MOST else symbols
-                grouped.setdefault(of, []).extend(f"{symbol} {role.value}" for symbol in told)
-            wide = max([16, *(len(name) + 1 for name in grouped)])  # a long name keeps off its components
+                # A leaf spring has dozens of internal coordinates.
+                named = [f"{symbols[0]} to {symbols[-1]}"] if len(symbols) > AT_MOST else symbols
+                grouped.setdefault(of, []).extend(f"{symbol} {role.value}" for symbol in named)
+            wide = max([16, *(len(name) + 1 for name in grouped)])
             lines.append(f"{title:<{wide}}" + "components")
             lines += [f"{name:<{wide}}" + ", ".join(parts) for name, parts in grouped.items()]
         return "\n".join(lines)
@@ -356,16 +344,16 @@ class Model(Result, Record):
         return Summary(f"Model in {where}: {t.n_x} coordinates, {t.n_e} deformations", rows, "mechanism")
 
 
-# What to do with what is no model, by the name of its class.
+# Remedies for arguments of another class than Model.
 _INSTEAD = {
-    "Builder": "say build() first",
-    "SpacarModel": "say .builder.build() first",
+    "Builder": "call its build() first",
+    "SpacarModel": "call .builder.build() first",
     "LightResults": "give its .model",
     "Lean": "give its .model",
     "Linearization": "give its .model",
-    "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads where a linearisation is taken",
-    "Path": "give its .model, and at=path, step=-1 for what is asked about its last state",
-    "Motion": "give its .model, and at=motion, step=-1 for what is asked about its last state",
+    "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads if a linearisation is accepted",
+    "Path": "give its .model, and at=path, step=-1 for its last state",
+    "Motion": "give its .model, and at=motion, step=-1 for its last state",
     "str": "read a file by fm.read_spacar(path).builder.build()",
     "NoneType": "a function that builds a model ends with: return b.build()",
     "function": "call it, if it builds a model",
@@ -373,67 +361,69 @@ _INSTEAD = {
 
 
 def as_model(given: Any, function: str) -> Model:
-    """A model, which is refused by what to do where it is none.
+    """A model; other arguments are refused with a remedy.
 
     Raises:
-        TypeError: It is no Model.
+        TypeError: The argument is no Model.
         RuntimeError: Double precision is off.
     """
     if isinstance(given, Model):
         require_double_precision()
         return given
     kind = type(given).__name__
-    instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "a Builder makes one by build()")
-    raise TypeError(f"fm.{function} takes a Model as Builder.build() makes it, not {kind_of(given)}: {instead}.")
+    instead = _INSTEAD.get("str" if isinstance(given, str | os.PathLike) else kind, "build() of a Builder makes one")
+    raise TypeError(f"fm.{function} takes a Model, as Builder.build() returns it, not {kind_of(given)}: {instead}.")
 
 
 def as_known(given: Any, function: str, numbers: bool = True) -> Model:
-    """As :func:`as_model`, of a model that is known where a program is traced.
+    """As :func:`as_model`, for a model with known structure, and known numbers if ``numbers``.
 
     Raises:
-        TypeError: It is no Model, or it is traced: by ``jax.jit`` that was given the whole, by derivatives its numbers.
+        TypeError: The argument is no Model, or ``jax.jit`` traces its structure, or a derivative its numbers.
     """
     model = as_model(given, function)
     if numbers and not is_concrete(model):
-        raise TypeError(f"fm.{function} takes a model of known numbers: ask it outside jax.jit, jax.grad and jax.vmap.")
+        raise TypeError(
+            f"fm.{function} takes a model of known numbers: call it outside jax.jit, jax.grad and jax.vmap."
+        )
     if not is_concrete(model.topology):
         raise TypeError(
-            f"fm.{function} takes a model of known structure: within a function under jax.jit build it there from"
-            " dimensions, or capture it, and give the function no model."
+            f"fm.{function} takes a model of known structure. Within a function under jax.jit, build the model from"
+            " dimensions or capture it, and do not pass it as an argument."
         )
     return model
 
 
 def as_determined(given: Any, function: str) -> Model:
-    """As :func:`as_model`, of a model whose degrees of freedom are as many as determine it, for dense matrices.
+    """As :func:`as_model`, for a model that its degrees of freedom determine, for dense matrices.
 
     Raises:
-        TypeError: It is no Model.
-        ModelError: It has more or fewer degrees of freedom, since it was not checked.
-        AnalysisError: out_of_memory: the machine does not hold its dense matrices.
+        TypeError: The argument is no Model.
+        ModelError: An unchecked model has more or fewer degrees of freedom.
+        AnalysisError: out_of_memory: the machine cannot hold the dense matrices.
     """
     model = as_model(given, function)
     x, e = model.topology.x, model.topology.e
-    missing = x.dependent.shape[0] - sum(of.shape[0] for of in (e.fixed, e.prescribed, e.dof))
+    missing = x.dependent.shape[0] - sum(indices.shape[0] for indices in (e.fixed, e.prescribed, e.dof))
     if missing:
         raise ModelError(
-            f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model do not determine it, which was"
-            f" built with check=False: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
+            f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model, built with check=False,"
+            f" do not determine it: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
         )
     n, rows = model.topology.n_x, model.topology.n_e
-    # The curvature, the constraints of the DEPENDENT coordinates with their factors, and the Jacobian, all at once.
+    # Curvature, constraints of the DEPENDENT coordinates with factors, and Jacobian exist at the same time.
     needed, there = 8 * n * (3 * n + rows), memory()
     if needed > there:
         raise AnalysisError(
             RESULTS.out_of_memory.name,
-            f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, and there are"
-            f" {there / 1e9:.3g} GB. Ask what sparse matrices answer (sparse=True, count=), or use fewer elements.",
+            f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, but there are"
+            f" {there / 1e9:.3g} GB. Use sparse matrices where possible (sparse=True, count=), or fewer elements.",
         )
     return model
 
 
 def memory() -> float:
-    """Memory of this machine [bytes]; unlimited where the system does not tell."""
+    """Memory of this machine [bytes]; infinite if unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
@@ -441,7 +431,7 @@ def memory() -> float:
 
 
 def _instead(name: str, there: list[str], thing: str) -> str:
-    """What to ask for in place of a name that is not there: the nearest, or some of those that are there."""
+    """End of a message on an unknown name: the nearest names, or some of the existing ones."""
     names = list(dict.fromkeys(there))
     near = difflib.get_close_matches(str(name), names, 3, 0.5)
     if near:

@@ -1,4 +1,4 @@
-"""Every number one might differentiate, as the engineer states it."""
+"""Numbers of a mechanism that one might differentiate, as the engineer states them."""
 
 from typing import Any
 
@@ -8,17 +8,16 @@ from ..compilation.record import Record
 
 
 class Loads(Record):
-    """Constant loads. What a scene does not have is None and is not traced.
+    """Constant loads. Loads that a scene does not have are None and are not traced.
 
     Attributes:
         force: Nodal forces dual to the coordinates, (n_x,) [N, N m].
         gravity: Acceleration of gravity, (axes,) [m/s^2].
-        prestress: Stress resultants added to those of the stiffness, (n_e,) [N, N m].
+        prestress: Stress resultants in addition to elastic ones, (n_e,) [N, N m].
         x: Values of the PRESCRIBED coordinates, in their order [m, rad].
         e: Values of the PRESCRIBED deformations, in their order [m, rad].
-        temperature: Change of temperature of elements, in the row of the first deformation of each: at its first and
-            its last end [K], then what it grows by along the section's local y and z, in the plane z alone [K/m],
-            (n_e, 3 or 4).
+        temperature: Change of temperature of elements, in the row of the first deformation of each, (n_e, 3 or 4):
+            at its first and last end [K], then gradients along the section's local y and z, in the plane z alone [K/m].
     """
 
     force: Float[Array, "n_x"] | None = None
@@ -36,11 +35,11 @@ class Parameters(Record):
         reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
         properties: Properties of each block, every leaf stacked over its elements.
         loads: Constant loads.
-        increment: Loads that a path or a buckling analysis scales while ``loads`` stay, or None: then all scale.
-        strain: Deformations at which the elements are free of stress, (n_e,), or None: zero.
+        increment: Loads that a path or a buckling analysis scales while ``loads`` stay; None: all loads are scaled.
+        strain: Deformations without stress, (n_e,), or None: zero.
         start: Degrees of freedom and their rates at the start of a simulation, twice (n_q,), or None: zero.
-        weights: Of the terms of all inputs, and of those of all outputs, in their order, twice (k,), or None: one each.
-        prepared: Within a compiled kernel, what elements make of reference and properties alone, by block
+        weights: Weights of the terms of all inputs, and of all outputs, in their order, or None: one each.
+        prepared: Within a compiled kernel, results of elements that depend on reference and properties alone, by block
             (:func:`flexmb.mechanics.blocks.kernel`); None elsewhere.
     """
 

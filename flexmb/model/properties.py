@@ -1,4 +1,4 @@
-"""Numbers of a model's elements, replaced all at once: a thousand of them without building anew."""
+"""Replacement of numbers of a model's elements, all at once, without building the model again."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -15,14 +15,7 @@ from .topology import Topology
 
 
 class _Stack(NamedTuple):
-    """Elements whose properties are stacked together.
-
-    Attributes:
-        block: Which block of the topology.
-        kind: Which of the kinds of section of that block; None where it has one.
-        names: Of the elements, in the order of the stack.
-        properties: Theirs, every leaf stacked.
-    """
+    """Elements whose properties are stacked together; ``kind`` is the number of their kind of section, if several."""
 
     block: int
     kind: int | None
@@ -33,17 +26,17 @@ class _Stack(NamedTuple):
 def with_property(
     topology: Topology, parameters: Parameters, labels: Any, path: str, values: Any, elements: Sequence[str] | None
 ) -> Parameters:
-    """Parameters with other numbers for one property, see :meth:`flexmb.model.model.Model.with_property`."""
+    """Parameters with other numbers for a property; see :meth:`flexmb.model.model.Model.with_property`."""
     if not isinstance(path, str):
         raise ModelError(f"Argument `path` must name a property, such as 'section.thickness', but is {shown(path)}.")
     keys = path.split(".")
-    stacks = [own for own in _stacks(topology, parameters, labels) if _is_number(own.properties, keys)]
-    having = {name for own in stacks for name in own.names}
+    stacks = [stack for stack in _stacks(topology, parameters, labels) if _is_number(stack.properties, keys)]
+    having = {name for stack in stacks for name in stack.names}
     wanted = [name for name, *_ in labels.elements if name in having] if elements is None else list(elements)
     if strangers := [name for name in wanted if name not in having]:
         raise ModelError(f"Element '{strangers[0]}' has no property '{path}' that is one number.")
     if elements is not None and not wanted:
-        raise ModelError("Argument `elements` is empty: name elements, or leave it out for all that have the property.")
+        raise ModelError("Argument `elements` is empty: name elements, or leave it out for all with the property.")
     if not wanted:
         raise ModelError(f"No element of this model has a property '{path}' that is one number.")
     place = {name: i for i, name in enumerate(wanted)}
@@ -71,7 +64,7 @@ def with_property(
 
 
 def _numbers(path: str, values: Any, count: int) -> Any:
-    """One number for each element, (count,)."""
+    """One number for each element."""
     if np.ndim(values) == 0:
         values = jnp.full(count, values) if isinstance(values, jax.Array) else [values] * count
     check_numbers(f"The numbers for '{path}', one for each element,", values, (count,), fault=ModelError)
@@ -80,7 +73,7 @@ def _numbers(path: str, values: Any, count: int) -> Any:
 
 def _stacks(topology: Topology, parameters: Parameters, labels: Any) -> Iterator[_Stack]:
     for i, (block, own) in enumerate(zip(topology.blocks, parameters.properties, strict=True)):
-        if not block.e.shape[1]:  # such as a mass, which has no name here
+        if not block.e.shape[1]:  # Such as masses, which have no names.
             continue
         names = [labels.e[i].of for i in np.asarray(block.e)[:, 0]]
         if not isinstance(own.get("section"), tuple):
@@ -93,14 +86,14 @@ def _stacks(topology: Topology, parameters: Parameters, labels: Any) -> Iterator
 
 
 def _is_number(tree: Any, keys: list[str]) -> bool:
-    """Whether a path ends at one number for each element."""
+    """Whether a path leads to one number per element."""
     for key in keys:
         tree = tree.get(key) if isinstance(tree, dict) else getattr(tree, key, None)
     return isinstance(tree, np.ndarray | jax.Array) and tree.ndim == 1
 
 
 def _put(tree: Any, keys: list[str], rows: np.ndarray, values: Any) -> Any:
-    """A tree with other numbers in some rows of the array at the end of a path."""
+    """A tree with other numbers in rows of the array at a path."""
     if not keys:
         return jnp.asarray(values) if len(rows) == len(tree) else jnp.asarray(tree).at[rows].set(values)
     changed = {

@@ -1,4 +1,4 @@
-"""The one role that each coordinate and each deformation has."""
+"""Roles: each coordinate and each deformation has exactly one."""
 
 import enum
 
@@ -6,8 +6,9 @@ import enum
 class Role(enum.Enum):
     """Role of a coordinate or deformation (THEORY.md 1).
 
-    FIXED: a coordinate at its start value, a deformation at zero or what temperature makes of it. DEPENDENT: found from
-    the others ("released" for a deformation). DOF: a degree of freedom. PRESCRIBED: a given value.
+    FIXED: a coordinate at its start value, a deformation at zero or its thermal value. DEPENDENT: follows from the
+        others
+    ("released" for a deformation). DOF: a degree of freedom. PRESCRIBED: a given value.
     """
 
     FIXED = "fixed"
@@ -16,5 +17,5 @@ class Role(enum.Enum):
     PRESCRIBED = "prescribed"
 
 
-# What is known beforehand.
+# Roles of known values.
 HELD = (Role.FIXED, Role.PRESCRIBED)

@@ -1,4 +1,4 @@
-"""Shapes and element functions (static), connectivity and roles (integer arrays, leaves of the pytree)."""
+"""Structure of a model: shapes and element functions (static), connectivity and roles (integer arrays)."""
 
 from typing import Any
 
@@ -16,12 +16,12 @@ class Block(Record):
 
     Attributes:
         element: Their type, with its options.
-        companions: Which of the element's functions this block is for.
-        options: Properties that choose code (booleans, strings) though not annotated ``Static``, as sorted pairs.
-        x: Index of each element's coordinates, (elements, coordinates).
-        e: Index of each element's deformations, (elements, deformations).
-        splits: Where the coordinates of one node end and the next begin.
-        meaning: What functions of a user's own did when the model was built, by companion; None of the package's.
+        companions: Functions of the element that this block serves.
+        options: Properties that select code (booleans, strings) without the annotation ``Static``, as sorted pairs.
+        x: Index of each element's coordinates.
+        e: Index of each element's deformations.
+        splits: Places where the coordinates of the next node begin.
+        meaning: Digests of user-defined functions when the model was built, by companion; None for the package's.
     """
 
     element: Element = static()
@@ -34,11 +34,7 @@ class Block(Record):
 
 
 class RoleIndices(Record):
-    """Which entries of x or of e have which role.
-
-    Attributes:
-        fixed, dependent, dof, prescribed: Indices, ascending; ``dof`` in the order of q.
-    """
+    """Indices of the entries of x or e with each role, ascending; ``dof`` in the order of q."""
 
     fixed: Int[Array, "_f"]
     dependent: Int[Array, "_d"]
@@ -47,7 +43,7 @@ class RoleIndices(Record):
 
     @property
     def held(self) -> Int[Array, "_h"]:
-        """Entries whose value is set from outside: FIXED, then PRESCRIBED."""
+        """Entries with a value from outside: FIXED, then PRESCRIBED."""
         return _joined(self.fixed, self.prescribed)
 
     @property
@@ -57,7 +53,7 @@ class RoleIndices(Record):
 
     @property
     def given(self) -> Int[Array, "_g"]:
-        """Entries from which the DEPENDENT ones follow: FIXED, PRESCRIBED, then DOF."""
+        """Entries that determine the DEPENDENT ones: FIXED, PRESCRIBED, then DOF."""
         return _joined(self.fixed, self.prescribed, self.dof)
 
     @property
@@ -67,19 +63,19 @@ class RoleIndices(Record):
 
 
 def _joined(*indices: Array) -> Any:
-    """Indices of several roles in one array; outside a trace by NumPy, for which nothing is compiled."""
+    """Indices of several roles in one array; by NumPy outside a trace, without compiling."""
     return (np if is_concrete(indices) else jnp).concatenate(indices)
 
 
 class Topology(Record):
-    """Structure of a mechanism. What is compiled depends on its shapes and element functions alone.
+    """Structure of a mechanism. Compiled code depends only on its shapes and element functions.
 
     Attributes:
         blocks: Elements by block.
         x: Roles of the nodal coordinates.
-        e: Roles of the deformations, the unit norms of Euler parameters among them.
-        axes: Index of the coordinate along each axis of every point, (axes, points).
-        powers: Of length, in the unit of each coordinate, (n_x,).
+        e: Roles of the deformations, including unit norms of Euler parameters.
+        axes: Index of the coordinate along each axis of every point.
+        powers: Power of length in the unit of each coordinate.
     """
 
     blocks: tuple[Block, ...]
@@ -105,5 +101,5 @@ class Topology(Record):
 
     @property
     def counts_turns(self) -> bool:
-        """Whether some deformation is an angle that counts past full turns, from its value at the last state."""
+        """Whether a deformation is an angle that counts full turns from its value at the last state."""
         return any(block.element.tracks_angle for block in self.blocks)

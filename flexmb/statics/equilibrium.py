@@ -70,7 +70,28 @@ class Equilibrium(ByName, Result, Record):
 
     def __getstate__(self) -> dict[str, Any]:
         """Its fields alone: the model may contain functions that no file can store."""
-        return {name: value for name, value in vars(self).items() if name != "asked_of"}
+        return {name: value for name, value in vars(self).items() if name not in ("asked_of", "factors")}
+
+    def states(self) -> States | None:
+        """Return the equilibrium as a state of its model; None if it does not know its model.
+
+        Raises:
+            AnalysisError: It was not found.
+        """
+        if self.asked_of is None:
+            return None
+        check(self.result, True, "There is no state to show.")
+        return States(self.asked_of, self.x)
+
+    def known(self, model: Model, factors: LoadFactors) -> "Equilibrium":
+        """Return itself, with its model and its loads.
+
+        Args:
+            model: The mechanism, with concrete numbers.
+            factors: Factors of its loads.
+        """
+        vars(self).update(asked_of=model, factors=factors)
+        return self
 
     def summary(self) -> Summary:
         """Return the outcome, and the largest deformation, stress resultant and reaction with their names."""

@@ -46,7 +46,8 @@ class Equilibria(ByName, Labelled, Record):
         """One of them, as for ``fm.stress(model, at=states[-1])``."""
         if not -len(self) <= number < len(self):
             raise IndexError(f"There are {len(self)} equilibria, numbered from 0. Number {number} is none of them.")
-        return jax.tree.map(lambda array: array[number], self.each)
+        found, *factors = jax.tree.map(lambda array: array[number], (self.each, self.load_factor, self.increment))
+        return found.known(self.model, LoadFactors(*factors)) if is_concrete((found, self.model)) else found
 
     def __len__(self) -> int:
         return self.increment.shape[0]

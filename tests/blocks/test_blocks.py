@@ -388,7 +388,7 @@ WRONG = {
     "twice": (
         lambda b: (parallel_guide(b, "ground", "one", **GUIDE), parallel_guide(b, "one", "two", **GUIDE)),
         fm.ModelError,
-        "'guide' is there already.*name of its own",
+        "'guide' exists already.*name of its own",
     ),
     "no length": (
         lambda b: cartwheel(b, "ground", "stage", length=0.0, section=LEAF),
@@ -428,7 +428,7 @@ WRONG = {
             material=STEEL,
         ),
         ValueError,
-        "`length` must be more than that of a notch",
+        "`length` must exceed the length of a notch",
     ),
 }
 
