@@ -1,4 +1,4 @@
-"""Block tridiagonal matrices: parts of a chain are eliminated side by side, block after block, then their joints."""
+"""Block tridiagonal matrices: parts of a chain are eliminated in parallel, block after block, then their joints."""
 
 from typing import NamedTuple
 
@@ -6,31 +6,27 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Inexact
 
-# The most parts: their joints are left to dense factors.
+# Most parts, since their joints are factored as one dense matrix.
 MOST_PARTS = 10
 
 
 def parts_of(count: int) -> tuple[int, int]:
-    """Into how many parts so many blocks are cut, and of how many blocks each; the last is filled up.
-
-    Args:
-        count: Number of blocks.
-    """
+    """Number of parts for so many blocks, and of blocks in each; the last part is padded."""
     parts = min(MOST_PARTS, max(1, round(count**0.5)))
     return parts, -(-count // parts)
 
 
 class BlockFactors(NamedTuple):
-    """Factors of a block tridiagonal matrix: of each part the first block is a joint, the others lie within.
+    """Factors of a block tridiagonal matrix; the first block of each part is a joint, the others are inner blocks.
 
     Attributes:
-        inverse: Of the diagonal blocks within, when it is their turn, (steps, b, b, parts).
-        down: Coupling of each to the block before, (steps, b, b, parts).
-        joint: Coupling of the part's joint to each, when it is its turn, (steps, b, b, parts).
-        after: The inverse times the coupling to the block after, (steps, b, b, parts).
-        before: The inverse times the coupling to the part's joint, (steps, b, b, parts).
-        lower: Coupling of the joints to the block before, (b, b, parts).
-        joints: Inverse of what is left of the joints, (parts b, parts b).
+        inverse: Inverses of the inner diagonal blocks, after elimination of those before.
+        down: Coupling of each inner block to the block before.
+        joint: Coupling of the part's joint to each inner block, after elimination of those before.
+        after: Inverse times coupling to the block after.
+        before: Inverse times coupling to the part's joint.
+        lower: Coupling of the joints to the block before.
+        joints: Inverse of the matrix of the joints, after elimination of all inner blocks.
     """
 
     inverse: Inexact[Array, "s b b p"]
@@ -42,28 +38,24 @@ class BlockFactors(NamedTuple):
     joints: Inexact[Array, "r r"]
 
     def solve(self, right: Inexact[Array, "b count"]) -> Inexact[Array, "b count"]:
-        """Solution of A x = right.
-
-        Args:
-            right: By place in the block and number of the block, (b, count).
-        """
+        """Solution of A x = right, by place in the block and number of the block."""
         size, _, parts = self.lower.shape
         first, *_ = rows = jnp.moveaxis(right.reshape(size, parts, -1), 2, 0)
         none = jnp.zeros_like(first)
 
         def forth(carry: tuple[Array, Array], step: tuple[Array, ...]):
-            own, met = carry
+            above, met = carry
             inverse, down, joint, row = step
-            own = _product(inverse, row - _product(down, own))
-            return (own, met - _product(joint, own)), own
+            above = _product(inverse, row - _product(down, above))
+            return (above, met - _product(joint, above)), above
 
         (last, met), every = jax.lax.scan(forth, (none, none), (self.inverse, self.down, self.joint, rows[1:]))
         met = first + met - _product(self.lower, jnp.roll(last, 1, axis=-1))
         ends = (self.joints @ met.T.reshape(-1)).reshape(parts, size).T
 
         def back(following: Inexact[Array, "b parts"], step: tuple[Array, ...]):
-            own, after, before = step
-            x = own - _product(after, following) - _product(before, ends)
+            inner, after, before = step
+            x = inner - _product(after, following) - _product(before, ends)
             return x, x
 
         _, within = jax.lax.scan(back, jnp.roll(ends, -1, axis=-1), (every, self.after, self.before), reverse=True)
@@ -73,14 +65,10 @@ class BlockFactors(NamedTuple):
 def factorise_blocks(
     lower: Inexact[Array, "b b count"], diagonal: Inexact[Array, "b b count"], upper: Inexact[Array, "b b count"]
 ) -> BlockFactors:
-    """Factors of a block tridiagonal matrix, without an exchange of rows but among the joints.
+    """Factors of a block tridiagonal matrix, with exchanges of rows only among the joints.
 
-    One loop goes along all parts at once, so that little is compiled, of whatever length the chain is.
-
-    Args:
-        lower: Coupling of each block row to the block before, zero in the first, (b, b, count).
-        diagonal: (b, b, count), as many blocks as :func:`parts_of` says.
-        upper: Coupling to the block after, zero in the last, (b, b, count).
+    One loop runs along all parts, so that little is compiled for any length. The number of blocks must follow
+    :func:`parts_of`. The first lower and the last upper block are zero.
 
     Source:
         Substructures: Polizzi, Sameh (2006), A parallel hybrid banded system solver: the SPIKE algorithm, section 2.
@@ -103,22 +91,22 @@ def factorise_blocks(
     (after, before, joint, left), kept = jax.lax.scan(eliminated, start, (down[1:], middle[1:], up[1:]))
     left = left - _product(down[0], jnp.roll(after, 1, axis=-1))
     back = -_product(down[0], jnp.roll(before, 1, axis=-1))
-    whole = jnp.zeros((parts, size, parts, size), diagonal.dtype)
+    of_joints = jnp.zeros((parts, size, parts, size), diagonal.dtype)
     every = jnp.arange(parts)
-    whole = whole.at[every, :, every].add(jnp.moveaxis(left, 2, 0))
-    whole = whole.at[every[1:], :, every[:-1]].add(jnp.moveaxis(back[..., 1:], 2, 0))
-    whole = whole.at[every[:-1], :, every[1:]].add(jnp.moveaxis(joint[..., :-1], 2, 0))
-    joints = jnp.linalg.inv(whole.reshape(parts * size, parts * size))
+    of_joints = of_joints.at[every, :, every].add(jnp.moveaxis(left, 2, 0))
+    of_joints = of_joints.at[every[1:], :, every[:-1]].add(jnp.moveaxis(back[..., 1:], 2, 0))
+    of_joints = of_joints.at[every[:-1], :, every[1:]].add(jnp.moveaxis(joint[..., :-1], 2, 0))
+    joints = jnp.linalg.inv(of_joints.reshape(parts * size, parts * size))
     return BlockFactors(*kept, lower=down[0], joints=joints)
 
 
 def _product(a: Inexact[Array, "b c parts"], b: Inexact[Array, "c *d parts"]):
-    """Products of blocks with blocks, or with vectors; sums of products, which the compiler fuses."""
+    """Products of blocks with blocks or vectors, as sums that the compiler fuses."""
     return jnp.sum(a[:, :, None] * b if b.ndim == 3 else a * b, axis=1)
 
 
 def _inverted(a: Inexact[Array, "b b parts"]):
-    """Inverses of many small matrices by elimination, all at once."""
+    """Inverses of many small matrices by elimination, in parallel."""
     size = a.shape[0]
     places = jnp.arange(size)
 

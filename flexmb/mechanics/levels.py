@@ -1,4 +1,4 @@
-"""The order of a chain: which of its unknowns follow on which, so that elements join neighbours alone."""
+"""Levels of a chain: groups of unknowns such that each element joins one level or two neighbouring ones."""
 
 import functools
 from collections import deque
@@ -14,23 +14,24 @@ from ..math.block_tridiagonal import BlockFactors, factorise_blocks, parts_of
 from ..model.topology import Block, Topology
 from .blocks import scatter_vector
 
-# By itself the form of chains is chosen where a mechanism is large and levels have at most so many unknowns: from there
-# on the first motion takes no longer with its compiling (measured, benchmarks/chains.py).
+# Most unknowns in a level for the default form of chains: up to here the first motion takes no longer with compiling
+# (benchmarks/chains.py).
 WIDE = 16
-# From so many coordinates and so many links on an equilibrium of a chain is quicker by sparse matrices than by dense.
+# Least numbers of coordinates and of levels from which sparse matrices solve an equilibrium of a chain faster than
+# dense.
 LONG, LINKS = 120, 20
 
 
 class Levels(Record):
-    """Unknowns, of coordinates and multipliers, in levels: an element joins unknowns of one level or of two neighbours.
+    """Unknowns, coordinates and multipliers, in levels: an element joins unknowns of one level or of two neighbours.
 
     Attributes:
-        place: Number of the unknown in each place of each level, one past the last where there is none, (b, count).
-        back: Place of each unknown among those of ``place``, flattened, (unknowns,).
-        table: Which entries of the element matrices, one after the other, make up each entry of the lower, diagonal and
-            upper blocks; one past the last for none, (3, b, b, count, most).
-        empty: Ones on the diagonal of places without an unknown, (b, b, count).
-        unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
+        place: Number of the unknown at each place of each level; one past the last for none.
+        back: Place of each unknown among those of ``place``, flattened.
+        table: Entries of the element matrices, in sequence, that make up each entry of the lower, diagonal and upper
+            blocks; one past the last for none.
+        empty: Ones on the diagonal of places without an unknown.
+        unknowns: Of each element of the blocks that move: its coordinates, then its deformations if some are held.
         holds: Whether deformations of each such block are held.
     """
 
@@ -42,13 +43,8 @@ class Levels(Record):
     holds: tuple[bool, ...] = static()
 
     def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> BlockFactors:
-        """Factors of the sum of element matrices.
-
-        Args:
-            pieces: Of each block that moves, (elements, k, k), by ``unknowns``.
-            diagonal: Added at the unknowns, (unknowns,).
-        """
-        entries = jnp.concatenate([*(of.reshape(-1) for of in pieces), jnp.zeros(1, pieces[0].dtype)])
+        """Factors of the sum of element matrices, ordered by ``unknowns``, with a diagonal added at the unknowns."""
+        entries = jnp.concatenate([*(piece.reshape(-1) for piece in pieces), jnp.zeros(1, pieces[0].dtype)])
         lower, middle, upper = jnp.sum(entries[self.table], axis=-1)
         middle = middle + self.empty.astype(middle.dtype)
         if diagonal is not None:
@@ -59,31 +55,25 @@ class Levels(Record):
     def solved(
         self, factors: BlockFactors, right: Inexact[Array, "unknowns"], transposed: bool = False
     ) -> Inexact[Array, "unknowns"]:
-        """Solution by factors, in the order of the unknowns, or that of the transposed equations."""
+        """Solution by factors, or of the transposed equations, in the order of the unknowns."""
         if transposed:
             return jax.linear_transpose(functools.partial(self.solved, factors), right)(right)[0]
         blocks = jnp.append(right, jnp.zeros((), right.dtype))[self.place]
         return factors.solve(blocks).reshape(-1)[self.back]
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
-        """Product of the sum of element matrices with a change of the unknowns."""
+        """Product of the sum of element matrices and a change of the unknowns."""
         return product_of(self.unknowns, pieces, change)
 
 
 def product_of(
     unknowns: tuple[Int[Array, "elements k"], ...], pieces: tuple[Array, ...], change: Float[Array, "unknowns"]
 ) -> Float[Array, "unknowns"]:
-    """Product of the sum of element matrices with a change of the unknowns.
-
-    Args:
-        unknowns: Of each element of each block, one past the last for none.
-        pieces: Of each block, (elements, k, k).
-        change: Of the unknowns, (unknowns,).
-    """
-    whole = jnp.append(change, 0.0)
+    """Product of the sum of element matrices and a change of the unknowns; unknowns one past the last mean none."""
+    padded = jnp.append(change, 0.0)
     every = zip(unknowns, pieces, strict=True)
-    found = [(places, jnp.sum(own * whole[places][:, None, :], axis=2)) for places, own in every]
-    return scatter_vector(whole.shape[0], found)[:-1]
+    products = [(places, jnp.sum(own * padded[places][:, None, :], axis=2)) for places, own in every]
+    return scatter_vector(padded.shape[0], products)[:-1]
 
 
 def bordered(
@@ -92,7 +82,7 @@ def bordered(
     columns: Float[Array, "elements c d"] | None = None,
     corner: Float[Array, "elements d d"] | None = None,
 ) -> Float[Array, "elements k k"]:
-    """Element matrices by coordinates with rows and columns of the element's deformations after them, or zeros."""
+    """Element matrices by coordinates, bordered by rows and columns of the element's deformations, or by zeros."""
     count, d, _ = rows.shape
     columns = jnp.zeros_like(rows.mT) if columns is None else columns
     corner = jnp.zeros((count, d, d)) if corner is None else corner
@@ -101,7 +91,7 @@ def bordered(
 
 
 def moving_blocks(topology: Topology) -> list[Block]:
-    """Blocks whose elements deform or have mass: those that :class:`Levels` orders."""
+    """Blocks whose elements deform or have mass, which :class:`Levels` orders."""
     return [
         block
         for block in topology.blocks
@@ -110,14 +100,14 @@ def moving_blocks(topology: Topology) -> list[Block]:
 
 
 def is_elastic(topology: Topology) -> bool:
-    """Whether no deformation is held but norms of Euler parameters: such systems need no exchange of rows."""
+    """Whether only norms of Euler parameters are held: such systems need no exchange of rows."""
     held = np.zeros(topology.n_e, bool)
     held[np.asarray(topology.e.held)] = True
     return all(block.x.shape[1] <= 4 or not np.any(held[np.asarray(block.e)]) for block in topology.blocks)
 
 
 def is_long_chain(topology: Topology) -> bool:
-    """Whether an equilibrium is solved by sparse matrices though the mechanism is not large."""
+    """Whether sparse matrices solve an equilibrium although the mechanism is not large."""
     if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
         return False
     levels = levels_of(topology, WIDE)
@@ -125,34 +115,22 @@ def is_long_chain(topology: Topology) -> bool:
 
 
 def levels_of(topology: Topology, widest: int | None = None) -> Levels | None:
-    """Levels of a mechanism, on the host; found once for equal structures.
-
-    Args:
-        widest: The most unknowns that a level may have; None: any number.
-
-    Returns:
-        Levels, or None where one has more unknowns.
-    """
+    """Levels of a mechanism, found once for equal structures; None if one has more than ``widest`` unknowns."""
     moving = moving_blocks(topology)
     unknowns, holds, count = unknowns_of(topology, moving)
     key = tuple((own.shape, own.tobytes()) for own in unknowns)
     found = _levels(key, topology.x.free.shape[0], count, widest)
     if found is None:
         return None
-    # What is found within a trace would be of that trace alone.
+    # Put on the device here: arrays made within a trace would belong to that trace alone.
     place, back, table, empty, unknowns = jax.device_put(found)
     return Levels(place, back, table, empty, unknowns, holds)
 
 
 def unknowns_of(topology: Topology, moving: list[Block]) -> tuple[list[np.ndarray], tuple[bool, ...], int]:
-    """Unknowns of the elements of each block, whether some of its deformations are held, and how many there are.
+    """Unknowns of the elements of each moving block, whether some of its deformations are held, and their number.
 
-    Args:
-        moving: Blocks that move.
-
-    Returns:
-        Of each block, (elements, k): coordinates that move, then multipliers where some are held; one past the last
-        for none.
+    Unknowns (elements, k) are free coordinates, then multipliers if some are held; one past the last means none.
     """
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     n, count = len(free), len(free) + len(held)
@@ -188,7 +166,7 @@ def _levels(key: tuple[tuple[tuple[int, ...], bytes], ...], n: int, count: int, 
 
 
 def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray:
-    """Level of each unknown: steps from one end, counted over elements; multipliers lie with the last they act on."""
+    """Level of each unknown: steps from one end, counted over elements; multipliers follow their last coordinate."""
     groups = [own[own < n] for own in elements]
     groups = [own for own in groups if len(own)]
     of_each: list[list[frozenset[int]]] = [[] for _ in range(n)]
@@ -196,8 +174,8 @@ def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray
     for mine in sets:
         for i in mine:
             of_each[i].append(mine)
-    # Elements within others, such as masses and norms, say nothing about the order; whatever holds one holds its
-    # unknown that fewest elements have.
+    # Elements within others, such as masses and norms, do not matter. An element that contains one also has the unknown
+    # of it that fewest elements share.
     wide = []
     for own, mine in zip(groups, sets, strict=True):
         rarest = min(mine, key=lambda i: len(of_each[i]))
@@ -207,7 +185,7 @@ def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray
     for number, own in enumerate(wide):
         for i in own:
             joined[i].append(number)
-    # Unknowns of the same elements are one.
+    # Unknowns of the same elements are one node.
     alike: dict[tuple[int, ...], int] = {}
     node = np.array([alike.setdefault(tuple(numbers) or (-1 - i,), len(alike)) for i, numbers in enumerate(joined)])
     members = [sorted(set(node[own].tolist())) for own in wide]
@@ -220,7 +198,7 @@ def _level_of_each(elements: list[np.ndarray], n: int, count: int) -> np.ndarray
     base = 0
     for start in ends:
         if found[start] < 0:
-            # From the far end of what is reached first.
+            # Start at the far end of the part that is reached.
             reached = _steps(near, start)
             reached = _steps(near, max(reached, key=lambda i: (reached[i], -len(near[i]))))
             for i, steps in reached.items():
@@ -246,12 +224,12 @@ def _steps(near: list[set[int]], start: int) -> dict[int, int]:
 
 
 def _table(unknowns: list[np.ndarray], level: np.ndarray, within: np.ndarray, wide: int, many: int, count: int):
-    """Entries of the element matrices that belong to each entry of the blocks."""
+    """Entries of the element matrices that make up each entry of the blocks."""
     rows = np.concatenate([np.repeat(u, u.shape[1], axis=1).ravel() for u in unknowns])
     columns = np.concatenate([np.tile(u, (1, u.shape[1])).ravel() for u in unknowns])
     kept = np.flatnonzero((rows < count) & (columns < count))
     i, j = rows[kept], columns[kept]
-    # An element that joined levels further apart would be refused here.
+    # This raises if an element joins levels further apart.
     places = (level[j] - level[i] + 1, within[i], within[j], level[i])
     slot = np.asarray(np.ravel_multi_index(places, (3, wide, wide, many)))
     order = np.argsort(slot, kind="stable")

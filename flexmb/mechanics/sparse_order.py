@@ -1,4 +1,4 @@
-"""Equations of any large mechanism inside compiled code: element matrices go to the host, whose factors answer."""
+"""Equations of large mechanisms inside compiled code: element matrices go to the host, which factors and solves."""
 
 import functools
 import hashlib
@@ -19,50 +19,42 @@ from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
 
-# Factors of so many matrices are kept: two of a step, and those that bring back onto the constraints.
-MOST = 4
-# What a solution is found from: BlockFactors of levels, or the entries that the host factors.
+# Factors that are kept: two of a step, and those that return to the constraints.
+MOST_FACTORS = 4
+# Basis of a solution: BlockFactors of levels, or the entries that the host factors.
 Factors = Any
 
 
 class Places:
-    """Where the entries of element matrices lie in those of the whole, on the host, with the last factors.
+    """Places of the entries of element matrices in the sparse matrix, on the host, with the last factors.
 
-    Factors are made in the thread of the host, and go there when others come; they answer in any thread.
+    Factors are made and freed in the thread of the host, and solve in any thread.
 
     Attributes:
         count: Number of unknowns.
-        too_large: Whether the memory did not suffice for factors.
+        too_large: Whether memory did not suffice for factors.
     """
 
     def __init__(self, unknowns: list[np.ndarray], count: int):
-        """Find them.
-
-        Args:
-            unknowns: Of each block, those of its elements, (elements, k); ``count`` for none.
-            count: Number of unknowns.
-        """
+        """Find the places from unknowns (elements, k) of each block; ``count`` means none."""
         self._unknowns = unknowns
         every = [np.where(own < count, own, -1) for own in (*unknowns, np.arange(count)[:, None])]
         self._pattern = SparsePattern((count, count), [(own, own) for own in every])
-        self._kept: deque[tuple[np.ndarray, SparseFactors]] = deque(maxlen=MOST)
+        self._kept: deque[tuple[np.ndarray, SparseFactors]] = deque(maxlen=MOST_FACTORS)
         self.count, self.too_large = count, False
 
     def __reduce__(self):
-        """What another process finds them from; factors stay here."""
+        """Arguments from which another process finds the places; factors stay here."""
         return _places, (self._unknowns, self.count)
 
     def _asdict(self) -> dict[str, Any]:
-        """What a trace depends on, that is kept."""
+        """Contents on which a kept trace depends."""
         return {"unknowns": self._unknowns, "count": self.count}
 
     def solution(self, entries: Any, right: Any, transposed: bool = False) -> np.ndarray:
-        """Solution of the equations, not finite where they are singular.
+        """Solution, or of the transposed equations; NaN if singular.
 
-        Args:
-            entries: Of the element matrices, one after the other, then those of the diagonal.
-            right: Right-hand side, (unknowns,).
-            transposed: Whether of the transposed equations.
+        Entries are those of the element matrices, in sequence, then the diagonal.
         """
         entries, right = np.asarray(entries), np.asarray(right)
         try:
@@ -89,12 +81,12 @@ class Places:
 
 
 class SparseOrder(Record):
-    """Unknowns, of coordinates and multipliers, of a mechanism whose elements may join any of them.
+    """Unknowns, coordinates and multipliers, of a mechanism whose elements may join any of them.
 
     Attributes:
-        unknowns: Of each element of the blocks that move: its coordinates, then its deformations where some are held.
+        unknowns: Of each element of the blocks that move: its coordinates, then its deformations if some are held.
         holds: Whether deformations of each such block are held.
-        places: Where the entries of the element matrices lie.
+        places: Places of the entries of the element matrices.
     """
 
     unknowns: tuple[Int[Array, "elements k"], ...]
@@ -102,24 +94,19 @@ class SparseOrder(Record):
     places: Places = static()
 
     def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> Inexact[Array, "entries"]:
-        """What the sum of element matrices is factored from, once a solution is asked for.
-
-        Args:
-            pieces: Of each block that moves, (elements, k, k), by ``unknowns``.
-            diagonal: Added at the unknowns, (unknowns,).
-        """
+        """Entries of the sum of element matrices and a diagonal, which are factored when a solution is asked for."""
         if diagonal is None:
             diagonal = jnp.zeros(self.places.count, pieces[0].dtype)
-        return jnp.concatenate([*(of.reshape(-1) for of in pieces), diagonal])
+        return jnp.concatenate([*(piece.reshape(-1) for piece in pieces), diagonal])
 
     def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"], transposed: bool = False):
-        """Solution, in the order of the unknowns, or that of the transposed equations."""
+        """Solution, or of the transposed equations, in the order of the unknowns."""
         like = jax.ShapeDtypeStruct(right.shape, right.dtype)
         solution = functools.partial(self.places.solution, transposed=True) if transposed else self.places.solution
         return call_host(solution, like, factors, right)
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
-        """Product of the sum of element matrices with a change of the unknowns."""
+        """Product of the sum of element matrices and a change of the unknowns."""
         return product_of(self.unknowns, pieces, change)
 
 
@@ -131,15 +118,7 @@ def solution(
     diagonal: Float[Array, "unknowns"],
     right: Float[Array, "unknowns"],
 ) -> Float[Array, "unknowns"]:
-    """Solution of the equations, differentiable in element matrices, diagonal and right-hand side.
-
-    Args:
-        order: Of the unknowns.
-        factors: Of the element matrices and the diagonal.
-        pieces: Of each block that moves.
-        diagonal: Added at the unknowns.
-        right: Right-hand side.
-    """
+    """Solution of the equations by factors, differentiable in element matrices, diagonal and right-hand side."""
     del pieces, diagonal
     return order.solved(factors, right)
 
@@ -161,22 +140,22 @@ def _solution_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
 
 
 def order_of(topology: Topology) -> "Levels | SparseOrder":
-    """Order in which the equations of a large mechanism are solved: along a chain, or as the host finds it.
+    """Order in which the equations of a large mechanism are solved: along a chain, or by sparse factors of the host.
 
-    In levels rows cannot change places, as they must where there are multipliers.
+    Levels exclude exchanges of rows, which multipliers require.
     """
     levels = levels_of(topology, WIDE) if is_elastic(topology) else None
     return sparse_order_of(topology) if levels is None else levels
 
 
 def sparse_order_of(topology: Topology) -> SparseOrder:
-    """Unknowns of a mechanism and where its matrices have entries, on the host; found once for equal structures."""
+    """Unknowns of a mechanism and the places of its matrices, on the host; found once for equal structures."""
     moving = moving_blocks(topology)
     unknowns, holds, count = unknowns_of(topology, moving)
     return SparseOrder(tuple(jax.device_put(unknowns)), holds, _places(unknowns, count))
 
 
-# As long as one of them is in use, equal structures share it and the code that was compiled with it.
+# Equal structures share places, and code compiled with them, while one of them is in use.
 _known: WeakValueDictionary[bytes, Places] = WeakValueDictionary()
 
 

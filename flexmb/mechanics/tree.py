@@ -1,7 +1,7 @@
-"""Beams with strain series whose last end is computed from the first and from the strains, found from the topology.
+"""Beams with strain series whose last end follows from the first end and the strains, found from the topology.
 
-From held nodes outwards (or from any node of a part that is held nowhere) each such beam gives the pose of its other
-end, unless that is held, or given by another beam already. What is left are the beams that close loops.
+From held nodes outwards, or from any node of a part without held nodes, each such beam determines the pose of its other
+end, unless that is held or determined by another beam. The remaining beams close loops.
 """
 
 from __future__ import annotations
@@ -25,22 +25,19 @@ from .blocks import with_rigidities
 
 
 class Poses(Record):
-    """Poses that beams give, and from what; beams in the order of their blocks.
+    """Poses determined by beams, with beams in the order of their blocks.
 
     Attributes:
-        rows: Of each block the beams that give them.
-        ends: Coordinates of the position that each beam gives, (beams, d).
-        turns: Those of the rotation, (beams, r); none, (beams, 0), where positions alone are asked for.
-        whence: Coordinates of the position that the chain of each beam starts from, (beams, d).
-        turned_from: Those of the rotation, (beams, r).
-        base: Places of the rotation at the end that each beam starts from, among all coordinates and, behind them, the
-            rotations that beams give, (beams, r).
-        place: Places of all coordinates, among themselves and, behind them, the rotations and positions that beams
-            give, (n_x,).
-        along: 1 for the beams on the way to each position, (beams, beams).
-        before: Beam whose turn comes before that of each, one before, two before, four before, ..; their number where
-            there is none, (levels, beams).
-        back: Whether a beam starts from its last end, (beams,); None where none does.
+        rows: Of each block the beams that determine poses.
+        ends: Coordinates of the position that each beam determines.
+        turns: Coordinates of the rotation; (beams, 0) if only positions are asked for.
+        whence: Coordinates of the position from which the chain of each beam starts.
+        turned_from: Coordinates of the rotation from which it starts.
+        base: Rotation at the start of each beam, as places among all coordinates followed by determined rotations.
+        place: Places of all coordinates among themselves, followed by determined rotations and positions.
+        along: 1 for beams on the way to each position.
+        before: The beam whose rotation comes one before each, two before, four before, ..; their number for none.
+        back: Whether a beam starts from its last end; None if none does.
     """
 
     rows: tuple[Int[Array, "_s"], ...]
@@ -59,12 +56,12 @@ class Tree(Record):
     """Beams whose last end is computed.
 
     Attributes:
-        rows: Of each block the elements that do without their last end, and those that stay as they are.
-        poses: All poses that are computed.
-        felt: Those of them on which something acts or depends, all of a block or none; None where there are none.
-        kept: Free coordinates that are not computed, (n,).
-        kept_places: Their places among the free ones, (n,).
-        held_places: Places, among the held deformations, of those that do not hold by themselves, (m,).
+        rows: Of each block the elements without their last end, and the elements that stay as they are.
+        poses: All computed poses.
+        felt: Computed poses on which something acts or depends, all of a block or none; None without any.
+        kept: Free coordinates that are not computed.
+        kept_places: Their places among the free ones.
+        held_places: Places, among the held deformations, of those that computed poses do not satisfy by themselves.
     """
 
     rows: tuple[tuple[Int[Array, "_s"], Int[Array, "_w"]], ...]
@@ -76,7 +73,7 @@ class Tree(Record):
 
 
 class _Beam(NamedTuple):
-    """A beam with strain series: its block and row, coordinates of its nodes as tuples, and its closure."""
+    """A beam with strain series: block and row, coordinates of its nodes, and its closure."""
 
     block: int
     row: int
@@ -86,7 +83,7 @@ class _Beam(NamedTuple):
 
 
 class _Walked(NamedTuple):
-    """A beam as it is walked: whether from its last end, and the beams before it by position and by rotation."""
+    """A beam of a walk: whether it starts from its last end, and the beams before it by position and by rotation."""
 
     beam: _Beam
     back: bool
@@ -95,7 +92,7 @@ class _Walked(NamedTuple):
 
 
 def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | None:
-    """The beams whose last end can be computed; None where there are none, or where the topology is traced."""
+    """Beams whose last end can be computed; None without any, or for a traced topology."""
     if not is_concrete(topology):
         return None
     walked = _walk(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
@@ -110,7 +107,7 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
     kept_places = np.flatnonzero(~np.isin(free, list(computed)))
     read = computed if acted is None else _read(topology, rows) | set(acted)
     felt = _felt(walked, read)
-    # What a beam is turned by is read, as that of its first end.
+    # A beam needs its rotation, at its first end.
     turning = any(read.intersection(_at(one, "turns")) for one in felt)
     return made(
         rows,
@@ -123,12 +120,12 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
 
 
 def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> Poses:
-    """Poses of beams, the beams before them among these; positions alone where nothing turns by them."""
+    """Poses of beams in a walk, renumbered; positions alone unless ``turning``."""
     order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
     number = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
     after, turned_after = ([number[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
-    # Arrays of NumPy, as those of a topology outside a trace.
+    # Arrays of NumPy, as in a topology outside a trace.
     made: Any = Poses
     nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
     whence, turned_from = (
@@ -156,7 +153,7 @@ def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> P
 
 
 def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -> set[int]:
-    """Coordinates that elements depend on; beams whose last end is computed do not depend on that."""
+    """Coordinates on which elements depend; beams with a computed last end do not depend on it."""
     found: set[int] = set()
     for block, (short, whole) in zip(topology.blocks, rows, strict=True):
         x = np.asarray(block.x)
@@ -167,7 +164,7 @@ def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -
 
 
 def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
-    """Beams that give what is read, those before them, and all others of their blocks, numbered anew."""
+    """Beams that determine coordinates in ``read``, those before them, and all others of their blocks, renumbered."""
     needed: set[int] = set()
     more = {i for i, one in enumerate(walked) if read.intersection((*_at(one, "ends"), *_at(one, "turns")))}
     while not more <= needed:
@@ -184,13 +181,13 @@ def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
 
 
 def _at(one: _Walked, name: str) -> tuple[int, ...]:
-    """Coordinates of the end that a beam gives, or of the one that it starts from."""
+    """Coordinates of the end that a beam determines, or of the end from which it starts."""
     columns = one.beam.turns if name in ("turns", "base") else one.beam.ends
     return columns[one.back if name in ("near", "base") else not one.back]
 
 
 def _beams(topology: Topology):
-    """All beams with strain series whose closure is FIXED."""
+    """All beams with strain series and FIXED closure."""
     fixed = set(np.asarray(topology.e.fixed).tolist())
     for number, block in enumerate(topology.blocks):
         if block.element.passage is None or "deformation" not in block.companions:
@@ -204,7 +201,7 @@ def _beams(topology: Topology):
 
 
 def _walk(beams: list[_Beam], free: set[int]) -> list[_Walked]:
-    """Beams in the order in which they are reached, from held positions first."""
+    """Beams in the order of a walk from held positions first."""
     at: dict[tuple[int, ...], list[tuple[_Beam, bool]]] = {}
     for beam in beams:
         for back in (False, True):
@@ -237,7 +234,7 @@ def _way(before: list[int | None], last: int) -> list[int]:
 
 
 def _jumps(before: list[int | None]) -> np.ndarray:
-    """The beam one before each, two before, four before, and so on, as long as there is one."""
+    """The beam one before each, two before, four before, and so on, while there is one."""
     none = len(before)
     now, found = np.array([none if own is None else own for own in before] + [none]), []
     while np.any(now != none):
@@ -247,7 +244,7 @@ def _jumps(before: list[int | None]) -> np.ndarray:
 
 
 def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tuple, set[int]]:
-    """Of each block the elements without their last end, and those that stay; unit norms that hold by themselves."""
+    """Of each block the elements without last end, and those that stay; unit norms that poses satisfy by themselves."""
     rows, norms = [], set()
     for block in topology.blocks:
         x, e, none = np.asarray(block.x), np.asarray(block.e), np.zeros(len(block.x), bool)
@@ -271,11 +268,10 @@ def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) ->
 
 
 def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
-    """Nodal coordinates with those computed that beams give. Source: THEORY.md 9 (d), eq. (9.7).
+    """Nodal coordinates with computed ones filled in, THEORY.md 9 (d), eq. (9.7).
 
-    Args:
-        passed: Way and turn of each beam, or the way alone where no rotation is asked for.
-        x: Nodal coordinates, of which those that are computed are not read, (n_x,) [m, rad, -].
+    ``passed``: way and turn of each beam, or the way alone if no rotation is asked for. Computed ones of x are not
+    read.
     """
     ways, turns = jnp.split(passed, [poses.ends.shape[1]], axis=1)
     spatial = ways.shape[1] == 3
@@ -283,14 +279,14 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
     if poses.back is not None:
         inverse = turns * CONJUGATE if spatial else -turns
         back = poses.back[:, None]
-        # A way back starts at the last end.
+        # A beam walked backwards starts at its last end.
         ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
     known = x
     if turns.shape[1]:
         none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
         for before in poses.before:
             turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-        # Gathered, not scattered: of a scatter the compiler makes a loop.
+        # A gather, since the compiler makes a loop of a scatter.
         known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
     ends = x[poses.whence] + poses.along @ turned(known[poses.base], ways)
     return jnp.concatenate([known, ends.reshape(-1)])[poses.place]
