@@ -29,14 +29,14 @@ UNIT_NORM = Element(unit_norm)
 
 
 def is_option(value: Any) -> bool:
-    """Whether a property chooses code and is no number, though it is not annotated ``Static``."""
+    """Whether a property selects code and is no number, although it is not annotated ``Static``."""
     return isinstance(value, bool | str)
 
 
 def stack(values: Sequence[Any]) -> Any:
-    """Stack scalars or arrays to float64, on the host where none is traced.
+    """Stack scalars or arrays to float64, by NumPy if none is traced.
 
-    What many elements share is traced once: each operation of a trace takes a millisecond.
+    Shared values are traced once, since each operation of a trace takes a millisecond.
     """
     if is_concrete(values):
         return np.stack([np.asarray(v, float) for v in values])
@@ -114,7 +114,7 @@ def assemble(builder: Description) -> Model:
             return Signal(s.name, s.quantity, -1, parts=tuple(signal(part) for part in s.parts))
         axis, key = s.axis, s.key
         if axis is not None and not s.local and any(role not in HELD for role in builder.nodes[key[1]].roles):
-            # What turns or holds a rotation about an axis is a hinge, and its frame has the moment that does.
+            # A hinge turns or holds a rotation about an axis, and its frame has the moment.
             turn = turn_about(builder, key[1], axis)
             hinge = builder.members.get(turn[1])
             if s.quantity in MOTIONS and hinge is not None and hinge.roles[0] in HELD:
@@ -142,7 +142,7 @@ def assemble(builder: Description) -> Model:
 
 
 def _starts(builder: Description) -> Any:
-    """Values and rates of the degrees of freedom at the start, (n_q,) each; None where none are given."""
+    """Values and rates of the degrees of freedom at the start, (n_q,) each; None if none are given."""
     order = [d for d in builder.dofs if d[0] == "node"] + [d for d in builder.dofs if d[0] == "element"]
     if not builder.starts or not order:
         return None
@@ -151,26 +151,26 @@ def _starts(builder: Description) -> Any:
 
 
 def with_roles(model: Model, builder: Description) -> Model:
-    """As :func:`assemble`, where nothing has changed since but which coordinates and deformations are free ones."""
+    """As :func:`assemble`, if only the roles of free coordinates and deformations have changed since."""
     if builder.starts:
         return assemble(builder)
-    indices = {"node": {}, "element": {}}
+    places = {"node": {}, "element": {}}
     for kind, entries in (("node", model.labels.x), ("element", model.labels.e)):
         for i, entry in enumerate(entries):
             if entry.kind != "norm":
-                indices[kind][entry.of, entry.component] = i
+                places[kind][entry.of, entry.component] = i
     x_roles = [role for node in builder.nodes.values() for role in node.roles]
     e_roles = [role for member in builder.members.values() for role in member.roles]
     e_roles += [Role.FIXED] * (len(model.labels.e) - len(e_roles))
-    chosen = {kind: [own[of, number] for k, of, number in builder.dofs if k == kind] for kind, own in indices.items()}
+    chosen = {kind: [own[of, number] for k, of, number in builder.dofs if k == kind] for kind, own in places.items()}
     x, e = on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, x=x, e=e))
 
 
 def on_device(tree: Any) -> Any:
-    """Arrays on the device, in one transfer: those left on the host would be converted again at every call.
+    """Arrays on the device, in one transfer, so that calls do not convert them again.
 
-    Within a program that JAX traces they stay known numbers, as the structure of a model always is.
+    Within a trace of JAX they stay known numbers, as the structure of a model always is.
     """
     leaves, structure = jax.tree.flatten(tree)
     on_host = [i for i, leaf in enumerate(leaves) if is_concrete(leaf)]
@@ -182,7 +182,7 @@ def on_device(tree: Any) -> Any:
 
 
 def _weights(signals: dict[str, list[NamedSignal]]) -> tuple[Any, Any] | None:
-    """Of the terms of all inputs and of all outputs; None where there is no combination among them."""
+    """Weights of the terms of all inputs, and of all outputs; None without combinations."""
     if not any(s.parts for some in signals.values() for s in some):
         return None
     inputs, outputs = (
@@ -196,7 +196,7 @@ def _stacked(weights: list[Any]) -> Any:
 
 
 class _Piece(NamedTuple):
-    """One member on its way into a block."""
+    """A member on its way into a block."""
 
     name: str
     x: list[int]
@@ -207,10 +207,10 @@ class _Piece(NamedTuple):
 
 
 def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int], warm: set[str]):
-    """Members stacked by type and by structure of their properties, in order of first appearance; and who has stress.
+    """Members stacked by type and structure of their properties, in order of first appearance; and names with stress.
 
-    Deformations and companions of elements of a type share a block, so that what both compute is computed once. Where
-    the companions differ, as for hinges with and without stiffness, deformations stay together in a block of their own.
+    Deformations and companions of elements of a type share a block, so that common parts are computed once. If
+    companions differ, as for hinges with and without stiffness, deformations stay together in a block of their own.
     """
     groups: dict[Any, list[_Piece]] = {}
     first = 0
@@ -223,7 +223,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
         present = tuple(
             c
             for c in COMPANIONS
-            # Nothing stiff is asked of an element whose deformations are all FIXED, and no stress where no section is.
+            # FIXED deformations need no stiffness, and elements without section no stress.
             if not (rigid and c in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
             and (c not in SECTIONAL or properties.get("section") is not None)
             and (c != "thermal" or name in warm)
@@ -250,16 +250,16 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
 
 
 def _source(companion: str, properties: dict[str, Any]) -> str:
-    """The companion that another one is made of: damping by the material, of the stiffness."""
+    """Companion that another one is computed from: damping by the material from the stiffness."""
     by_material = companion == "damping" and isinstance(properties.get("damping"), MaterialDamping)
     return "stiffness" if by_material else companion
 
 
 def _structure(properties: dict[str, Any]) -> Any:
-    """What two elements must have in common to be stacked: anything but the numbers and the kinds of section.
+    """Everything but numbers and kinds of section that elements must share to be stacked.
 
-    Sections that vary along the element are stacked with those of the same function alone, and a leaf spring's with
-    those of its kind: its deformations depend on its sides.
+    Varying sections are stacked only with sections of the same function, and sections of leaf springs only with their
+    kind, since the deformations depend on the sides.
     """
     options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
     rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
@@ -272,13 +272,13 @@ def _structure(properties: dict[str, Any]) -> Any:
 def _block(
     element: Element, companions: tuple[str, ...], pieces: list[_Piece]
 ) -> tuple[Block, dict[str, Any], tuple[str | None, ...]]:
-    """Elements stacked; sections of several kinds become a tuple, one stack a kind, elements in that order."""
+    """Elements stacked; several kinds of sections become a tuple of stacks, with the elements in this order."""
     kinds: dict[Any, list[_Piece]] = {}
     for piece in pieces:
         section = piece.properties.get("section")
         kinds.setdefault(jax.tree.structure(section), []).append(piece)
     if len(kinds) > 1:
-        # An element without section, beside others that have one, has the section whose numbers are all zero.
+        # An element without section, among others with one, gets a section of zeros.
         filled = [p if p.properties["section"] is not None else _with_section(p) for own in kinds.values() for p in own]
         kinds = {}
         for piece in filled:
@@ -324,7 +324,7 @@ def _concatenate(parts: list[list]) -> Any:
 
 
 def _sparse(entries: dict | None, size: int, index: Callable[[Any], int]) -> Any:
-    """Vector with the given entries, or matrix with the given rows, or None if there are none."""
+    """Vector with the given entries, or matrix with the given rows; None without entries."""
     if not entries:
         return None
     places, values = np.array([index(key) for key in entries], int), stack(list(entries.values()))

@@ -31,6 +31,7 @@ from ..mechanics.deformation import in_undeformed
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import Role
+from ..numerical_limits import SYMMETRIC_INERTIA
 from .assemble import assemble, stack
 from .calls import recorded
 from .carry import as_in, next_carried, note, note_builder
@@ -45,7 +46,7 @@ from .properties import element_type, number_of_deformations, with_material_damp
 from .sound import nan_if_impossible
 from .step import body_of_step
 
-# Quantities of inputs that act, of outputs of coordinates and rotations, and of outputs of deformations.
+# Quantities of inputs with a force, of outputs at coordinates and rotations, and of outputs at deformations.
 FORCES = ("force", "moment", "stress")
 MEASURED = ("position", "velocity", "acceleration", "reaction")
 STRAINED = ("deformation", "deformation rate", "deformation acceleration", "stress")
@@ -54,10 +55,10 @@ STRAINED = ("deformation", "deformation rate", "deformation acceleration", "stre
 class Builder(Description):
     """Describe a mechanism by named nodes and elements.
 
-    A node has a position; its rotation, named "name.rotation", exists once an element asks for it. Everything that is
-    a number may be traced, so that a function that builds a model can be differentiated and batched. Checks of values
-    run on concrete numbers only. Forces, moments, masses and bodies that are given twice add up; what is prescribed,
-    gravity, prestress, strains, temperatures and start values have the value that was given last.
+    A node has a position; its rotation, named "name.rotation", exists once an element needs it. All numbers may be
+    traced, so that a function that builds a model can be differentiated and batched; values are checked only if
+    concrete. Repeated forces, moments, masses and bodies add up. The last value counts for prescribed motions, gravity,
+    prestress, strains, temperatures and start values.
 
     Example:
         >>> b = Builder()
@@ -88,7 +89,7 @@ class Builder(Description):
             The name.
 
         Raises:
-            ModelError: The name is taken, or the position has another dimension than the rest or is not finite.
+            ModelError: The name exists, or the position has another dimension than the rest or is not finite.
         """
         name = named("A node", name)
         if name.endswith(".rotation"):
@@ -102,17 +103,17 @@ class Builder(Description):
 
     @recorded
     def rotation(self, name: str, start: Sequence[float] | None = None) -> str:
-        """Add a rotation of its own, for a second body hinged at a position that already has one.
+        """Add a rotation of its own, for a second body that is hinged to a position with a rotation.
 
         Args:
             name: Its name.
-            start: Angle (1,) or Euler parameters (4,) in the undeformed mechanism; by default unturned.
+            start: Angle (1,) or Euler parameters (4,) in the undeformed mechanism; by default no rotation.
 
         Returns:
             The name.
 
         Raises:
-            ModelError: The name is taken, there is no node with a position yet, or ``start`` is no rotation.
+            ModelError: The name exists, there is no node with a position yet, or ``start`` is no rotation.
         """
         name = named("A rotation", name)
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
@@ -122,16 +123,16 @@ class Builder(Description):
 
     @recorded
     def warping(self, name: str) -> str:
-        """Add a warping of its own, for beams that shall share no other one or another one than that of their node.
+        """Add a warping of its own, for beams that do not share the warping of their node.
 
         Args:
-            name: Its name, to be given to ``add`` among the nodes of an element that warps.
+            name: Its name, for ``add``, among the nodes of an element that warps.
 
         Returns:
             The name.
 
         Raises:
-            ModelError: The name is taken, or there is no node with a position in space yet.
+            ModelError: The name exists, or there is no node with a position in space yet.
         """
         name = named("A warping", name)
         self._dimension_for(name)
@@ -152,21 +153,23 @@ class Builder(Description):
 
         Args:
             element: Element type, such as ``planar.beam``, or a bare deformation function.
-            nodes: One name for each positional parameter of the element, or one for each end: a node that has a
-                position stands for its rotation too where the next parameter asks for one.
+            nodes: One name for each positional parameter of the element, or one for each end: a node with a position
+                stands for its rotation too if the next parameter is one.
             name: Its name; by default the type and a number.
-            released: Names or numbers (from 1) of the deformations that may change, or "all"; the others are FIXED, at
-                zero or what temperature makes of them. The name of a strain field releases all of its coefficients. By
-                default as the element type says: all of an elastic element, none of a rigid one. What an element only
-                measures is released in any case. The closure of a spectral beam is released by name alone.
-            properties: What the element type asks for, such as ``section``, and its options, such as ``order``.
+            released: Names or numbers (from 1) of the deformations that may change, or "all". The others are FIXED, at
+                zero or at their thermal value. The name of a strain field releases all of its coefficients. By default
+                the element type decides: all of an elastic element, none of a rigid one. Measured ones are always
+                    released.
+                The closure of a spectral beam is released by name only.
+            properties: Properties of the element type, such as ``section``, and its options, such as ``order``.
 
         Returns:
             The name.
 
         Raises:
-            ModelError: Unknown node, wrong number of nodes, missing or unknown property or one of the wrong kind,
-                deformation out of range, zero length, parallel y vector, functions that do not fit together.
+            ModelError: A node is unknown, the number of nodes is wrong, a property is missing, unknown or of the wrong
+                kind, a deformation is out of range, a length is zero, a y vector is parallel, or functions do not fit
+                together.
         """
         element = element_type(element)
         name = self._free_name(element.name) if name is None else named("An element", name)
@@ -189,7 +192,7 @@ class Builder(Description):
         kinds = list(element.nodes.values())
         starts = [self.nodes[n].start if n in self.nodes else k.start for n, k in zip(resolved, kinds, strict=True)]
         self._check_member(element, name, starts, properties)
-        # Only now, so that an element that is refused leaves nothing behind.
+        # Nodes are made last, so that a refused element leaves nothing behind.
         for node, kind in zip(resolved, kinds, strict=True):
             if node not in self.nodes:
                 self._new_node(node, kind, list(kind.start))
@@ -205,8 +208,8 @@ class Builder(Description):
         Args:
             node: Name of the node.
             components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part; in space
-                "rx", "ry" or "rz", the angle about that global axis, see :meth:`prescribe`. None: the whole node, its
-                rotation included if it has or gets one.
+                "rx", "ry" or "rz", the angle about this global axis (see :meth:`prescribe`). None: the whole node, with
+                its present or future rotation.
         """
         node, word = str(node), components[0] if len(components) == 1 else None
         if components and not (isinstance(word, str) and word in ("position", "rotation")):
@@ -227,7 +230,7 @@ class Builder(Description):
         there = [part for part in parts if part in self.nodes or word == "rotation"]
         self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
         for name, member in self.members.items():
-            # What is FIXED about an axis is FIXED as a whole now.
+            # A rotation FIXED as a whole replaces one that is FIXED about an axis.
             if name.startswith(TURN_OF) and member.nodes[-1] in there and member.roles[0] is Role.FIXED:
                 member.roles[0] = Role.DEPENDENT
         self._clamped.update(part for part in parts if part not in there)
@@ -247,21 +250,21 @@ class Builder(Description):
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
         A rotation is an angle that counts past half and full turns. In space it is the angle about an axis, and the
-        node may turn about other axes. The angle is deformation 1 of a hinge, from a FIXED rotation "frame of" the
-        node to the node's own. The hinge is named "turn of" the node, as "turn of c", and about a global axis as
-        "turn of c.rx". ``reaction`` and ``force_needed`` of the node give the moment that turns it. The stress
-        resultant of the hinge is the opposite.
+        node may turn about other axes. This angle is deformation 1 of a hinge from a FIXED rotation "frame of" the node
+        to the node's own. The hinge is named "turn of" the node, as "turn of c", and for a global axis "turn of c.rx".
+        ``reaction`` and ``force_needed`` of the node return the moment that turns it; the stress resultant of the hinge
+        is the opposite.
 
         Args:
             of: Name of a node or an element.
             component: Coordinate, "rotation", or name or number (from 1) of a deformation; in space also "rx", "ry" or
-                "rz", the angle about that global axis.
+                "rz", the angle about this global axis.
             value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
-            axis: Of "rotation" in space, (3,) along the global axes.
-            tilt: Of "rotation" in space: "free" (unless given) holds the angle about the axis alone, "fixed" turns the
-                node about the axis and no other way.
-            kind: "node" or "element", where both bear the name.
+            axis: Axis of "rotation" in space, (3,) along the global axes.
+            tilt: For "rotation" in space: "free" (default) holds the angle about the axis alone, "fixed" allows
+                rotation about the axis only.
+            kind: "node" or "element", if both have the name.
 
         Source:
             THEORY.md 2, eq. (2.17): the angle, and the tilts that are free.
@@ -282,17 +285,17 @@ class Builder(Description):
     def start(
         self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
     ) -> None:
-        """Set where a degree of freedom starts from in a simulation; it is named as one if none are.
+        """Set the start value of a degree of freedom in a simulation; without named ones it becomes one.
 
-        Whatever is driven there, it starts from this, and the coordinates that are no degrees of freedom follow both.
+        A driven degree of freedom starts there too, and other coordinates follow.
 
         Args:
             of: Name of a node or an element.
             component: Coordinate, or name or number (from 1) of a deformation; in space also "rx", "ry" or "rz", as for
                 :meth:`prescribe`.
-            value: Displacement from the position given, or deformation, () [m, rad].
+            value: Displacement from the given position, or deformation, () [m, rad].
             velocity: Its rate, () [m/s, rad/s].
-            kind: "node" or "element", where both bear the name.
+            kind: "node" or "element", if both have the name.
         """
         for what, number in (("value", value), ("velocity", velocity)):
             check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
@@ -306,9 +309,9 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            mass: () [kg].
-            inertia: In the plane () of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, or the
-                matrix of them [kg m^2].
+            mass: Mass, () [kg].
+            inertia: In the plane (), of either sign; in space (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, or
+                their matrix [kg m^2].
         """
         part = self._position(node)
         check_numbers(f"The mass on node '{node}'", mass, (), ModelError)
@@ -346,21 +349,20 @@ class Builder(Description):
         material: Any = None,
         at: Any = None,
     ) -> None:
-        """Fix a body to a node, which turns with the node's rotation: from numbers, or from a STEP file.
+        """Fix a body to a node and its rotation: from numbers, or from a STEP file.
 
-        Gravity acts at its centre of mass. Several bodies on one node add up, with what :meth:`mass` puts there.
+        Gravity acts at its centre of mass. Bodies and masses on one node add up.
 
         Args:
             node: Name of the node.
-            mass: () [kg]. Of a STEP file volume times density.
-            center: Centre of mass, from the node, along the global axes of the undeformed mechanism, (2,) or (3,) [m];
-                at the node unless given.
-            inertia: About the centre of mass, in the plane () and in space as :meth:`mass` takes it [kg m^2]; zero
-                unless given.
-            step: Path of a STEP file, whose solids are the body, in its own units; its axes are the global ones, in the
-                plane x and y of them. Takes build123d: pip install 'flexmb[cad]'.
-            material: With ``step``: a Material, whose density counts, or a density, () [kg/m^3].
-            at: With ``step``: where its origin is, from the node, (2,) or (3,) [m]; at the node unless given.
+            mass: Mass, () [kg]; for a STEP file, volume times density.
+            center: Centre of mass from the node, along global axes of the undeformed mechanism, (2,) or (3,) [m]; by
+                default the node.
+            inertia: About the centre of mass, as for :meth:`mass`, in the plane () [kg m^2]; by default zero.
+            step: Path of a STEP file in any units, whose solids are the body. Its axes are the global ones, in the
+                plane its x and y. Needs build123d: pip install 'flexmb[cad]'.
+            material: With ``step``: a Material with a density, or a density, () [kg/m^3].
+            at: With ``step``: its origin from the node, (2,) or (3,) [m]; by default the node.
 
         Raises:
             ModelError: A mass that is not positive, an inertia that no body has, numbers beside a STEP file, a file
@@ -392,7 +394,7 @@ class Builder(Description):
         self._add_hidden("body", part, rotation, **own)
 
     def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
-        """Name of a node's rotation, and its inertia as it is kept."""
+        """Name of a node's rotation, and a copy of its inertia, checked."""
         rotation, inertia = self._rotation_name(str(node)), copied(inertia)
         check_numbers(f"The inertia of node '{node}'", inertia, fault=ModelError)
         shape = np.shape(stack(inertia)) if isinstance(inertia, list | tuple) else np.shape(inertia)
@@ -402,7 +404,7 @@ class Builder(Description):
         elif shape == (3, 3):
             matrix = as_floats(inertia)
             with nan_if_refused() as marked:
-                if not holds(abs(matrix - matrix.T) <= 1e-9 * abs(matrix).max()):
+                if not holds(abs(matrix - matrix.T) <= SYMMETRIC_INERTIA * abs(matrix).max()):
                     raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
                 inertia = marked(stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]))
         elif shape != (6,):
@@ -418,10 +420,10 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]; for a rotation: forces dual to its coordinates; for coordinates
-                that an element owns: from the first on.
+            force: Components along the global axes [N]; for a rotation, forces dual to its coordinates; for inner
+                coordinates of an element, from the first on.
             increment: Whether the force belongs to the incremental loads.
-            follower: Whether it turns with the node's rotation, from the direction given; it then has no potential.
+            follower: Whether the force turns with the node's rotation; it then has no potential.
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
         for name, flag in (("increment", increment), ("follower", follower)):
@@ -449,7 +451,7 @@ class Builder(Description):
             node: Name of the node or of a rotation.
             moment: () in the plane, (3,) about the global axes in space [N m].
             increment: Whether the moment belongs to the incremental loads.
-            follower: Whether its axis turns with the rotation; in the plane there is no difference.
+            follower: Whether its axis turns with the rotation; this makes no difference in the plane.
         """
         part = self._rotation_name(str(node))
         for name, flag in (("increment", increment), ("follower", follower)):
@@ -466,7 +468,7 @@ class Builder(Description):
 
     @recorded
     def gravity(self, acceleration: Sequence[float], *, increment: bool = False) -> None:
-        """Let gravity act on all mass; a second call takes the place of the first.
+        """Let gravity act on all mass; a second call replaces the first.
 
         Args:
             acceleration: Components along the global axes [m/s^2].
@@ -479,39 +481,39 @@ class Builder(Description):
 
     @recorded
     def prestress(self, element: str, *values: float, increment: bool = False, **named: float) -> None:
-        """Constant stress resultants beside those of an element's stiffness; a second call takes the first one's place.
+        """Set constant stress resultants beside elastic ones; a second call replaces the first.
 
         Example:
             >>> b.prestress("wire", elongation=50.0)
 
         Args:
             element: Name of the element.
-            values: From the first deformation on [N, N m].
+            values: Values from the first deformation on [N, N m].
             increment: Whether it belongs to the incremental loads.
-            named: By name of the deformation, of a strain field for its mean [N, N m].
+            named: Values by name of the deformation; for a strain field its mean [N, N m].
 
         Raises:
-            ModelError: No such deformation, or one that is given twice; the closure of a spectral beam, where it does
-                nothing.
+            ModelError: A deformation is unknown or given twice, or belongs to the closure of a spectral beam, where
+                stress has no effect.
         """
         check_flag("increment", increment, ModelError)
         self._load("prestress", increment).update(self._values("Prestress", element, values, named))
 
     @recorded
     def strain(self, element: str, *values: float, **named: float) -> None:
-        """Set the deformations at which an element is free of stress; a second call takes the place of the first.
+        """Set the deformations at which an element is free of stress; a second call replaces the first.
 
         Example:
             >>> b.strain("leaf", elongation=1e-6)
 
         Args:
             element: Name of the element.
-            values: From the first deformation on [m, rad].
-            named: By name of the deformation, of a strain field for its mean [m, rad].
+            values: Values from the first deformation on [m, rad].
+            named: Values by name of the deformation; for a strain field its mean [m, rad].
 
         Raises:
-            ModelError: The element has no stiffness, or the deformation has none: the closure of a spectral beam. No
-                such deformation, or one that is given twice.
+            ModelError: The element or the deformation (closure of a spectral beam) has no stiffness; a deformation is
+                unknown or given twice.
         """
         member = self._member(element)
         if not member.element.is_elastic(member.properties):
@@ -520,24 +522,23 @@ class Builder(Description):
 
     @recorded
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
-        """Change the temperature of an element, which expands and, where one side is warmer, bends towards the other.
+        """Change the temperature of an element, which expands and bends away from its warmer side.
 
-        A free element is then without stress. Deformations that are FIXED expand too: a rigid beam gets longer. A
-        second call takes the place of the first, its gradient too.
+        A free element stays without stress. FIXED deformations expand too: a rigid beam gets longer. A second call
+        replaces the first with its gradient.
 
         Args:
             element: Name of the element; its material, its section or the rigid element itself states ``alpha``, the
                 coefficient of thermal expansion.
-            change: From the temperature of the undeformed mechanism, () [K]; or at the first and the last end, linear
-                in between, (2,) [K].
-            gradient: By how much it grows across the element: in space per metre along local y and z, (2,); in the
-                plane along the section's local z, which is to the left of the way from the first end to the last, ()
-                [K/m]. None: it does not.
+            change: Change from the temperature of the undeformed mechanism, () [K]; or at the first and the last end,
+                linear in between, (2,) [K].
+            gradient: Gradient across the element: in space along local y and z, (2,); in the plane along the section's
+                local z, to the left on the way from the first end to the last, () [K/m]. None: zero.
             increment: Whether the change belongs to the incremental loads.
 
         Raises:
-            ModelError: No such element, one that no temperature deforms, or whose ``alpha`` is not stated; a gradient
-                across what does not bend; numbers that are none, or too many of them.
+            ModelError: The element is unknown, expands at no temperature or has no ``alpha``; a gradient of an element
+                that does not bend; numbers that are invalid or too many.
         """
         check_flag("increment", increment, ModelError)
         name, member = str(element), self._member(element)
@@ -575,24 +576,24 @@ class Builder(Description):
         kind: str | None = None,
         local: bool = False,
     ) -> None:
-        """Name an input: a force, a moment or a stress, or a motion of what is held, such as a floor that shakes.
+        """Name an input: a force, a moment or a stress, or a motion of something held, such as a shaking floor.
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or name or number (from 1) of a deformation. Of a rotation "phi" in the plane; in
-                space "rx", "ry" or "rz", a moment about that global axis at every state, or a motion about it.
-            quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation,
-                which can move: a stress resultant of the element, which acts against its deformation, as that of a
-                spring that is stretched. "displacement", "velocity" or "acceleration" of one that is FIXED or
-                PRESCRIBED, or of a rotation that is fixed as a whole.
-            name: Its label; by default made of the other arguments.
-            kind: "node" or "element", where both bear the name.
-            local: Of a rotation in space: about the axis that turns with the node, the global one where its Euler
-                parameters are (1, 0, 0, 0).
+            component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
+                space "rx", "ry" or "rz", a moment about this global axis at every state, or a motion about it.
+            quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation
+                that can move: a stress resultant of the element, which acts against its deformation, as in a stretched
+                spring. "displacement", "velocity" or "acceleration" of a FIXED or PRESCRIBED coordinate or deformation,
+                or of a rotation that is fixed as a whole.
+            name: Its label; by default built from the other arguments.
+            kind: "node" or "element", if both have the name.
+            local: For a rotation in space: about the axis that turns with the node, which equals the global one where
+                its Euler parameters are (1, 0, 0, 0).
 
         Raises:
-            ModelError: Unknown node, element or component, an Euler parameter, no such quantity, or a label that is
-                taken. A force on what is FIXED or PRESCRIBED, and a motion of what is not, is refused by :meth:`build`.
+            ModelError: A node, element or component is unknown or an Euler parameter, the quantity is another, or the
+                label exists. :meth:`build` refuses a force on something held and a motion of something that is not.
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
@@ -611,17 +612,17 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or name or number (from 1) of a deformation. Of a rotation "phi" in the plane; in
-                space "rx", "ry" or "rz", about that global axis: the infinitesimal rotation from the state that is
-                linearised about, in a simulation the component of the rotation vector from its start, beside that from
-                the undeformed mechanism to the start, which jumps where it passes a full turn, as a hinge's deformation
-                does not; angular velocity and angular acceleration; moment of a support.
+            component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
+                space "rx", "ry" or "rz" about this global axis: the rotation, angular velocity, angular acceleration or
+                moment of a support. A linearised rotation is infinitesimal, from the state of linearisation. In a
+                simulation it is the component of the rotation vector from its start, plus the one from the undeformed
+                mechanism to the start; it jumps where it passes a full turn, while a hinge's deformation does not.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation, or "reaction": force or
-                moment of the support on the mechanism, where it is FIXED or PRESCRIBED; "deformation", "deformation
-                rate", "deformation acceleration" or "stress" of a deformation, also of one that is FIXED, where it is
-                the force or moment that the constraint transmits. By default the first.
-            name: Its label; by default made of the other arguments.
-            kind: "node" or "element", where both bear the name.
+                moment of the support on a FIXED or PRESCRIBED one; "deformation", "deformation rate", "deformation
+                acceleration" or "stress" of a deformation, where the stress of a FIXED one is the transmitted force or
+                moment. By default the first.
+            name: Its label; by default built from the other arguments.
+            kind: "node" or "element", if both have the name.
             local: As for :meth:`input`.
 
         Raises:
@@ -631,7 +632,7 @@ class Builder(Description):
 
     @recorded
     def sensor(self, name: str, weights: Mapping[str, Any]) -> None:
-        """Name an output that is a linear combination of what outputs measure.
+        """Name an output that is a linear combination of measured quantities.
 
         Example:
             >>> b.sensor("yaw", {"left tip.y": 1 / w, "right tip.y": -1 / w})
@@ -639,9 +640,9 @@ class Builder(Description):
 
         Args:
             name: Its label.
-            weights: Factor of each part, () [unit of the sensor over that of the part], differentiable. A part is said
-                as "node.component", "element.number" or "element.deformation" (its name), with another quantity than
-                the default of :meth:`output` before it.
+            weights: Factor of each part, () [unit of the sensor over unit of the part], differentiable. A part is
+                "node.component", "element.number" or "element.deformation" (its name), after another quantity than the
+                default of :meth:`output`.
 
         Raises:
             ModelError: As for :meth:`output`; no parts.
@@ -658,11 +659,11 @@ class Builder(Description):
 
         Args:
             name: Its label.
-            weights: What each part does by a unit of the input, () [unit of the part over that of the input],
-                differentiable. A part is said as for :meth:`sensor`, with a quantity of :meth:`input`.
+            weights: Effect of a unit of the input on each part, () [unit of the part over unit of the input],
+                differentiable. A part is named as for :meth:`sensor`, with a quantity of :meth:`input`.
 
         Raises:
-            ModelError: As for :meth:`input`; no parts; forces beside motions, or motions of several kinds.
+            ModelError: As for :meth:`input`; no parts; forces together with motions, or motions of several kinds.
         """
         self._combine("input", "actuator", name, weights)
 
@@ -689,7 +690,7 @@ class Builder(Description):
         self._add_signal(side, name, signal)
 
     def _part(self, side: str, what: str, said: str) -> NamedSignal:
-        """A part of a combination, said as "node.component" with a quantity before it."""
+        """A part of a combination, given as "node.component" after a quantity."""
         of, _, component = str(said).rpartition(".")
         quantity = ""
         if of not in self.members and not self._is_node(of):
@@ -706,7 +707,7 @@ class Builder(Description):
     def _signal(
         self, side: str, of: str, component: str | int, quantity: str, kind: str | None, local: bool
     ) -> NamedSignal:
-        """An input or output, with its label of what it is made of."""
+        """An input or output, with a label built from its arguments."""
         entry, axis = self._signalled(side.capitalize(), of, component, kind, local)
         angle = axis is None and entry[0] == "node" and self._kind_of(entry[1]) is ANGLE
         if side == "output":
@@ -719,12 +720,12 @@ class Builder(Description):
             raise ModelError(
                 f"{side.capitalize()} '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(given)}."
             )
-        # In the plane a moment is a force along the angle.
+        # In the plane a moment is a force dual to the angle.
         meant = "force" if angle and given == "moment" else given
         return NamedSignal(f"{given} {of}.{component}", meant, entry, axis, local)
 
     def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
-        """What a signal is about, and its axis if that is a rotation in space."""
+        """Key of a signal, and the axis of a rotation in space."""
         check_flag("local", local, ModelError)
         self._check_kind(kind)
         of = str(of)
@@ -744,7 +745,7 @@ class Builder(Description):
 
     def _add_signal(self, side: str, name: str | None, signal: NamedSignal) -> None:
         name = named(f"An {side}", name or signal.name)
-        # Where a control system is made of them, a point becomes a blank.
+        # In a control system a blank replaces the dot.
         if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
             raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
         for part in signal.parts or (signal,):
@@ -755,31 +756,29 @@ class Builder(Description):
 
     @unguarded
     def build(self, *, dofs: str | Sequence[str] = "auto", release: str = "none", check: bool = True) -> Model:
-        """Make the model.
+        """Return the checked model.
 
         Args:
-            dofs: "auto" finds degrees of freedom where none are named; "named" takes those named and no others, but for
-                the coefficients of spectral beams that they leave undetermined. Or the names themselves, as
-                ``model.q_labels`` gives them: "top.x", "top.rotation.phi", "hinge.e2".
+            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named ones, and adds only
+                coefficients of spectral beams that these leave undetermined. Or a list of names, as in
+                ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
             release: "auto" releases elastic deformations, else those of joints and supports, until no over-constraint
-                is left, which asks for checks, and for places of nodes that are not traced.
-            check: Whether to check counts and rank of the constraints; they can be checked on concrete numbers only.
+                remains; needs ``check=True`` and places of nodes that are not traced.
+            check: Whether to check counts and rank of the constraints, on concrete numbers.
 
         Returns:
             Model.
 
         Raises:
-            ModelError: Nothing to analyse; an input that acts on what is FIXED or PRESCRIBED, or moves what is not;
-                a reaction of what is not; deformations that are not zero in
-                the undeformed mechanism.
+            ModelError: Nothing to analyse; an input that acts on something FIXED or PRESCRIBED, or moves something that
+                is not; a reaction of something that is not; deformations that are not zero in the undeformed mechanism.
             MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
-                move or do not determine the rest; too_large, where too much hangs together to be checked.
+                move or do not determine the rest; too_large, if the mechanism is too large to be checked.
 
         Warns:
-            FlexmbWarning: A prestress, strain or damping of deformations that are held; rigidities or dampers that an
-                element does not use, in place of those that a free deformation lacks; an automatic release that loses
-                rank along the motion.
-            BeamTheoryWarning: Plain beams leave out shear or restrained warping of more than 1 % of a stiffness.
+            FlexmbWarning: Prestress, strain or damping of held deformations; rigidities or dampers that an element does
+                not use, while its free deformations lack others; an automatic release that loses rank along the motion.
+            BeamTheoryWarning: Plain beams neglect shear or restrained warping of more than 1 % of a stiffness.
         """
         if not isinstance(dofs, str):
             return self.with_dofs(dofs).build(dofs="named", release=release, check=check)
@@ -787,7 +786,7 @@ class Builder(Description):
             check_choice(argument, value, allowed, ModelError)
         check_flag("check", check, ModelError)
         if release == "auto" and not check:
-            raise ModelError("What release='auto' releases is found by the checks: leave out check=False, or name it.")
+            raise ModelError("The checks find what release='auto' releases: leave out check=False, or name releases.")
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
         for loads in self.loads.values():
@@ -816,7 +815,7 @@ class Builder(Description):
             if release == "auto":
                 raise ModelError(
                     "Over-constraints cannot be found while numbers of the model's geometry are traced. Release by name"
-                    " (released=, or release()) what an untraced build with release='auto' releases."
+                    " (released=, or release()) as an untraced build with release='auto' does."
                 )
             if not self.dofs and dofs == "auto":
                 raise ModelError(
@@ -824,7 +823,7 @@ class Builder(Description):
                     " or give those that an untraced build finds: build(dofs=model.q_labels)."
                 )
             e, named = model.topology.e, model.topology.n_q
-            # By shapes, since indices are traced too under jit: the constraint matrix must be square.
+            # By shapes, since under jit indices are traced too: the constraint matrix must be square.
             missing = model.topology.x.dependent.shape[0] - sum(a.shape[0] for a in (e.fixed, e.prescribed, e.dof))
             if missing:
                 raise ModelError(
@@ -839,7 +838,7 @@ class Builder(Description):
     # -- helpers ------------------------------------------------------------------------------------------------
 
     def _turned(self, node: str, axis: Sequence[float] | None, tilt: str | None) -> Key:
-        """What is prescribed in place of a node's rotation: the angle in the plane, that of a hinge in space."""
+        """Key of a prescribed rotation: the angle in the plane, deformation 1 of a hinge in space."""
         part = self._rotation_name(node)
         if self._kind_of(part) is ANGLE:
             if axis is not None or tilt is not None:
@@ -862,9 +861,7 @@ class Builder(Description):
             self._new_turn(name, part, properties)
         member = self.members[name]
         if member.nodes != (frame_of(part), part):
-            raise ModelError(
-                f"Element '{name}' is defined already: to prescribe a rotation takes an element of that name."
-            )
+            raise ModelError(f"Element '{name}' exists already, but prescribing a rotation needs this name.")
         if new and tilt == "fixed":
             member.roles[1:] = [Role.FIXED] * 2
         known, roles = member.properties["axis"], member.roles
@@ -874,7 +871,7 @@ class Builder(Description):
         return "element", name, 1
 
     def _values(self, what: str, name: str, values: tuple, named: dict[str, Any]) -> dict[Key, Any]:
-        """Numbers of an element's deformations, from the first on and by name, with the keys of these."""
+        """Numbers of an element's deformations by key, from values from the first on and by name."""
         some_of(what.lower(), name, (*values, *named))
         element, found = self._member(name).element, {}
         strains = deformations_of(element, *element.closure) or f"those from {len(element.closure) + 1} on"
@@ -884,7 +881,7 @@ class Builder(Description):
             if key in found:
                 raise ModelError(f"{what} of element '{name}': deformation {key[2]} ({said}) is given twice.")
             idle = what == "Strain" or self._role(key) is Role.FIXED
-            # A number that is traced is not zero.
+            # Traced numbers count as nonzero.
             if idle and key[2] in element.closure and not (is_concrete(value) and value == 0):
                 raise ModelError(
                     f"{what} of element '{name}': deformation {element.called(key[2])} is part of its closure, where it"
@@ -895,7 +892,7 @@ class Builder(Description):
 
     @staticmethod
     def _numbers_of(what: str, given: Any, counts: tuple[int, ...], wanted: str) -> list:
-        """One number or several as a list of as many as there may be."""
+        """One number or several as a list of allowed length."""
         check_numbers(what, given, fault=ModelError)
         alone = not isinstance(given, list | tuple) and np.ndim(given) == 0
         found = [copied(given)] if alone else listed(what, given)
@@ -919,7 +916,7 @@ class Builder(Description):
         self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
-        """One node for each positional parameter of an element; rotations and own coordinates may not be there yet."""
+        """One node for each positional parameter of an element; rotations and inner coordinates may not exist yet."""
         kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
         expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)
         wrong = ModelError(
@@ -935,7 +932,7 @@ class Builder(Description):
             if waiting is not None and (parameter, kind) in named_kinds:
                 current = waiting.pop(0)
             elif waiting is not None:
-                # The warping that goes with the rotation before it.
+                # The warping of the rotation before it.
                 current = found[-1]
             elif current is None or self._part_kind(current, kind) is None or kind.part in used:
                 current, used = next(source, None), set()
@@ -962,7 +959,7 @@ class Builder(Description):
         for node in found:
             if found.count(node) > 1:
                 raise ModelError(f"Element '{name}' ({element.name}) joins node '{node}' to itself. Give it two nodes.")
-        # Coordinates that an element owns: one such node at most, its last.
+        # Inner coordinates of an element are one node, its last.
         own = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
         for node in own:
             if node in self.nodes:
@@ -973,7 +970,7 @@ class Builder(Description):
         if element.check is None or not is_concrete((references, properties)):
             return
         ref = element.reference([np.asarray(r, float) for r in references])
-        # Known numbers stay so where something else of the mechanism is traced.
+        # Known numbers stay known even if others of the mechanism are traced.
         with jax.core.eval_context():
             faults = element.check(ref=ref, **(element.arguments(element.check, properties) or {}))
         for fault in faults:

@@ -1,4 +1,4 @@
-"""The calls that make a Builder's contents: recorded as they are made, and made again on another Builder."""
+"""Calls that make a Builder's contents: recorded as they are made, and repeated on another Builder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class MadeCall(NamedTuple):
-    """A call of a method of a Builder, with its own copies of what was given."""
+    """A call of a Builder's method, with its own copies of the arguments."""
 
     method: str
     positional: tuple[Any, ...]
@@ -20,13 +20,13 @@ class MadeCall(NamedTuple):
 
 
 def recorded(method: F) -> F:
-    """Add each call of the method that succeeds to ``calls`` of its Builder, unless another recorded call makes it."""
+    """Record each successful call of the method in ``calls`` of its Builder, unless another recorded call makes it."""
 
     @functools.wraps(method)
     def call(self: Any, *positional: Any, **keywords: Any) -> Any:
         if self._is_recording:
             return method(self, *positional, **keywords)
-        # An iterator can be read once.
+        # Iterators can be read only once.
         positional = tuple(list(one) if isinstance(one, Iterator) else one for one in positional)
         keywords = {name: list(one) if isinstance(one, Iterator) else one for name, one in keywords.items()}
         self._is_recording = True
@@ -34,7 +34,7 @@ def recorded(method: F) -> F:
             made = method(self, *positional, **keywords)
         finally:
             self._is_recording = False
-        # A default name depends on what is there already.
+        # A default name depends on the present contents.
         named = {"name": made} if method.__name__ == "add" else {}
         self.calls.append(MadeCall(method.__name__, _kept(positional), {**_kept(keywords), **named}))
         return made
@@ -43,14 +43,14 @@ def recorded(method: F) -> F:
 
 
 def replay(calls: Iterable[MadeCall], builder: Any) -> Any:
-    """Make calls on a Builder."""
+    """Repeat calls on a Builder."""
     for call in calls:
         getattr(builder, call.method)(*call.positional, **call.keywords)
     return builder
 
 
 def _kept(value: Any) -> Any:
-    """A copy that the caller does not change; records keep their identity, by which shared sections are known."""
+    """A copy that the caller cannot change; records keep their identity, by which shared sections are recognised."""
     if type(value) in (list, tuple):
         return type(value)(map(_kept, value))
     return {key: _kept(one) for key, one in value.items()} if isinstance(value, Mapping) else copied(value)

@@ -1,4 +1,4 @@
-"""Degrees of freedom that an untraced build finds, carried over to traced builds of the same function."""
+"""Degrees of freedom found by an untraced build, carried over to traced builds of the same function."""
 
 import contextlib
 import contextvars
@@ -17,7 +17,7 @@ _REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar
 
 @contextlib.contextmanager
 def recorded() -> Iterator[list[Model]]:
-    """Note the models that are built, in order."""
+    """Collect the models that are built, in order."""
     models: list[Model] = []
     token = _RECORD.set(models)
     try:
@@ -28,7 +28,7 @@ def recorded() -> Iterator[list[Model]]:
 
 @contextlib.contextmanager
 def built() -> Iterator[list[Description]]:
-    """Note the builders that build, in order, before they do."""
+    """Collect the builders that build, in order, before they do."""
     builders: list[Description] = []
     token = _BUILDERS.set(builders)
     try:
@@ -38,7 +38,7 @@ def built() -> Iterator[list[Description]]:
 
 
 def note_builder(builder: Description) -> None:
-    """Note a builder where builders are."""
+    """Collect a copy of a builder if builders are collected."""
     builders = _BUILDERS.get()
     if builders is not None:
         builders.append(builder.copy())
@@ -46,7 +46,7 @@ def note_builder(builder: Description) -> None:
 
 @contextlib.contextmanager
 def carried(models: list[Model]) -> Iterator[None]:
-    """Give traced builds the degrees of freedom and releases of models that were built in the same order."""
+    """Pass degrees of freedom and releases of models to traced builds in the same order."""
     token = _REPLAY.set(iter(models))
     try:
         yield
@@ -55,7 +55,7 @@ def carried(models: list[Model]) -> Iterator[None]:
 
 
 def note(model: Model) -> Model:
-    """Note a finished model where models are recorded."""
+    """Collect a finished model if models are collected."""
     models = _RECORD.get()
     if models is not None:
         models.append(model)
@@ -69,7 +69,7 @@ def next_carried() -> Model | None:
 
 
 def as_in(builder: Description, model: Model) -> Description:
-    """A builder whose coordinates and deformations have the roles of a model with the same nodes and elements."""
+    """A builder with the roles of a model with the same nodes and elements."""
     labels, topology, twin = model.labels, model.topology, builder.copy()
     owners: tuple[Any, Any] = (twin.nodes, twin.members)
     for owner, entries, roles in zip(owners, (labels.x, labels.e), model.roles(), strict=True):

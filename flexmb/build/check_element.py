@@ -1,4 +1,4 @@
-"""Tries an element type of one's own: the laws that every element obeys, on states drawn about several references."""
+"""Test of a user's element type: the laws that every element obeys, in states drawn about several references."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -12,16 +12,15 @@ from ..arguments import check_number
 from ..display import Result, Summary, counted
 from ..elements.element import Element
 from ..errors import ModelError
+from ..numerical_limits import ELEMENT_DIFFERENCE, ELEMENT_LAW, POTENTIAL_DIFFERENCE
 from .assemble import is_option
 from .properties import complete, element_type, number_of_deformations, with_options
 from .tried import KINKED, STEP, ElementState, abs_or_one, compiled, drawn, moved, rigidly, sizes, weights
 
 REFERENCES = 3
-# How far states are from their reference: in it, near it, away from it; of the distance of nodes, and radians.
+# Distances of the states from their reference, over the distance of nodes, and in radians: in it, near it, away from
+# it.
 AWAY = (0.0, 1e-3, 0.3)
-# Deviations of at most so much, relative to the largest number of the same kind. Round-off leaves 1e-10 of differences
-# and 1e-14 of the rest. The stress of a potential may have a corner within a step, as that of contact has.
-ROUND_OFF, DIFFERENCE, CORNER = 1e-9, 1e-5, 1e-2
 TINY = float(np.finfo(float).tiny)
 ZERO, RIGID = "zero in the undeformed mechanism", "unchanged by rigid motion"
 SMOOTH, TWICE = "first derivatives, against differences", "second derivatives, against differences"
@@ -32,11 +31,11 @@ MASS, KINETIC = "mass is symmetric and positive semidefinite", "kinetic energy i
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class ElementCheck(Result):
-    """What an element type that obeys all laws was seen to do.
+    """Laws that a passing element type obeys, and their deviations.
 
     Attributes:
         element: Name of the element type.
-        deformations: Their number.
+        deformations: Number of deformations.
         deviations: Largest deviation from each law, relative to the largest number of the same kind [-].
     """
 
@@ -45,30 +44,31 @@ class ElementCheck(Result):
     deviations: dict[str, float]
 
     def summary(self) -> Summary:
-        """The laws, and how nearly each holds."""
+        """The laws, and their deviations."""
         rows = {law: f"within {value:.1e}" for law, value in self.deviations.items()}
         return Summary(f"ElementCheck: {self.element} with {counted(self.deformations, 'deformation')} passes", rows)
 
 
 def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> ElementCheck:
-    """Try an element type: whether its functions are what the analyses take them for.
+    """Test whether the functions of an element type obey the laws that analyses rely on.
 
-    Deformations are zero in the undeformed mechanism and do not change when the whole moves as a rigid body; they have
-    derivatives of first and second order there, near it and away from it, by the coordinates, the undeformed ones and
-    the properties; stress is the slope of the energy, stiffness and damping are symmetric, and mass is symmetric and
-    positive semidefinite, with the same kinetic energy whichever way the whole is turned.
+    - Deformations are zero in the undeformed mechanism and do not change in rigid motion.
+    - First and second derivatives are right there, near it and away from it, by the coordinates, the undeformed ones
+      and the properties.
+    - Stress is the slope of the energy; stiffness and damping are symmetric.
+    - Mass is symmetric and positive semidefinite, and rigid motion does not change the kinetic energy.
 
     Args:
         element: Element type, or a bare deformation function.
-        apart: How far the nodes are from each other in the states that are tried, about, () [m].
+        apart: Approximate distance of the nodes in the tested states, () [m].
         properties: Properties and options, as ``Builder.add`` takes them.
 
     Returns:
-        The laws that were tried, and how nearly each holds; its text is a short report.
+        The tested laws, with their deviations; its text is a short report.
 
     Raises:
-        ModelError: What fails, by name: every law that does not hold; a property that is missing, unknown or of the
-            wrong kind; functions that do not fit together.
+        ModelError: Every law that fails, by name; a property that is missing, unknown or of the wrong kind; functions
+            that do not fit together.
 
     Source:
         Definition of an element; central differences with a step of eps^(1/3).
@@ -87,7 +87,7 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
 
 
 class _Tried:
-    """States of an element, and what its functions answer there."""
+    """States of an element, and the answers of its functions there."""
 
     def __init__(self, element: Element, properties: dict[str, Any], count: int, apart: float):
         self.element, self.count = element, count
@@ -105,7 +105,7 @@ class _Tried:
         rigid = [ElementState(rigidly(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)]
         self.turns = [turn for turn, _ in turns]
         points = [self._flat(state) for state in self.states]
-        # Each number by its own size; coordinates, and numbers that are zero, by what is usual.
+        # Each number is scaled by its own size; coordinates, and numbers that are zero, by usual sizes.
         self.sizes = self._flat(ElementState(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
         ways = random.standard_normal((len(points), len(points[0]))) * self.sizes
         batch = [*points, *map(self._flat, rigid)]
@@ -137,9 +137,9 @@ class _Tried:
     # -- the laws -------------------------------------------------------------------------------------------------
 
     def laws(self) -> Iterator[tuple[str, tuple[float, str]]]:
-        """Each law that concerns the element, its largest deviation, and what to say where that is too large."""
+        """Each law that applies, its largest deviation, and a fault if that is too large."""
         if fault := self._not_finite():
-            # Nothing else can be looked at.
+            # Other laws cannot be tested then.
             yield "finite", (np.inf, fault)
             return
         if self.count:
@@ -157,7 +157,7 @@ class _Tried:
             yield KINETIC, self._kinetic()
 
     def _answer(self, found: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
-        """Numbers of one answer in all states, (states, n)."""
+        """Numbers of an answer in all states, (states, n)."""
         return found[kind][:, self.shapes[name]]
 
     def _where(self, state: int) -> str:
@@ -172,7 +172,8 @@ class _Tried:
                         return f"a {what} of its {name} is not finite {self._where(i)}. Write it so that it is"
         if not np.all(np.isfinite(self.here["reverse"])):
             return (
-                "a derivative is not finite in reverse mode, though forward it is: a square root of zero, or a division"
+                "a derivative is not finite in reverse mode, although it is in forward mode: a square root of zero, or"
+                " a division"
             )
         return ""
 
@@ -185,10 +186,10 @@ class _Tried:
         value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
         number = float(np.max(np.abs(e[self.references][:, worst])))
         fault = (
-            f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, which it is told as `ref`: it must"
-            " be zero there"
+            f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, given as `ref`, but must be zero"
+            " there"
         )
-        return value, fault if value > ROUND_OFF else ""
+        return value, fault if value > ELEMENT_LAW else ""
 
     def _rigid(self) -> tuple[float, str]:
         e, there = (self._answer(found, "deformations") for found in (self.here, self.rigid))
@@ -196,13 +197,13 @@ class _Tried:
         value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
         number = float(np.max(np.abs(there - e)[:, worst]))
         fault = (
-            f"deformation {worst + 1} changes by {number:.3g} when the whole moves as a rigid body, where it must not:"
-            " tell vectors in axes that turn along, and rotations relative to each other"
+            f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole, but must not change:"
+            " measure vectors in axes that turn along, and rotations relative to each other"
         )
-        return value, fault if value > ROUND_OFF else ""
+        return value, fault if value > ELEMENT_LAW else ""
 
     def _scales(self) -> np.ndarray:
-        """Largest number of the same answer, with its derivatives, for each number."""
+        """Largest size of the same answer and of its derivatives, for each number."""
         scales = np.zeros(self.here["value"].shape[1])
         for own in self.shapes.values():
             scales[own] = max(np.max(np.abs(self.here[k][:, own]), initial=0.0) for k in ("value", "forward"))
@@ -217,8 +218,8 @@ class _Tried:
             found[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
         reverse = np.sum(self.here["reverse"] * self.along, axis=1)
         both = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
-        fault = self._named(found, DIFFERENCE, "the derivative of {} is not that of its differences {}")
-        if not fault and np.max(both) > ROUND_OFF:
+        fault = self._named(found, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
+        if not fault and np.max(both) > ELEMENT_LAW:
             fault = "its derivatives in reverse mode are not those in forward mode"
         return float(max(found.max(initial=0.0), both.max(initial=0.0))), fault
 
@@ -232,10 +233,10 @@ class _Tried:
         fault = (
             f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
         )
-        return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > DIFFERENCE)
+        return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > ELEMENT_DIFFERENCE)
 
     def _named(self, found: np.ndarray, most: float, text: str) -> str:
-        """What to say of the answer that deviates most, empty where none does too much."""
+        """Fault of the answer that deviates most; empty if none deviates too much."""
         if not found.size or found.max() <= most:
             return ""
         state, column = np.unravel_index(int(np.argmax(found)), found.shape)
@@ -247,7 +248,10 @@ class _Tried:
         slope, differences = self.here[f"{kind} slope"], self.here[f"{kind} differences"]
         scale = max(np.max(np.abs(slope)), np.max(np.abs(differences))) or 1.0
         value = float(np.max(np.abs(slope - differences)) / scale)
-        return value, f"the derivative of its {kind} is not that of its differences" if value > CORNER else ""
+        return (
+            value,
+            f"the derivative of its {kind} is not that of its differences" if value > POTENTIAL_DIFFERENCE else "",
+        )
 
     def _symmetric(self, named: list[str]) -> tuple[float, str]:
         value, fault = 0.0, ""
@@ -255,7 +259,7 @@ class _Tried:
             matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
             scale = np.max(np.abs(matrices)) or 1.0
             own = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
-            value, fault = max(value, own), fault or (f"its {name} is not symmetric" if own > ROUND_OFF else "")
+            value, fault = max(value, own), fault or (f"its {name} is not symmetric" if own > ELEMENT_LAW else "")
         return value, fault
 
     def _semidefinite(self) -> tuple[float, str]:
@@ -265,8 +269,8 @@ class _Tried:
         h = h.reshape(-1, size, size)
         skew = float(np.max(np.abs(h - h.transpose(0, 2, 1))) / (np.max(np.abs(h)) or 1.0))
         lowest = float(np.min(np.linalg.eigvalsh(mass)) / scale)
-        fault = "the matrix H of its inertia is not symmetric" if skew > ROUND_OFF else ""
-        if lowest < -ROUND_OFF:
+        fault = "the matrix H of its inertia is not symmetric" if skew > ELEMENT_LAW else ""
+        if lowest < -ELEMENT_LAW:
             fault = fault or "its mass matrix is not positive semidefinite: a motion has a negative kinetic energy"
         return max(skew, -min(lowest, 0.0)), fault
 
@@ -280,5 +284,5 @@ class _Tried:
             turned = np.stack(columns, axis=1)
             deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
             value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))
-        fault = "its kinetic energy changes when the whole is turned or moved" if value > ROUND_OFF else ""
+        fault = "its kinetic energy changes when the whole is turned or moved" if value > ELEMENT_LAW else ""
         return value, fault

@@ -1,4 +1,4 @@
-"""What a Builder has been told: nodes, elements, roles, loads and signals by name, and how names are looked up."""
+"""Contents of a Builder: nodes, elements, roles, loads and signals by name, and the look-up of names."""
 
 from __future__ import annotations
 
@@ -17,19 +17,18 @@ from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
+from ..numerical_limits import UNIT_NORM_OF_ROTATION
 from .calls import MadeCall, recorded
 from .given import check_closure, number_in, number_in_element, numbers_freed, some_of
 
 AXES = ("x", "y", "z")
-# Euler parameters off the unit norm by more than this are no rotation.
-UNIT = 1e-9
 
 # "node" or "element", its name, and the number of a coordinate or deformation from 1.
 Key = tuple[str, str, int]
 
 
 class NamedSignal(NamedTuple):
-    """An input or output as it was named, see :class:`flexmb.model.model.Signal`."""
+    """An input or output as it was named; see :class:`flexmb.model.model.Signal`."""
 
     name: str
     quantity: str
@@ -61,12 +60,12 @@ class Member:
 
 
 class Description:
-    """Contents of a :class:`flexmb.Builder`, which completes and assembles them; names are looked up here.
+    """Contents of a :class:`flexmb.Builder`, with the look-up of names.
 
     Attributes:
         nodes: Nodes by name, in order of addition; rotations are nodes of their own.
         members: Elements by name, in order of addition.
-        dofs: Degrees of freedom that are named.
+        dofs: Named degrees of freedom.
         loads: By set ("initial", "increment") and kind, numbers by key.
         signals: Inputs and outputs.
         starts: Start value and velocity of degrees of freedom.
@@ -88,18 +87,17 @@ class Description:
 
     @recorded
     def release(self, element: str, *deformations: int | str, kind: str | None = None) -> None:
-        """Let deformations of an element change (DEPENDENT), or coordinates of a node that are FIXED.
+        """Let deformations of an element change (DEPENDENT), or FIXED coordinates of a node.
 
         Args:
             element: Name of the element or of the node.
-            deformations: Numbers from 1, or names; of a strain field's name all of its coefficients. Of a node its
-                coordinates ("x", "phi"); in space "rx", "ry" or "rz", the angle about that global axis, and the node
-                keeps the other two.
-            kind: "node" or "element", where both bear the name; the element unless given.
+            deformations: Numbers from 1, or names; the name of a strain field releases all its coefficients. For a node
+                its coordinates ("x", "phi"); in space "rx", "ry" or "rz", the angle about this global axis alone.
+            kind: "node" or "element", if both have the name; by default the element.
 
         Raises:
             ModelError: No such deformation or coordinate; one that is PRESCRIBED or a degree of freedom; one of the
-                closure of a spectral beam that is not given by its name.
+                closure of a spectral beam by its number.
         """
         given, name = some_of("release", element, deformations), str(element)
         self._check_kind(kind)
@@ -112,7 +110,7 @@ class Description:
         self._set_roles([("element", name, n) for n in numbers], Role.DEPENDENT)
 
     def _release_support(self, key: Key) -> None:
-        """Let a coordinate change, or the angle of a rotation in space, of which the others stay FIXED."""
+        """Let a coordinate change, or the angle of a rotation in space while its other angles stay FIXED."""
         if key[0] == "element":
             part = self._rotation_name(turned_by(key[1])[0])
             whole = [("node", part, i) for i in range(1, ROTATION3.size + 1)]
@@ -130,8 +128,8 @@ class Description:
         Args:
             of: Name of a node or an element.
             components: Coordinates ("x", "phi" or numbers) or deformations (names, or numbers from 1); in space "rx",
-                "ry" or "rz", the angle about that global axis: deformation 1 of a hinge, as for ``prescribe``.
-            kind: "node" or "element", where both bear the name.
+                "ry" or "rz", the angle about this global axis: deformation 1 of a hinge, as for ``prescribe``.
+            kind: "node" or "element", if both have the name.
         """
         keys: list[Key] = []
         for component in some_of("dof", of, components):
@@ -143,13 +141,13 @@ class Description:
         self.dofs += keys
 
     def with_dofs(self, labels: Sequence[str]) -> Self:
-        """A builder with these degrees of freedom, in their order; those named by :meth:`dof` are among them.
+        """A builder with these degrees of freedom, in this order, which must include those named by :meth:`dof`.
 
         Args:
-            labels: Names as ``model.q_labels`` gives them, such as "top.x" and "hinge.e2".
+            labels: Names as in ``model.q_labels``, such as "top.x" and "hinge.e2".
 
         Raises:
-            ModelError: What is no name of a coordinate or deformation, one that is named twice or left out.
+            ModelError: A name of no coordinate or deformation, one that occurs twice or is left out.
         """
         if not isinstance(labels, list | tuple) or any(not isinstance(label, str) for label in labels):
             raise ModelError(
@@ -161,9 +159,9 @@ class Description:
         for label in labels:
             of, point, symbol = label.rpartition(".")
             if not point:
-                raise ModelError(f"Argument `dofs`: {shown(label)} is no degree of freedom: say of what, as 'top.x'.")
+                raise ModelError(f"Argument `dofs`: {shown(label)} is no degree of freedom. Name it as 'top.x'.")
             if of.startswith(TURN_OF) and of not in twin.members and turned_by(of)[1]:
-                # The hinge about a global axis is made by that name.
+                # This name makes the hinge about a global axis.
                 of, symbol = turned_by(of)
             is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
             is_element |= of in twin.members and symbol in twin.members[of].element.deformation_names.values()
@@ -218,17 +216,17 @@ class Description:
                 f"Node '{name}' must have {kind.size} coordinate{'s' if kind.size > 1 else ''}, but has {len(start)}."
             )
         check_numbers(f"Node '{name}'", start, fault=ModelError)
-        if kind is ROTATION3 and is_concrete(start) and abs(np.linalg.norm(np.asarray(start, float)) - 1) > UNIT:
+        norm = np.linalg.norm(np.asarray(start, float)) if kind is ROTATION3 and is_concrete(start) else 1.0
+        if abs(norm - 1) > UNIT_NORM_OF_ROTATION:
             raise ModelError(
-                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have"
-                f" {np.linalg.norm(np.asarray(start, float)):.6g}."
+                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have {norm:.6g}."
             )
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
         self.nodes[name] = Node(kind, start, [role] * kind.size)
 
     def _free_name(self, before: str) -> str:
-        """A name with a number that no element has yet, and no node either."""
+        """A name with a number that no element and no node has."""
         number = len(self.members) + 1
         while f"{before} {number}" in self.members or f"{before} {number}" in self.nodes:
             number += 1
@@ -240,7 +238,7 @@ class Description:
         raise ModelError(f"No node {shown(name)} ({where}).{hint}")
 
     def _position(self, node: str) -> str:
-        """Name of a node that has a position."""
+        """Name of a node, checked to have a position."""
         node = str(node)
         if node not in self.nodes:
             self._unknown_node(node, "position")
@@ -254,11 +252,11 @@ class Description:
         return node
 
     def _kind_of(self, part: str) -> NodeKind:
-        """Kind of a node, or of a rotation that is not there yet."""
+        """Kind of a node, or of a rotation that does not exist yet."""
         return self.nodes[part].kind if part in self.nodes else ANGLE if self.dimension == 2 else ROTATION3
 
     def _rotation_name(self, node: str) -> str:
-        """Name that a node's rotation has or will have."""
+        """Name of a node's rotation, which may not exist yet."""
         if node in self.nodes and self.nodes[node].kind.part == "rotation":
             return node
         owner = node.removesuffix(".rotation")
@@ -269,7 +267,7 @@ class Description:
         return f"{owner}.rotation"
 
     def _warping_name(self, node: str) -> str:
-        """Name of the warping that goes with a node or a rotation, or that it has itself."""
+        """Name of the warping of a node or a rotation."""
         if node in self.nodes and self.nodes[node].kind.part == "warping":
             return node
         return f"{node.removesuffix('.rotation').removesuffix('.warping')}.warping"
@@ -292,7 +290,7 @@ class Description:
         return self.members[name]
 
     def _owner(self, key: Key) -> Node | Member:
-        """Node or element of a coordinate or deformation; a rotation and its hinge are made if they are not there."""
+        """Node or element of a coordinate or deformation; makes a missing rotation or its hinge."""
         kind, of, _ = key
         if kind == "node" and of not in self.nodes:
             self._new_node(of, (own := self._kind_of(of)), list(own.start))
@@ -303,7 +301,7 @@ class Description:
         return (self.members if kind == "element" else self.nodes)[of]
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
-        """Node, which may be a rotation that is not there yet, and number of a coordinate named by letter or number."""
+        """Node, or rotation that may not exist yet, and number of a coordinate given by letter or number."""
         part, number = node, number_in(component)
         letter = isinstance(component, str) and number is None
         if node not in self.nodes:
@@ -332,13 +330,13 @@ class Description:
             raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
 
     def _entry(self, of: str, component: str | int, kind: str | None) -> Key:
-        """Kind and name of the owner, and number, of a coordinate or a deformation."""
+        """Key of a coordinate or a deformation: kind and name of its owner, and its number."""
         self._check_kind(kind)
         of = str(of)
         is_element = of in self.members and not self.members[of].hidden
         if kind is None and is_element and of in self.nodes:
             raise ModelError(
-                f'\'{of}\' is the name of a node and of an element: say which with kind="node" or "element".'
+                f'\'{of}\' is the name of a node and of an element: choose by kind="node" or kind="element".'
             )
         if kind == "element" or (kind is None and is_element):
             member = self._member(of)
@@ -354,31 +352,31 @@ class Description:
             self._new_node(frame, ROTATION3, list(ROTATION3.start))
             self.nodes[frame].roles = [Role.FIXED] * ROTATION3.size
         elif not any(other.startswith(TURN_OF) and frame in member.nodes for other, member in self.members.items()):
-            raise ModelError(f"Node '{frame}' is defined already: to turn a rotation takes a node of that name.")
+            raise ModelError(f"Node '{frame}' exists already, but turning a rotation needs this name.")
         self._owner(("node", rotation, 1))
         self.members[name] = Member(spatial.hinge, (frame, rotation), properties, [Role.DEPENDENT] * 3)
 
     def _entry_to_free(self, of: str, component: str | int, kind: str | None) -> Key:
-        """As :meth:`_entry`, of what is to have another role: a closure that is FIXED must be given by its name."""
+        """As :meth:`_entry`, for a new role: a FIXED closure must be given by its name."""
         key = self._entry(of, component, kind)
         if key[0] == "element" and key[1] in self.members and self._role(key) is Role.FIXED:
             check_closure(key[1], self.members[key[1]].element, key[2], component)
         return key
 
     def _role(self, key: Key) -> Role:
-        """Role of a coordinate or deformation; that which a rotation will have, if it is not there yet."""
+        """Role of a coordinate or deformation, also of a rotation that does not exist yet."""
         kind, of, number = key
         if kind == "node" and of not in self.nodes:
             return Role.FIXED if of in self._clamped else Role.DEPENDENT
         if kind == "element" and of not in self.members:
-            # As the rotation itself where it is held as a whole, or driven.
+            # The same as the rotation, if that is held as a whole or driven.
             rotation = self._rotation_name(of.removeprefix(TURN_OF).rpartition(".")[0])
             roles = {self._role(("node", rotation, i)) for i in range(1, 5)} - {Role.DEPENDENT}
             return next(iter(roles)) if len(roles) == 1 else Role.DEPENDENT
         return self._owner(key).roles[number - 1]
 
     def _set_roles(self, keys: list[Key], role: Role) -> None:
-        """Give a role to coordinates or deformations, to all of them or, where one has another, to none."""
+        """Set the role of all coordinates or deformations, or of none if one has another role."""
         for key in keys:
             kind, of, number = key
             turn = kind == "element" and number == 1 and of.startswith(TURN_OF)
@@ -394,7 +392,7 @@ class Description:
 
 
 def turn_about(description: Description, rotation: str, axis: int) -> Key:
-    """The angle of a rotation in space about a global axis, by the hinge that turns it, which may not be there yet."""
+    """Angle of a rotation in space about a global axis, by the hinge that turns it, which may not exist yet."""
     usual = description.members.get(turn_of(rotation))
     if usual is not None and usual.roles[1] is Role.DEPENDENT and is_concrete(usual.properties["axis"]):
         along = np.asarray(usual.properties["axis"])

@@ -14,28 +14,23 @@ from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import TURNS, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import HELD
+from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT
 from .assemble import assemble, with_roles
 from .clamps import with_clamps
 from .description import Description
 
-# What must be left of a candidate once those already chosen are taken out, of 1.
-INDEPENDENT = 1e-5
-# And where there are better ones to come.
-CLEARLY_INDEPENDENT = 1e-2
-CANNOT_MOVE = 1e-7
-# Motions that nothing determines are told by name, of so many at most.
+# Most undetermined motions that a message names.
 MOST_TOLD = 100
 
 
 def complete(builder: Description, model: Model, dofs: str, release: str) -> Model:
-    """Check a model, find degrees of freedom where none are named, release over-constraints on request.
+    """Check a model, find degrees of freedom if none are named, release over-constraints on request.
 
-    Raises:
-        MechanismError: See Builder.build.
+    Raises MechanismError: see Builder.build.
     """
     if release == "auto":
         model, builder = _release_all(builder, model)
-    # They depend on numbers, not on roles: those of the model that is completed are the same.
+    # Constraints depend on numbers, not on roles: the completed model has the same ones.
     found = constraints(model)
     motions, over = motions_of(model, found)
     if over:
@@ -60,15 +55,11 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
 
 
 def check_inputs(model: Model, builder: Description | None = None) -> Model:
-    """Refuse inputs that act on what is held, where they do nothing, and motions and reactions of what is not held.
+    """Refuse inputs that act on held things, and motions and reactions of things that are not held (ModelError).
 
     Args:
         model: Mechanism with its final roles.
-        builder: Builder of the model, whose roles are taken where those of the model are traced.
-
-    Raises:
-        ModelError: An input acts on a FIXED or PRESCRIBED coordinate, rotation or deformation, or moves one that is
-            neither; an output is the reaction of one that is neither.
+        builder: Builder of the model, for its roles if those of the model are traced.
     """
     labels = model.labels
     if not labels.inputs and not labels.outputs:
@@ -86,7 +77,7 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
             held = all(role in HELD for role in roles)
             of = "" if part.of_element else labels.x[part.index].of
             if part.quantity == "moment" and not (held or part.local):
-                # The hinge by which the rotation is turned or held about that axis.
+                # The hinge that turns or holds the rotation about this axis.
                 hinge = labels.place(f"{of}.{TURNS[part.axis or 0]}")
                 roles = roles if hinge is None else [e_roles[hinge[1]]]
                 held = roles[0] in HELD
@@ -94,8 +85,8 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
             called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
             if side == "Input" and held and not moves:
                 raise ModelError(
-                    f"Input {called} acts on a {what} that is {roles[0].value}, where it can do nothing. Let it act on"
-                    " what can move, let it be its displacement, velocity or acceleration, or leave it out."
+                    f"Input {called} acts on a {what} that is {roles[0].value}, so it has no effect. Let it act on"
+                    " something that can move, make it a displacement, velocity or acceleration, or leave it out."
                 )
             if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
                 role = next(role for role in roles if role not in HELD).value
@@ -103,17 +94,16 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
                 told = any(turn == element for element, *_ in labels.elements)
                 there = f" Its rotation is that of the element '{turn}', whose deformation 1 has it." if told else ""
                 raise ModelError(
-                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, and only one that is FIXED or"
-                    f" PRESCRIBED has it.{there or ' Fix or prescribe it, or leave this out.'}"
+                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, but only a FIXED or"
+                    f" PRESCRIBED one has it.{there or ' Fix or prescribe it, or leave this out.'}"
                 )
     return model
 
 
 def complete_series(builder: Description, model: Model) -> Model:
-    """Make degrees of freedom of those coefficients of spectral beams that the named ones leave undetermined.
+    """Make degrees of freedom of coefficients of spectral beams that named degrees of freedom leave undetermined.
 
-    Returns:
-        The model, assembled anew if there are such coefficients and nothing else is undetermined.
+    The model is assembled anew if there are such coefficients and nothing else is undetermined.
     """
     if not _coefficients(model):
         return model
@@ -121,7 +111,7 @@ def complete_series(builder: Description, model: Model) -> Model:
 
 
 def _coefficients(model: Model) -> list[int]:
-    """Coefficients of spectral beams with stiffness, and the warping of their ends, that are DEPENDENT deformations."""
+    """DEPENDENT coefficients of spectral beams with stiffness, and warpings of their ends, as indices in e."""
     released = set(np.asarray(model.topology.e.dependent).tolist())
     found = []
     for block in model.topology.blocks:
@@ -132,7 +122,7 @@ def _coefficients(model: Model) -> list[int]:
 
 
 def _with_coefficients(builder: Description, model: Model, motions: Any) -> Model:
-    """In a loop no choice of whole strain fields may have the right number; single coefficients make it up."""
+    """In a loop, whole strain fields may have the wrong number of coefficients: add single ones."""
     missing, candidates = motions.shape[1] - model.topology.n_q, _coefficients(model)
     if missing <= 0 or not candidates:
         return model
@@ -152,23 +142,19 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
 def _independent(
     model: Model, candidates: Sequence[int], effects: Any, rest: Any, wanted: int, beside: bool
 ) -> tuple[list[int], Any]:
-    """Deformations that determine a mechanism together with what is named, so that it bends where only that moves.
+    """Deformations that determine a mechanism with the named ones, and the projector onto undetermined motions.
 
-    Degrees of freedom that are not said to move stay zero. Therefore elongations and shears of strain series come
-    first beside what is named; of the rest those that it moves least are the most independent, what varies along a
-    beam more than linearly. Where nothing is named the most independent ones serve designs alike in a sweep.
+    Found degrees of freedom stay zero unless something moves them. So elongations and shears of strain series come
+    first beside named ones. Of the rest, those that move least with the named ones are the most independent: what
+    varies along a beam more than linearly. Without named ones, the most independent deformations suit all designs of a
+    sweep.
 
     Args:
-        model: Mechanism.
         candidates: Indices of deformations, (m,).
         effects: Their changes in each motion, (m, f).
-        rest: Projector onto motions that what is named does not determine, (f, f).
-        wanted: How many to choose at most.
-        beside: Whether anything is named.
-
-    Returns:
-        Indices of the chosen deformations, and the projector (f, f) onto motions that neither they nor what is named
-        determine.
+        rest: Projector onto motions that named degrees of freedom leave undetermined, (f, f).
+        wanted: Most deformations to choose.
+        beside: Whether degrees of freedom are named.
     """
     chosen: list[int] = []
     if not isinstance(effects, np.ndarray) or not beside:
@@ -184,7 +170,7 @@ def _independent(
 
 
 def _stretches(model: Model) -> np.ndarray:
-    """Coefficients of elongations and shears, and the warping of ends."""
+    """Coefficients of elongations and shears, and warpings of ends."""
     found = []
     for block in model.topology.blocks:
         fields = block.element.fields
@@ -195,28 +181,28 @@ def _stretches(model: Model) -> np.ndarray:
 
 
 def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> Any:
-    """Change of the named degrees of freedom in each motion, (n_q, f)."""
+    """Changes of the named degrees of freedom in each motion, (n_q, f)."""
     by_deformation = (found or constraints(model)).jacobian[np.asarray(model.topology.e.dof)] @ motions
     return above(motions[np.asarray(model.topology.x.dof)], by_deformation)
 
 
 def choose(model: Model, motions: Any, named: Any, found: Constraints | None = None) -> tuple[list[int], list[int]]:
-    """Independent deformations first, then coordinates, as indices of coordinates and of deformations.
+    """Independent degrees of freedom, deformations first, as indices of coordinates and of deformations.
 
-    Where there are so many that motions are sparse, all deformations that may change if they determine the mechanism,
-    as those of a chain or a tree do; otherwise coordinates alone, since deformations hang together from end to end.
+    For large mechanisms, with sparse motions, all free deformations if they determine the mechanism, as in chains and
+    trees. Otherwise coordinates alone, since deformations are connected from end to end.
 
     Args:
-        model: Mechanism; what is DEPENDENT may be chosen.
+        model: Mechanism; DEPENDENT entries may be chosen.
         motions: Scaled motions to be determined, (n_x, f).
-        named: Changes of what is named already, (n, f).
-        found: Constraints of the model, where they are known.
+        named: Changes of the named degrees of freedom, (n, f).
+        found: Constraints of the model, if known.
     """
     topology = model.topology
     released = np.asarray(topology.e.dependent)
     first, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
     wanted = motions.shape[1] - len(first)
-    # Two end nodes' worth of deformations of one element matter alike, whatever their units: rows are of unit size.
+    # Rows of unit size: all deformations of an element matter alike, whatever their units.
     effects = (found or constraints(model)).jacobian[released] @ motions
     if not isinstance(motions, np.ndarray):
         effects = effects @ rest
@@ -239,7 +225,7 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
     if stuck:
         raise MechanismError(
             "dof",
-            f"Degree of freedom {', '.join(stuck)} cannot move in the undeformed mechanism. Name one that does.",
+            f"Degree of freedom {', '.join(stuck)} cannot move in the undeformed mechanism. Name one that can.",
         )
     if named > ndof:
         raise MechanismError(
@@ -251,7 +237,7 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
     if missing > MOST_TOLD:
         raise MechanismError(
             "underconstrained",
-            f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and all of them are found.",
+            f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and build() finds all of them.",
         )
     given, dependent = np.asarray(model.topology.e.given), np.asarray(model.topology.x.dependent)
     if not missing and not isinstance(motions, np.ndarray) and len(given) == len(dependent):

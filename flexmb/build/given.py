@@ -1,4 +1,4 @@
-"""What callers of the Builder give, checked and as it is kept: names, sequences of numbers, numbers of components."""
+"""Checks of arguments of the Builder: names, sequences of numbers, numbers of components."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from ..errors import ModelError
 
 
 def named(what: str, name: Any) -> str:
-    """A name as it is kept; a number is a name too."""
+    """A name as text; a whole number is a name too."""
     if not isinstance(name, str) and as_whole(name) is None:
         raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
     if not str(name).strip() or not str(name).isprintable():
@@ -18,7 +18,7 @@ def named(what: str, name: Any) -> str:
 
 
 def listed(what: str, values: Any) -> list:
-    """Several numbers as a list of one each."""
+    """Several numbers as a list."""
     if isinstance(values, str | dict | set):
         raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
     try:
@@ -31,25 +31,21 @@ def listed(what: str, values: Any) -> list:
 
 
 def number_in(component: Any) -> int | None:
-    """Number of a coordinate, None where it is none."""
+    """Number of a coordinate; None for anything else."""
     if isinstance(component, str):
         return int(component) if component.isascii() and component.isdecimal() else None
     return as_whole(component)
 
 
 def some_of(what: str, of: Any, given: tuple) -> tuple:
-    """What is given, which must be something."""
+    """Arguments of which there must be at least one."""
     if not given:
-        raise ModelError(f"{what.capitalize()} of '{of}': say of what; nothing is named.")
+        raise ModelError(f"{what.capitalize()} of '{of}' names nothing. Name components or deformations.")
     return given
 
 
 def number_in_element(name: str, element: Element, count: int, deformation: Any) -> int:
-    """Number of a deformation.
-
-    Raises:
-        ModelError: It has no such deformation.
-    """
+    """Number of a deformation. Raises ModelError: The element has no such deformation."""
     number = element.number_of(deformation)
     if number is None or not 1 <= number <= count:
         there = f"has deformations 1 to {count}" if count else "has no deformations"
@@ -59,11 +55,7 @@ def number_in_element(name: str, element: Element, count: int, deformation: Any)
 
 
 def check_closure(name: str, element: Element, number: int, deformation: Any) -> None:
-    """Refuse a deformation of the closure that is given by its number, which is another one of other elements.
-
-    Raises:
-        ModelError: It belongs to the closure and is not given by its name.
-    """
+    """Raise ModelError for a deformation of the closure that is given by its number."""
     if element.names and number in element.closure and deformation not in element.numbered:
         own = element.deformation_names[number]
         raise ModelError(
@@ -74,10 +66,9 @@ def check_closure(name: str, element: Element, number: int, deformation: Any) ->
 
 
 def numbers_freed(name: str, element: Element, count: int, deformation: Any) -> tuple[int, ...]:
-    """Numbers of the deformations that a number or a name frees: of a strain field's name all of its coefficients.
+    """Numbers of deformations that a number or a name frees; the name of a strain field frees all its coefficients.
 
-    Raises:
-        ModelError: It has no such deformation, or a number is part of its closure.
+    Raises ModelError: No such deformation, or a number that is part of the closure.
     """
     if isinstance(deformation, str) and deformation in element.numbered:
         return element.numbered[deformation]
@@ -87,11 +78,7 @@ def numbers_freed(name: str, element: Element, count: int, deformation: Any) -> 
 
 
 def released_in(name: str, wanted: Any, element: Element, count: int) -> list[int]:
-    """Numbers of the deformations that may change.
-
-    Raises:
-        ModelError: It is none of these, a deformation is unknown, or a number is part of the closure.
-    """
+    """Numbers of the deformations that may change, checked. Raises ModelError."""
     if isinstance(wanted, str) and wanted == ALL:
         return [n for n in range(1, count + 1) if n not in element.closure]
     given = [wanted] if isinstance(wanted, str) and wanted in element.numbered else wanted

@@ -1,4 +1,4 @@
-"""Warnings of rigidities, stress, strain, damping and laws that a Builder describes and that do nothing."""
+"""Warnings of rigidities, stresses, strains, dampings and laws in a Builder that have no effect."""
 
 import dataclasses
 import functools
@@ -19,13 +19,13 @@ from ..errors import IdleWarning, warn
 from ..model.roles import HELD, Role
 from .description import Description, Member
 
-# Numbers of a section or of dampers that resist deformations.
+# Numbers of a section or of dampers that resist deformation.
 RESISTING = ("EA", "EIy", "EIz", "GIt")
 RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
 def warn_of_idle(builder: Description) -> None:
-    """Warn of what acts on held deformations alone (stress, strain, damping, laws), and of numbers not asked for."""
+    """Warn of stress, strain, damping and laws that act on held deformations alone, and of unused numbers."""
     _warn_of_other_numbers(builder)
     for what in ("prestress", "strain"):
         for sets in builder.loads.values():
@@ -54,7 +54,7 @@ def warn_of_idle(builder: Description) -> None:
         if not member.roles or any(role not in HELD for role in member.roles):
             continue
         for what, kinds in {"Damping": ("damping", "dissipation"), "Law": ("law", "energy")}.items():
-            # Damping of a material is stated once, and held here.
+            # Damping of a material is stated once, for elements with held deformations too.
             of_material = what == "Damping" and isinstance(member.properties.get("damping"), MaterialDamping)
             functions = [getattr(member.element, kind) for kind in kinds]
             acts = any(member.element.arguments(f, member.properties) is not None for f in functions)
@@ -63,7 +63,7 @@ def warn_of_idle(builder: Description) -> None:
 
 
 def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:
-    """Those of some deformations of an element that its stiffness leaves without stress; none where that is unknown."""
+    """Deformations among some that the stiffness of an element leaves without stress; none if unknown."""
     element = member.element
     arguments: Any = element.arguments(element.stiffness, member.properties)
     starts = [builder.nodes[node].start for node in member.nodes]
@@ -78,7 +78,7 @@ def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int
 
 
 def _warn_of_other_numbers(builder: Description) -> None:
-    """Warn of elements that are given rigidities, or dampers, which they do not use in place of those that they do."""
+    """Warn of elements with rigidities or dampers that they do not use, while they lack others."""
     used: dict[Any, set[str]] = {}
     resisted: dict[Any, Any] = {}
     told: set[Any] = set()
@@ -119,7 +119,7 @@ def _warn_of_other_numbers(builder: Description) -> None:
 
 
 def _matrix(element: Element, kind: str, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
-    """Stiffness or damping of an element with other numbers, (n_e, n_e)."""
+    """Stiffness or damping of an element with other numbers."""
     companion: Any = getattr(element, kind)
     own = dataclasses.replace(arguments[key], **numbers)
     return companion(ref=element.reference(places), **{**arguments, key: own})
@@ -129,12 +129,12 @@ def _matrix(element: Element, kind: str, key: str, numbers: Mapping[str, Any], a
 def _diagonals(
     element: Element, kind: str, key: str, numbers: list[dict[str, Any]], arguments: Any, places: list[Any]
 ) -> list[Float[Array, "n_e"]]:
-    """Diagonals of such matrices, in one program: each operation would be one."""
+    """Diagonals of such matrices, in one program instead of one per operation."""
     return [jnp.diagonal(_matrix(element, kind, key, own, arguments, places)) for own in numbers]
 
 
 def _used(member: Member, key: str, kind: str) -> set[str]:
-    """Which numbers of a section, or of dampers, enter a matrix of an element; none where other functions take them."""
+    """Numbers of a section or of dampers that enter a matrix of an element; none if other functions use them too."""
     element = member.element
     takes = [
         one
@@ -147,7 +147,7 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     arguments = element.arguments(getattr(element, kind), member.properties)
     matrix = functools.partial(_matrix, element, kind, key, arguments=arguments)
     program = jax.make_jaxpr(matrix)(dict.fromkeys(RESISTING, 1.0), places=places).jaxpr
-    # The first variables are the numbers: JAX orders a dictionary by its keys, as RESISTING stands.
+    # The first variables are the numbers: JAX orders a dictionary by its keys, in the order of RESISTING.
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
     return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
 
@@ -161,7 +161,7 @@ def _warn_of_held(
     resisted: Bool[np.ndarray, "n_e"],
     free: tuple[int, ...],
 ) -> None:
-    """Warn where what is given of an element acts on deformations alone that are held."""
+    """Warn if the numbers of an element act on held deformations alone."""
     if not np.any(resisted) or np.any(resisted[list(free)]):
         return
     numbers = [str(i + 1) for i in np.flatnonzero(resisted)]
@@ -178,7 +178,7 @@ def _warn_of_held(
 def _resisted(
     builder: Description, member: Member, key: str, kind: str, numbers: list[dict[str, Any]]
 ) -> Float[np.ndarray, "n n_e"] | None:
-    """Diagonals of a matrix of an element with other numbers, or with its own; None where it is not all known."""
+    """Diagonals of a matrix of an element with changed numbers; None if not all are known."""
     starts = [builder.nodes[node].start for node in member.nodes]
     arguments = member.element.arguments(getattr(member.element, kind), member.properties)
     if not is_concrete((starts, arguments)):
@@ -186,13 +186,13 @@ def _resisted(
     places = [np.asarray(start, float) for start in starts]
     own = {one: getattr(member.properties[key], one) for one in RESISTING}
     every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
-    # What is no array chooses code.
+    # Everything but arrays selects code.
     arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
     return np.asarray(_diagonals(member.element, kind, key, every, arguments, places))
 
 
 def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
-    """Whether a number would resist a deformation that is free and that nothing resists."""
+    """Whether a number would resist a free deformation that nothing resists."""
     own = getattr(member.properties[key], name)
     found = _resisted(builder, member, key, kind, [{name: own}, {name: own + 1.0}])
     if found is None:

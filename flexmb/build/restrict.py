@@ -1,4 +1,4 @@
-"""A model with fewer degrees of freedom, deformations FIXED or tied to each other, or with more."""
+"""Models with fewer degrees of freedom, by deformations that are FIXED or tied to each other, or with more."""
 
 import dataclasses
 from typing import Any
@@ -20,14 +20,15 @@ from ..model.by_name import TURNS, frame_of, turn_of
 from ..model.model import Entry, Labels, Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, RoleIndices, Topology
+from ..numerical_limits import CANNOT_MOVE
 from .assemble import on_device
-from .dofs import CANNOT_MOVE, choose
+from .dofs import choose
 
 TIE = "tie"
 
 
 def can_be_tied(model: Model) -> np.ndarray:
-    """Whether each deformation may enter a tie: those whose turns are counted may not, (n_e,)."""
+    """Whether each deformation may enter a tie; angles that count turns may not."""
     possible = np.zeros(model.topology.n_e, bool)
     for block in model.topology.blocks:
         if "deformation" in block.companions and not block.element.tracks_angle:
@@ -36,13 +37,13 @@ def can_be_tied(model: Model) -> np.ndarray:
 
 
 class Restriction(Record):
-    """What is FIXED or tied in a model, for models of the same structure.
+    """FIXED and tied deformations of a model, for models of the same structure.
 
     Attributes:
         topology: Structure of the restricted model.
         labels: Its names.
-        weights: Of the tied deformations in each tie, (1, ties, m) [-].
-        tied: Places of the blocks whose deformations are tied.
+        weights: Weights of the tied deformations in each tie, (1, ties, m) [-].
+        tied: Numbers of the blocks with tied deformations.
     """
 
     topology: Topology
@@ -51,7 +52,7 @@ class Restriction(Record):
     tied: tuple[int, ...] = static()
 
     def of(self, model: Model) -> Model:
-        """The restricted model with another's numbers."""
+        """The restricted model with the numbers of another model."""
         own = model.parameters
         more = self.topology.n_e - model.topology.n_e
         properties = own.properties
@@ -73,7 +74,7 @@ class Restriction(Record):
 
 
 def _longer(values: Array | None, more: int) -> Array | None:
-    """Values of what there was before, and zeros."""
+    """Values followed by zeros."""
     return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
 
 
@@ -87,8 +88,7 @@ def _longer_loads(given: Loads | None, more_x: int, more_e: int) -> Loads | None
 def with_turn(model: Model, name: str) -> Model:
     """A model with a hinge that measures the rotation of a node in space about a global axis.
 
-    Returns:
-        The model; itself where it has the hinge, or where the name means no such rotation.
+    Unchanged if it has the hinge, or if the name means no such rotation.
     """
     labels, top, own = model.labels, model.topology, model.parameters
     turned = labels.rotation_of(name)
@@ -127,13 +127,12 @@ def with_turn(model: Model, name: str) -> Model:
 
 
 def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarray) -> Restriction:
-    """FIX deformations and tie others, and choose degrees of freedom among those of the model.
+    """Fix deformations, tie others, and choose degrees of freedom among those of a checked model.
 
     Args:
-        model: Mechanism, checked.
-        fixed: Deformations to FIX, indices in e.
-        tied: Deformations that take part in ties, indices in e.
-        weights: Of those in each tie, (ties, tied) [-].
+        fixed: Deformations to fix, as indices in e.
+        tied: Deformations in ties, as indices in e.
+        weights: Their weights in each tie, (ties, tied) [-].
     """
     top = model.topology
     n_e, ties = top.n_e, len(weights)
@@ -141,7 +140,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     held = {*np.asarray(top.e.fixed).tolist(), *fixed}
     for i, block in enumerate(blocks):
         if held.issuperset(np.asarray(block.e).ravel().tolist()):
-            # As in a model built so: nothing stiff is asked of what does not deform.
+            # As in a model built so: FIXED deformations need no stiffness.
             rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
             blocks[i] = dataclasses.replace(block, companions=rest)
     entries = model.labels.e
@@ -190,11 +189,9 @@ def released(model: Model, indices: list[int]) -> Model:
 
 
 def with_dofs(restricted: Model, model: Model) -> Topology:
-    """Structure with degrees of freedom of the model, and others where they leave motions undetermined.
+    """Structure with degrees of freedom of ``model``, and others for motions that these leave undetermined.
 
-    Args:
-        restricted: Model with other constraints, of which nothing is a degree of freedom yet.
-        model: Model whose degrees of freedom are preferred.
+    ``restricted`` has other constraints and no degrees of freedom yet.
     """
     motions, _ = motions_of(restricted)
     top, own = restricted.topology, model.topology
@@ -214,5 +211,5 @@ def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
 
 
 def roles_of(fixed: Any, dependent: Any, dof: Any, prescribed: Any) -> RoleIndices:
-    """Entries of each role, by known indices in lists or arrays; JAX compiles no program for them."""
+    """Indices of each role, from known indices in lists or arrays, without compiling."""
     return RoleIndices(*on_device([np.array(own, int) for own in (fixed, dependent, dof, prescribed)]))

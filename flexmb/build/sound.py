@@ -1,4 +1,4 @@
-"""The checks of sections and elements on the numbers of a whole model, block by block; NaN where traced ones fail."""
+"""Checks of sections and elements on the numbers of a whole model, block by block; NaN for traced ones that fail."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -13,12 +13,12 @@ from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 
-# Faults of one element or of many, what it is asked about, and the function that its author wrote.
+# Function that returns faults of one or many elements, its argument, and the function that its author wrote.
 Check = tuple[Callable[[Any], list[str]], Any, Callable[..., list[str]]]
 
 
 def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
-    """Each check of a model's sections, dampings and elements."""
+    """All checks of a model's sections, dampings and elements."""
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         reference = parameters.reference[:, np.asarray(block.x)]
         for first, last, own in _of_one_kind(properties, len(block.x)):
@@ -31,9 +31,9 @@ def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
 
 
 def nan_if_impossible(model: Model) -> Model:
-    """A model whose traced numbers are NaN where a concrete build would refuse them.
+    """A model whose traced numbers are NaN if a concrete build would refuse them.
 
-    A check that a user wrote for plain numbers is not asked: it cannot be traced.
+    Checks by users are left out, since they are written for plain numbers and cannot be traced.
     """
     if is_noting() or is_concrete(model.parameters):
         return model
@@ -47,7 +47,7 @@ def nan_if_impossible(model: Model) -> Model:
             if function.__module__.startswith("flexmb.") and not is_concrete(numbers):
                 ask(numbers)
         leaves, structure = jax.tree.flatten(model.parameters)
-        # Known numbers stay so: analyses ask less of them.
+        # Known numbers stay known: analyses depend on it.
         traced = iter(marked([leaf for leaf in leaves if not is_concrete(leaf)]))
         leaves = [leaf if is_concrete(leaf) else next(traced) for leaf in leaves]
         return dataclasses.replace(model, parameters=jax.tree.unflatten(structure, leaves))
@@ -58,7 +58,7 @@ def _faults(record: Section | Damping) -> list[str]:
 
 
 def _of_one_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
-    """Elements of a block whose sections are of one kind: from, to, and their properties."""
+    """Elements of a block with sections of one kind: first, last, and their properties."""
     sections = properties.get("section")
     if not isinstance(sections, tuple):
         yield 0, count, properties
@@ -78,7 +78,7 @@ def _of_element(
     element = block.element
     wanted = element.wanted(check)
     if any(p.default is p.empty and n not in properties for n, p in wanted.items()):
-        # A block of deformations alone; the one of the companions has the other properties.
+        # A block of deformations alone; the block of the companions has the other properties.
         return
     options = {n: v for n, v in properties.items() if n in wanted and isinstance(v, bool | str)}
     numbers = {n: v for n, v in properties.items() if n in wanted and n not in options}

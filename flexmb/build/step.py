@@ -12,26 +12,23 @@ from ..elements.sections import Material
 from ..errors import ModelError, clean
 from .assemble import stack
 
-# build123d gives millimetres, whatever the units of the file are.
+# build123d returns millimetres for any unit of the file.
 MILLIMETRE = 1e-3
 
 
 def body_of_step(what: str, step: Any, material: Any, at: Any = None, dimension: int = 3) -> tuple[Any, Any, Any]:
-    """Mass, centre of mass and inertia of all solids of a STEP file, in its axes.
+    """Mass, centre of mass (d,) and inertia about it of all solids of a STEP file, in axes of the file [kg, m, kg m^2].
 
     Args:
-        what: What it is for, for messages.
+        what: Beginning of messages.
         step: Path of the file.
-        material: Material, whose density counts, or a density, () [kg/m^3].
-        at: Where the origin of the file is, (d,) [m].
+        material: Material with a density, or a density [kg/m^3].
+        at: Origin of the file, (d,) [m].
         dimension: d; 2 for the axes x and y of the file.
-
-    Returns:
-        Mass () [kg], centre (d,) [m] and inertia about the centre [kg m^2], (3, 3), in the plane ().
 
     Raises:
         ImportError: build123d is not installed.
-        ModelError: There is no such file, it has no solids, or there is no density.
+        ModelError: The file is missing or has no solids, or there is no density.
 
     Source:
         Volume integrals over each solid by Open CASCADE; parallel axes.
@@ -55,7 +52,9 @@ def body_of_step(what: str, step: Any, material: Any, at: Any = None, dimension:
 
 def _density(what: str, material: Any) -> Any:
     if material is None:
-        raise ModelError(f"{what}: a STEP file has volumes alone. Give material=, a Material or a density [kg/m^3].")
+        raise ModelError(
+            f"{what}: a STEP file contains only volumes. Give material=, a Material or a density [kg/m^3]."
+        )
     density = material.rho if isinstance(material, Material) else material
     check_numbers(f"{what}: the density", density, (), ModelError)
     if is_concrete(density) and not density > 0:
@@ -74,7 +73,7 @@ def _solids(what: str, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     except Exception as fault:
         raise ModelError(f"{what}: cannot read '{clean(path)}' as a STEP file: {clean(fault)}.") from fault
     if not solids:
-        raise ModelError(f"{what}: the STEP file '{clean(path)}' has no solids, or is none. Surfaces have no mass.")
+        raise ModelError(f"{what}: the STEP file '{clean(path)}' has no solids. Surfaces have no mass.")
     volumes = np.array([solid.volume for solid in solids])
     if not np.all(volumes > 0):
         raise ModelError(f"{what}: a solid in the STEP file '{clean(path)}' has no volume.")

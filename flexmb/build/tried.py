@@ -1,4 +1,4 @@
-"""States in which an element type is tried, and what its functions answer there, with their derivatives."""
+"""States in which an element type is tested, and the answers of its functions there with derivatives."""
 
 import functools
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ from ..elements.element import Element
 from ..elements.nodes import NodeKind
 from ..math import rotations
 
-# What need not have derivatives everywhere.
+# Companions that need not have derivatives everywhere.
 KINKED = ("law", "energy", "dissipation")
 STEP = float(np.cbrt(np.finfo(float).eps))
 
@@ -26,23 +26,23 @@ class ElementState(NamedTuple):
 
 
 def abs_or_one(numbers: np.ndarray) -> np.ndarray:
-    """Size of numbers: that of the largest beside them where one is zero, 1 where all are."""
+    """Sizes of numbers; for a zero the largest of the others, or 1 if all are zero."""
     sizes = np.abs(numbers)
     return np.where(sizes > 0, sizes, np.max(sizes, initial=0.0) or 1.0)
 
 
 def sizes(kinds: list[NodeKind], apart: float) -> list[np.ndarray]:
-    """How large coordinates usually are, node by node."""
+    """Usual sizes of coordinates, node by node."""
     return [np.full(kind.size, apart if kind.part == "position" else 1.0) for kind in kinds]
 
 
 def weights(count: int) -> np.ndarray:
-    """Numbers of order one that no symmetry matches."""
+    """Numbers of order one without symmetry."""
     return np.cos(2.0 + 1.7 * np.arange(count))
 
 
 def drawn(kinds: list[NodeKind], apart: float, random: np.random.Generator) -> list[np.ndarray]:
-    """Coordinates of an undeformed element: nodes one after the other along a line, turned anyhow."""
+    """Coordinates of an undeformed element: nodes in a row along a line, with random rotations."""
     found, places = [], 0
     along = np.array([1.0, 0.3, -0.2])
     for kind in kinds:
@@ -62,7 +62,7 @@ def drawn(kinds: list[NodeKind], apart: float, random: np.random.Generator) -> l
 def moved(
     kinds: list[NodeKind], ref: list[np.ndarray], away: float, apart: float, random: np.random.Generator
 ) -> list[np.ndarray]:
-    """Coordinates of the element deformed, each node by itself."""
+    """Coordinates of the deformed element, with each node moved by itself."""
     found = []
     for kind, part in zip(kinds, ref, strict=True):
         change = away * random.uniform(-1, 1, 3 if kind.part == "rotation" else kind.size)
@@ -76,7 +76,7 @@ def moved(
 def rigidly(
     kinds: list[NodeKind], x: list[np.ndarray], turn: np.ndarray, shift: np.ndarray, rates: bool = False
 ) -> list[np.ndarray]:
-    """Coordinates after a rigid motion of the whole, or rates as the motion carries them along."""
+    """Coordinates after a rigid motion of the whole, or rates carried along by it."""
     c, s = np.cos(turn[2]), np.sin(turn[2])
     lam, plane = rotations.from_vector(turn), np.array([[c, -s], [s, c]])
     found = []
@@ -95,7 +95,7 @@ def rigidly(
 
 @functools.cache
 def compiled(element: Element, count: int, options: tuple, structure: Any, shapes: tuple) -> Any:
-    """Answers of an element with their derivatives, for many points and directions; where each answer stands."""
+    """Answers of an element with derivatives, for many points and directions; and the place of each answer."""
     _, unravel = ravel_pytree(jax.tree.unflatten(structure, [np.zeros(shape) for shape in shapes]))
 
     def chosen(companion: Any, numbers: dict[str, Any]) -> dict[str, Any] | None:
@@ -119,7 +119,7 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
         return found
 
     def weighed(point: Any) -> Any:
-        """Weights of all answers; none of laws and potentials, which may have kinks, as contact has."""
+        """Weights of all answers; zero for laws and potentials, which may have kinks, as in contact."""
         found = {name: jnp.full(part.size, float(name not in KINKED)) for name, part in answers(point).items()}
         whole = jnp.concatenate([part for _, part in sorted(found.items())])
         return whole * weights(whole.size)
@@ -132,7 +132,7 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
         return value, pull(weighed(point))[0]
 
     def slopes(name: str, point: Any) -> dict[str, Any]:
-        """Derivative of a potential in a direction, and by differences."""
+        """Derivative of a potential in a direction, and its difference quotient."""
         _, ref, numbers = unravel(point)
         own = chosen(getattr(element, name), numbers) or {}
         e = answers(point)["deformations"]

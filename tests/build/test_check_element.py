@@ -27,8 +27,11 @@ def bend(p):
 
 
 WRONG = {
-    "not zero": (lambda p: jnp.linalg.norm(p.q - p.p)[None], "deformation 1 is .* in the undeformed mechanism, which"),
-    "not objective": (lambda p: (p.q - p.p - p.ref.q + p.ref.p)[:1], "deformation 1 changes by .* as a rigid body"),
+    "not zero": (
+        lambda p: jnp.linalg.norm(p.q - p.p)[None],
+        "deformation 1 is .* in the undeformed mechanism, given as",
+    ),
+    "not objective": (lambda p: (p.q - p.p - p.ref.q + p.ref.p)[:1], "deformation 1 changes by .* in a rigid motion"),
     "a kink": (
         lambda p: jnp.maximum(bend(p), 0.0),
         "its second derivatives are not those of .* in the undeformed mechanism: it may",

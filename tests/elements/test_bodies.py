@@ -178,7 +178,7 @@ WRONG = {
     "negative": ({"mass": 1.0, "inertia": -1.0}, "has an inertia of -1.0, but it cannot be negative"),
     "material": ({"mass": 1.0, "material": 7800.0}, "material goes with a STEP file alone"),
     "both": ({"mass": 1.0, "step": "part.step"}, "a STEP file says its mass; leave out one"),
-    "no material": ({"step": "part.step"}, "a STEP file has volumes alone. Give material="),
+    "no material": ({"step": "part.step"}, "a STEP file contains only volumes. Give material="),
     "no density": ({"step": "part.step", "material": fm.Material(1.0, 1.0)}, "density of its material is 0.0"),
     "no file": ({"step": "part.step", "material": 7800.0}, "there is no STEP file 'part.step'"),
 }

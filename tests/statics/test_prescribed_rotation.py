@@ -312,7 +312,7 @@ def test_what_is_turned_is_moved_by_an_input_of_its_axis():
         refused.prescribe("B", name, **prescribed)
         refused.input("B", "rx")
         if name == "rx":
-            with pytest.raises(fm.ModelError, match="acts on a rotation that is prescribed, where it can do nothing"):
+            with pytest.raises(fm.ModelError, match="acts on a rotation that is prescribed, so it has no effect"):
                 refused.build()
 
 
