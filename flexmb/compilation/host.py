@@ -135,8 +135,8 @@ def call_host(function: Callable[..., Any], like: Any, *arguments: Any) -> Any:
 
 def _refused(*_: Any):
     raise TypeError(
-        "Results of sparse factors on the host have no further derivative here: a motion can be differentiated once, in"
-        ' reverse mode. Give form="coordinates", or sparse=False to other analyses.'
+        "Results of sparse factors on the host have no further derivative here: a motion can be differentiated once in"
+        ' reverse. Give form="coordinates", or sparse=False to other analyses.'
     )
 
 

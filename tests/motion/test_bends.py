@@ -117,7 +117,7 @@ def test_derivatives_forward_name_what_they_ask_for():
 
 @pytest.mark.slow
 def test_second_derivatives_in_reverse_name_what_they_ask_for():
-    with pytest.raises(TypeError, match="differentiated in reverse once"):
+    with pytest.raises(TypeError, match="differentiated once in reverse"):
         jax.eval_shape(jax.grad(jax.grad(lambda f: moved(lambda t: f * t))), 1.0)
 
 
