@@ -77,7 +77,7 @@ def flapping(model):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.FlexmbWarning")
 def test_rotating_strip():
-    """REFERENCES V1-strip: frequencies of a rigidly clamped Euler-Bernoulli strip, and what the measured ones exclude."""
+    """REFERENCES V1-strip: a rigidly clamped Euler-Bernoulli strip, and what measured frequencies exclude."""
     computed = np.asarray(fm.jit(lambda modulus: flapping(strip_in_the_plane(modulus)))(73.08e9))
     printed = [[1.487, 9.32, 26.10], [9.19, 23.8, 44.6], [13.6, 34.0, 59.5]]
     # Half a unit of the last digit, and 0.3 % by which stretching and rotary inertia change the highest one.
