@@ -81,7 +81,7 @@ def test_elements_join_neighbouring_levels_alone():
 
 def test_what_the_form_does_not_cover_is_refused_by_name():
     model = arm(1)
-    with pytest.raises(ValueError, match="leave `solver` out"):
+    with pytest.raises(ValueError, match="Leave `solver` out"):
         fm.simulate(model, TIMES, form="chain", solver=fm.motion.Rodas5P())
     with pytest.raises(fm.ModelError, match="traced"):
         jax.jit(lambda t: fm.simulate(model, t, form="chain", jumps=[0.05]).x)(TIMES)
