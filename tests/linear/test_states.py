@@ -150,7 +150,7 @@ def renamed():
 @pytest.mark.parametrize(
     ("ask", "kind", "words"),
     [
-        (lambda m, p: fm.frequencies(m, at=p), ValueError, "a Path with 2 states: say which by step="),
+        (lambda m, p: fm.frequencies(m, at=p), ValueError, r"a Path with 2 states\. Choose one by step="),
         (lambda m, p: fm.frequencies(m, step=1), ValueError, "`step` of fm.frequencies goes with at="),
         (lambda m, p: fm.poles(m, at=p, time=0.1), ValueError, "A path has no times"),
         (lambda m, p: fm.modes(m, at=p, step=1, increment=1.0), ValueError, "does not go with at="),
