@@ -12,10 +12,13 @@ import flexmb as fm
 
 # Elements that are compared in these cases.
 KINDS = ("one leaf_spring",)
+# Cases whose solid models take a quarter of an hour; no results of theirs are committed.
+NOT_SOLVED = ("arc at strokes", "cosine arch at strokes")
 # Cases that no element describes: their solid results stand by themselves.
 NOT_YET = {
-    "arc": "no element has an initial curvature",
-    "cosine arch": "no element has an initial curvature",
+    **dict.fromkeys(
+        ("arc", "arc at strokes", "cosine arch", "cosine arch at strokes"), "no element has an initial curvature"
+    ),
     "twisted leaf spring": "no element has an initial twist",
     "slot": "no section has a hole",
     **{name: "no clamp is skew" for name in shapes.SHAPES if name.startswith("skew")},

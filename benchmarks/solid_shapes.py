@@ -146,19 +146,21 @@ def arc(chord: bool) -> Callable:
 
 
 def curved(fine: Fineness):
-    """Arc at rest, and its tip pulled apart and pushed together along its chord, its rotations held."""
+    """Arc at rest, its chord along x."""
     radius, angle, width, thickness = ARC
-    sizes = radius * angle, width, thickness
     place = arc(chord=True)
-    centre = tuple(place(sizes[0], 0.0, 0.0))
-    found, seconds = plain(fine, sizes, place, centre)
-    found = {f"0 mm, {k}": v for k, v in found.items()}
+    return plain(fine, (radius * angle, width, thickness), place, tuple(place(radius * angle, 0.0, 0.0)))
+
+
+def curved_far(fine: Fineness):
+    """Arc whose tip is pulled apart from its foot and pushed towards it along the chord, its rotations held."""
+    radius, angle, width, thickness = ARC
+    place, found, seconds = arc(chord=True), {}, 0.0
     for sign, name in ((1, "apart"), (-1, "together")):
-        strokes = [sign * s for s in ARC_STROKES[name]]
         mesh = Mesh()
-        strip(mesh, fine, *sizes, place)
-        body = mesh.make_rigid("TIP", centre)
-        held = [(body[1], d, 0.0) for d in (1, 2, 3)]
+        strip(mesh, fine, radius * angle, width, thickness, place)
+        body = mesh.make_rigid("TIP", tuple(place(radius * angle, 0.0, 0.0)))
+        strokes, held = [sign * s for s in ARC_STROKES[name]], [(body[1], d, 0.0) for d in (1, 2, 3)]
         here, done = about(
             mesh, body, (body[0], 1), strokes, ("y",), lambda s, n=name: f"{n} {1e3 * abs(s):.1f} mm", held=held
         )
@@ -167,32 +169,34 @@ def curved(fine: Fineness):
     return found, seconds
 
 
+def arch(x, y, z):
+    """Where the points of half a cosine arch lie: by the place along the span, with the thickness along the normal."""
+    span, height, *_ = ARCH
+    turn = 2 * np.pi / span
+    up, slope = height / 2 * (1 - np.cos(turn * x)), height / 2 * turn * np.sin(turn * x)
+    size = np.hypot(1, slope)
+    return x - z * slope / size, y, up + z / size
+
+
 def arched(fine: Fineness):
-    """Half of a cosine arch that is clamped at its foot; the rigid part in its middle moves down without turning.
+    """Half of a cosine arch that is clamped at its foot, with a rigid part in its middle."""
+    span, height, width, thickness = ARCH
+    return plain(fine, (span / 2, width, thickness), arch, (span / 2, 0, height))
+
+
+def arched_far(fine: Fineness):
+    """Half of a cosine arch whose middle is moved down without turning.
 
     It moves from the height of the arch towards its mirror image. The force of a whole arch is twice that.
     """
     span, height, width, thickness = ARCH
-    half = span / 2
-
-    def place(x, y, z):
-        # By the place along the span, with the thickness along the normal.
-        up, slope = height / 2 * (1 - np.cos(np.pi * x / half)), height / 2 * np.pi / half * np.sin(np.pi * x / half)
-        size = np.hypot(1, slope)
-        return x - z * slope / size, y, up + z / size
-
-    def build():
-        mesh = Mesh()
-        strip(mesh, fine, half, width, thickness, place)
-        return mesh, mesh.make_rigid("TIP", (half, 0, height))
-
-    found, seconds = plain(fine, (half, width, thickness), place, (half, 0, height))
-    mesh, body = build()
+    mesh = Mesh()
+    strip(mesh, fine, span / 2, width, thickness, arch)
+    body = mesh.make_rigid("TIP", (span / 2, 0, height))
     held = [(body[1], d, 0.0) for d in (1, 2, 3)] + [(body[0], d, 0.0) for d in (1, 2)]
-    here, done = about(
-        mesh, body, (body[0], 3), [-s for s in ARCH_STROKES], (), lambda s: f"down {1e3 * abs(s):.1f} mm", held=held
-    )
-    return found | here, seconds + done.seconds
+    strokes = [-s for s in ARCH_STROKES]
+    found, done = about(mesh, body, (body[0], 3), strokes, (), lambda s: f"down {1e3 * abs(s):.1f} mm", held=held)
+    return found, done.seconds
 
 
 def parts(mesh: Mesh, fine: Fineness, lengths, widths, thickness=THICKNESS) -> None:
@@ -293,7 +297,7 @@ def folded(rest: Fineness, fine: Fineness, strokes=FOLD_STROKES):
 
 
 def _angles(foot: bool, tip: bool):
-    sizes = {a: SHARP if a > np.radians(40) else MESHES for a in SKEWNESS}
+    sizes = {a: SHARP if tip and a > np.radians(40) else MESHES for a in SKEWNESS}
     return {
         f"skew {np.degrees(a):.0f} degrees, {'both ends' if tip else 'foot alone'}": (
             lambda mesh, a=a: skew(sizes[a][mesh], a if foot else 0.0, a if tip else 0.0)
@@ -307,8 +311,10 @@ SHAPES: dict[str, Callable] = {
     "short leaf spring": lambda mesh: plain(SHARP[mesh], SHORT),
     "broad leaf spring": lambda mesh: plain(SHARP[mesh], BROAD),
     "thick leaf spring": lambda mesh: plain(THROUGH[mesh], THICK),
-    "arc": lambda mesh: curved(BENT[mesh]),
-    "cosine arch": lambda mesh: arched(BENT[mesh]),
+    "arc": lambda mesh: curved(MESHES[mesh]),
+    "arc at strokes": lambda mesh: curved_far(BENT[mesh]),
+    "cosine arch": lambda mesh: arched(MESHES[mesh]),
+    "cosine arch at strokes": lambda mesh: arched_far(BENT[mesh]),
     "twisted leaf spring": lambda mesh: twisted(MESHES[mesh]),
     "trapezoid": lambda mesh: tapered(MESHES[mesh], TRAPEZOID),
     "triangle": lambda mesh: tapered(SHARP[mesh], TRIANGLE),

@@ -28,6 +28,7 @@ def script(name):
 
 
 quick, against, solutions, whole = map(script, ("quick", "against", "solutions", "__main__"))
+solid, solid_shapes, shape_beams = map(script, ("solid", "solid_shapes", "solid_shape_beams"))
 
 
 @pytest.fixture
@@ -144,3 +145,24 @@ def test_a_package_that_is_not_there_is_no_other_one(tmp_path):
     # One that is installed may be found in its place: that is told too, and nothing is compared.
     with pytest.raises(RuntimeError, match=r"^then: (another package than|ModuleNotFoundError)"):
         against.paired("elastica", {"then": tmp_path, "now": PLACE.parent}, tmp_path)
+
+
+@pytest.fixture
+def solids():
+    return json.loads(solid.RESULTS.read_text())
+
+
+def test_every_shape_is_compared_or_said_to_be_left_out(solids):
+    """No case of a solid model is left out silently, and what is left out states why."""
+    told = list(shape_beams.CASES) + list(shape_beams.NOT_YET)
+    assert sorted(told) == sorted(solid_shapes.SHAPES)
+    assert all(shape_beams.NOT_YET.values())
+    assert set(solid_shapes.SHAPES) - set(shape_beams.NOT_SOLVED) == set(solid_shapes.SHAPES) & set(solids["solid"])
+
+
+def test_meshes_of_the_shapes_agree(solids):
+    """The coarse mesh is within 0.7 % of the fine one, at the corners of thick parts and of the arch within 1 %."""
+    for name in set(solid_shapes.SHAPES) & set(solids["solid"]):
+        most = 0.01 if name.startswith(("steps in thickness", "cosine arch")) else 0.007
+        for what, q in solids["solid"][name]["quantities"].items():
+            assert abs(q["coarse"] / q["fine"] - 1) < most, (name, what)
