@@ -336,7 +336,9 @@ class _Reader:
         if isinstance(points := given.get("points"), dict):
             _checked("[sweep] points", points, dict.fromkeys(free, _whole(1, MOST)))
             if missing := [name for name in free if name not in points]:
-                raise StudyError(f"[sweep] points: '{missing[0]}', a parameter with bounds, is missing.")
+                raise StudyError(
+                    f"[sweep] points: '{missing[0]}' is missing. Every parameter with bounds needs points."
+                )
         return given
 
 
