@@ -36,6 +36,15 @@ STRIP_SERIES = 0.06
 PLACE_OF_BREAK = 1e-9
 """Breaks of a section may lie outside of [0, 1], or out of order, by this: they are often quotients of lengths."""
 
+SMOOTH_CURVE = 1e-6
+"""An initial curvature is smooth if its series of twenty terms misses it by less than this share of the largest."""
+
+SAME_LINE = 1e-6
+"""A curve goes through its points, and its ends lie at the nodes, within this share of its length."""
+
+SAME_END = 1e-9
+"""A curve of a given chord is found where its chord is right to this share."""
+
 SAME_DAMPING = 1e-12
 """Damping of a material along a section varies where it differs by more than this, which is round-off."""
 

@@ -36,6 +36,7 @@ from .assemble import assemble, stack
 from .calls import recorded
 from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
+from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete
 from .given import listed, named, released_in, some_of
@@ -802,6 +803,7 @@ class Builder(Description):
         if check:
             warn_of_idle(self)
             warn_of_plain_beams(self)
+            warn_of_curved_leaves(self)
         note_builder(self)
         before = next_carried()
         described = with_clamps(self, before)

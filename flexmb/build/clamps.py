@@ -13,7 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
-from ..elements.leaf import REACHES
+from ..elements.curves import axes_of_end, curve_length
+from ..elements.leaf import REACHES, flags_and_distances
 from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
 from ..errors import ModelError, warn
@@ -146,37 +147,46 @@ def _reach_in_line(
     """
     leaves = {name: member for name, member in builder.members.items() if (name, 0) in kept and member.element.fields}
     ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in _ends(name, member)}
+    found: dict[tuple[str, int], Any] = {}
     for (name, number), end in ends.items():
         beyond, at, passed = 0.0, end, {name}
         while not kept[at.leaf, at.number]:
             following = [leaf for leaf in joined[at.rotation] if leaf in leaves and leaf != at.leaf]
-            if len(following) != 1 or following[0] in passed or _is_fold(builder, at.leaf, following[0]):
+            if len(following) != 1 or following[0] in passed:
+                break
+            near = parts_of(leaves[following[0]], "rotation").index(at.rotation)
+            if _is_fold(builder, at, ends[following[0], near]):
                 break
             passed.add(following[0])
-            beyond = beyond + _span(builder, leaves[following[0]])
-            near = parts_of(leaves[following[0]], "rotation").index(at.rotation)
+            beyond = beyond + span_of(builder, leaves[following[0]])
             at = ends[following[0], 1 - near]
         sides = _sides(builder, leaves[name], number) or []
         too_far = is_concrete((beyond, sides)) and bool(beyond >= REACH * max(map(np.max, sides)))
-        if at is end or too_far or not kept[at.leaf, at.number]:
-            continue
+        if at is not end and not too_far and kept[at.leaf, at.number]:
+            found[name, number] = beyond
+    for name in leaves if found else ():
         own = twin.members[name]
-        clamped = [-beyond if i == number else flag for i, flag in enumerate(own.properties["clamped"])]
-        clamped = np.array(clamped) if is_concrete(clamped) else jnp.stack(list(map(jnp.asarray, clamped)))
+        flags = [1.0 if (name, i) in found else flag for i, flag in enumerate(own.properties["clamped"])]
+        beyond = [found.get((name, i), 0.0) for i in range(2)]
+        library: Any = np if is_concrete(beyond) else jnp
+        clamped = library.stack([library.asarray(flags, float), library.stack(list(map(library.asarray, beyond)))])
         twin.members[name] = dataclasses.replace(own, properties={**own.properties, "clamped": clamped})
 
 
-def _is_fold(builder: Description, leaf: str, other: str) -> bool:
+def _is_fold(builder: Description, *ends: End) -> bool:
     """Whether two leaf springs are known to meet at an angle, along or across."""
-    axes = [axes_of(builder, builder.members[name]) for name in (leaf, other)]
+    axes = [axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends]
     return is_concrete(axes) and any(abs(one @ two) < np.cos(FOLD) for one, two in zip(*axes, strict=True))
 
 
-def _span(builder: Description, member: Member) -> Any:
-    """Distance between the ends of an element [m]."""
+def span_of(builder: Description, member: Member) -> Any:
+    """Length of an element [m]."""
     p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
+    curvature = member.properties.get("curvature")
     library: Any = np if is_concrete((p, q)) else jnp
-    return library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
+    chord = library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
+    with _kept_known((chord, curvature)):
+        return chord if curvature is None else curve_length(chord, curvature)
 
 
 def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, given: bool) -> None:
@@ -209,7 +219,8 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
         if "clamped" in properties and block.e.shape[1]:
             of = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
             if end.leaf in of:
-                flat = bool(np.asarray(properties["clamped"])[of.index(end.leaf), end.number] == 1)
+                clamped, beyond = flags_and_distances(np.asarray(properties["clamped"])[of.index(end.leaf)])
+                flat = bool(clamped[end.number] == 1 and beyond[end.number] == 0)
                 return flat, bool(held) and held[end.number]
     return None
 
@@ -256,7 +267,9 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
             return None
         clamps: Any = jnp.min(jnp.stack(thick)) >= THICK * jnp.min(jnp.stack(thin))
         if "clamped" in other.properties:
-            (along, across), (along_other, across_other) = (axes_of(builder, of, jnp) for of in (leaf, other))
+            (along, across), (along_other, across_other) = (
+                axes_of(builder, of, jnp, at) for of, at in ((leaf, end.number), (other, number))
+            )
             clamps |= jnp.abs(across @ across_other) < np.cos(FOLD)
             flat |= jnp.abs(along @ along_other) < np.cos(FOLD)
         flat, restrained = flat | clamps, restrained | clamps
@@ -285,7 +298,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         return True, True
     if "clamped" not in other.properties:
         return False, False
-    axes = [axes_of(builder, member) for member in (leaf, other)]
+    axes = [axes_of(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
     if not is_concrete(axes):
         raise _Unknown("it depends on where they are, and these numbers are traced")
     (along, across), (along_other, across_other) = axes
@@ -337,8 +350,7 @@ def _alike(one: Section, other: Section) -> bool:
 def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
     """Sides of a section at an end of an element, None where it has none."""
     given: Section = member.properties["section"]
-    # Known numbers stay so where something else of the mechanism is traced.
-    with jax.ensure_compile_time_eval() if is_concrete(given) else contextlib.nullcontext():
+    with _kept_known(given):
         section = given.at(float(end), _length(builder, member))
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
@@ -346,16 +358,30 @@ def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
 
 
 def _length(builder: Description, member: Member) -> Any:
-    p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
-    return float(np.linalg.norm(np.subtract(q, p))) if is_concrete((p, q)) else 1.0
+    length = span_of(builder, member)
+    return float(length) if is_concrete(length) else 1.0
 
 
-def axes_of(builder: Description, member: Member, library: Any = np) -> Any:
-    """Unit vectors along a leaf spring and across it, along its width; with NumPy what is traced as it is given."""
+def _kept_known(numbers: Any) -> contextlib.AbstractContextManager[Any]:
+    """Within it, known numbers stay known where something else of the mechanism is traced."""
+    return jax.ensure_compile_time_eval() if is_concrete(numbers) else contextlib.nullcontext()
+
+
+def axes_of(builder: Description, member: Member, library: Any = np, end: int | None = None) -> Any:
+    """Unit vectors along a leaf spring and across it, along its width; with NumPy what is traced as it is given.
+
+    Args:
+        end: At which end, the first (0) or the last (1); of the line between both ends unless given.
+    """
     p, q = (builder.nodes[node].start for node in parts_of(member, "position"))
-    y = member.properties.get("y")
-    if library is np and not is_concrete((p, q, y)):
+    y, curvature = member.properties.get("y"), member.properties.get("curvature")
+    if library is np and not is_concrete((p, q, y, curvature)):
         return p, q, y
+    if end is not None and curvature is not None:
+        y = None if y is None else jnp.asarray(y, float)
+        with _kept_known((p, q, y, curvature)):
+            axes = axes_of_end(curvature, jnp.asarray(q, float) - jnp.asarray(p, float), y, end)
+        return tuple(library.asarray(axis) for axis in axes)
     p, q = library.asarray(p, float), library.asarray(q, float)
     if p.size == 2:
         return (q - p) / library.linalg.norm(q - p), np.ones(1)

@@ -89,11 +89,11 @@ def _remedy(builder: Description, worst: dict[str, Member]) -> str:
 
 
 def _may_be_leaf(member: Member) -> bool:
-    """Whether a leaf spring takes the section of a beam: a rectangle without breaks, of a beam that is straight."""
+    """Whether a leaf spring takes the section of a beam: a rectangle without breaks."""
     section: Any = member.properties["section"]
     kind = section._kind() if isinstance(section, Profile) else section
     breaks = isinstance(section, Profile) and section.breaks
-    return isinstance(kind, Rectangle) and not breaks and member.properties.get("curvature") is None
+    return isinstance(kind, Rectangle) and not breaks
 
 
 def _left_out(

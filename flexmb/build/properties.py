@@ -15,6 +15,7 @@ import numpy as np
 from ..arguments import check_numbers, check_real, is_concrete, shown
 from ..compilation.kept import remembered
 from ..compilation.record import Record
+from ..elements.curves import CurvedLine, curvature_along
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
 from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError, first_line
@@ -136,7 +137,9 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     what = f"Property '{key}' of element '{name}'"
     hints = alternatives_of(element.hint(key))
     records = [h for h in hints if inspect.isclass(h) and issubclass(h, Record)]
-    if records:
+    if CurvedLine in hints and callable(value) and not isinstance(value, Record):
+        value = curvature_along(value)
+    if records and not (_is_number(hints) and not isinstance(value, Record)):
         if not isinstance(value, tuple(records)):
             wanted = " or ".join(_kind(h) for h in records)
             raise ModelError(f"{what} must be {wanted}, not {shown(value)}.")

@@ -21,6 +21,7 @@ from jaxtyping import Array, Float
 from ..errors import ModelError
 from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
+from .curves import curvature_at
 from .profile import NODES, Profile
 from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
@@ -32,8 +33,8 @@ REACHES = np.array([[0.14], [0.40], [0.065]])
 # Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
-# Which ends are clamped, as users say it. A model has a number of each end, (2,): 1 if it is clamped, 0 if not, and -d
-# where the leaf spring goes on in line and is clamped d metres beyond the end [m].
+# Which ends are clamped, as users say it. A model has 1 for a clamped end and 0 for another, (2,). Where clamps reach
+# in through leaf springs in line, these count too, and a second row has their distances, (2, 2) [m].
 Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
@@ -77,6 +78,7 @@ class Leaf(Sheared):
         section: As it is given: a rectangle, or one whose sizes vary smoothly.
         clamped: 1 where a clamp keeps an end flat, 0 where none does, of the first end and of the last, (2,).
         beyond: How far beyond each end that clamp is, in line, (2,) [m].
+        initial: Initial curvature as the beam has it, or None where it is straight.
 
     Source:
         THEORY.md 2, eq. (2.22) and (2.42).
@@ -84,6 +86,7 @@ class Leaf(Sheared):
 
     clamped: Float[Array, "2"]
     beyond: Any = 0.0
+    initial: Any = None
 
     def plain(self) -> Section:
         """The section without clamps, with its shear counted where it varies."""
@@ -277,7 +280,7 @@ class Leaf(Sheared):
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
         found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
         if "GIt" not in names:
-            return found.reshape(fields * order, fields * order)
+            return found.reshape(fields * order, fields * order) + self._curved(elastic, order, length, names)
         turned = np.eye(fields)[names.index("GIt")]
         found = found * (1 - turned[:, None, None, None] * turned[:, None])
         nodes, weights = gauss(DENSE)
@@ -292,7 +295,58 @@ class Leaf(Sheared):
         own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
         spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
         spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
-        return jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
+        found = jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
+        return found + self._curved(elastic, order, length, names)
+
+    def _curved(self, elastic: bool, order: int, length: Any, names: Sequence[str]) -> Any:
+        """What initial curvature and twist add to the elastic matrix, else zero. Source: THEORY.md 2, eq. (2.44)."""
+        if self.initial is None or not elastic:
+            return 0.0
+        places, weights, free = self._parts(length)
+        stretch, bent, rate = self._large(order, places, length, names)
+        wide, thick, nu, stiff, bending = self._numbers(places, length)
+        twisted, curved = self.initial_at(places)
+        kept = curving(3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2)
+        own = jnp.einsum("n,na,nb->ab", weights * free * bending * nu**2 / (1 - nu**2) * (1 - kept), bent, bent)
+        if rate is not None:
+            drawn = stiff * wide**2 * twisted
+            both = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
+            own = own + both + both.T
+            own = own + jnp.einsum("n,na,nb->ab", weights * drawn * wide**2 * twisted / 80, rate, rate)
+        return own * length
+
+    def initial_at(self, places: Any) -> tuple[Any, Any]:
+        """Initial twist and curvature about the soft axis at places, (n,) and (n,) [1/m]; zero unless given."""
+        if self.initial is None:
+            return 0.0, 0.0
+        found = curvature_at(self.initial, places)
+        return (0.0, found) if found.ndim == 1 else (found[:, 0], found[:, 1])
+
+    def _parts(self, length: Any) -> tuple[Float[Array, "n"], Float[Array, "n"], Float[Array, "n"]]:
+        """Places along a leaf spring near its ends and between, their weights, and 0 where a clamp keeps it flat."""
+        nodes, weights = gauss(PARTS)
+        reaches, _ = self.kept(length)
+        ends = jnp.stack([0.0, reaches[1, 0], 1 - reaches[1, 1], 1.0])
+        sizes = jnp.diff(ends)
+        places = (ends[:-1, None] + sizes[:, None] * nodes).ravel()
+        free = 1 - jnp.stack([self.clamped[0], 0.0, self.clamped[1]])
+        return places, (sizes[:, None] * weights).ravel(), jnp.repeat(free, PARTS)
+
+    def _large(
+        self, order: int, places: Float[Array, "n"], length: Any, names: Sequence[str]
+    ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Float[Array, "n c"] | None]:
+        """Elongation, bending and, in space, rate of twist at places, of each coefficient, (n, coefficients) [1/m]."""
+        reaches, shares = self.kept(length)
+        own = strains(order, self.plain(), places, length, KEPT[:2])
+        own = own * (1 - self._flat(places, reaches[:2], shares)).T[:, :, None] / length
+        whole = len(names) * order + (2 if "GIt" in names else 0)
+        rows = [np.eye(whole)[names.index(name) * order :][:order] for name in KEPT[:2]]
+        stretch, bent = (own[:, i] @ rows[i] for i in range(2))
+        if "GIt" not in names:
+            return stretch, bent, None
+        at = names.index("GIt") * order
+        turned = np.concatenate([np.eye(whole)[at : at + order], np.eye(whole)[-2:]])
+        return stretch, bent, self.twist(order, places, length) @ turned / length
 
     def energy(self, order: int, c: Float[Array, "c"], length: Any, names: Sequence[str]) -> Float[Array, ""]:
         """What large strains take beyond the quadratic energy of :meth:`matrix`.
@@ -304,27 +358,27 @@ class Leaf(Sheared):
         Args:
             c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
         """
-        nodes, weights = gauss(PARTS)
-        reaches, shares = self.kept(length)
-        ends = jnp.stack([0.0, reaches[1, 0], 1 - reaches[1, 1], 1.0])
-        sizes = jnp.diff(ends)
-        places = (ends[:-1, None] + sizes[:, None] * nodes).ravel()
-        free = 1 - jnp.stack([self.clamped[0], 0.0, self.clamped[1]])
-        own = strains(order, self.plain(), places, length, KEPT[:2])
-        own = own * (1 - self._flat(places, reaches[:2], shares)).T[:, :, None] / length
-        stretch, bent = (own[:, i] @ c[at * order :][:order] for i, at in enumerate(map(names.index, KEPT[:2])))
+        places, weights, free = self._parts(length)
+        stretch, bent, rate = (None if own is None else own @ c for own in self._large(order, places, length, names))
         wide, thick, nu, stiff, bending = self._numbers(places, length)
+        twisted, curved = self.initial_at(places)
         # u^4, which is smooth in the curvature.
-        fourth = 3 * (1 - nu**2) * (bent * wide**2 / thick) ** 2
-        flatter = bending * nu / (1 - nu**2) * (1 - curving(fourth))
-        found = 0.5 * length * ((sizes * free)[:, None] * weights).ravel() @ (nu * flatter * bent**2)
-        if "GIt" not in names:
+        fourth = 3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2
+        bending, keeps = bending * nu / (1 - nu**2), curving(fourth)
+        flatter = bending * (1 - keeps)
+        if self.initial is not None:
+            # What is quadratic is in the matrix.
+            flatter = bending * (curving(3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2) - keeps)
+        found = 0.5 * length * (weights * free) @ (nu * flatter * bent**2)
+        if rate is None:
             return found
-        at = names.index("GIt") * order
-        rate = self.twist(order, places, length) @ jnp.concatenate([c[at : at + order], c[-2:]]) / length
         square = (wide * rate) ** 2
         drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
-        return found + length * (sizes[:, None] * weights).ravel() @ drawn
+        if self.initial is not None:
+            longer = wide**2 * rate * (2 * twisted + rate)
+            drawn = stiff * (stretch * square / 24 + (longer**2 - 4 * (wide * twisted) ** 2 * square) / 640)
+            drawn = drawn + bending * (1 - keeps) * share_of_change(bent, curved) * rate**2
+        return found + length * weights @ drawn
 
     def _numbers(self, places: Float[Array, "n"], length: Float[Array, ""]):
         """Width, thickness, Poisson's ratio, EA and EIy: of each place where they vary."""
@@ -338,11 +392,22 @@ class Leaf(Sheared):
         return jax.vmap(numbers)(places) if self.section.varies else numbers(0.0)
 
 
-def leaf_of(section: Any, clamped: Any) -> Any:
+def share_of_change(change: Any, initial: Any) -> Any:
+    """Change of a curvature over the whole curvature, with zero where that is zero."""
+    whole = initial + change
+    return change * whole / (whole**2 + TINY)
+
+
+def leaf_of(section: Any, clamped: Any, initial: Any = None) -> Any:
     """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given."""
-    if section is None or clamped is None:
-        return None if section is None else Leaf(section, jnp.zeros(2))
-    return Leaf(section, jnp.asarray(clamped != 0, float), jnp.maximum(-clamped, 0.0))
+    if section is None:
+        return None
+    return Leaf(section, *flags_and_distances(jnp.zeros(2) if clamped is None else clamped), initial)
+
+
+def flags_and_distances(clamped: Any) -> tuple[Any, Any]:
+    """Which ends are kept flat, (2,), and how far beyond them the clamps are, (2,) [m]."""
+    return (clamped[0], clamped[1]) if clamped.ndim == 2 else (clamped, 0.0 * clamped)
 
 
 def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
@@ -366,12 +431,12 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     return 2 / u * above / below
 
 
-def faults_of_leaf(section: Section, ref: Any, count: int = NODES) -> list[str]:
+def faults_of_leaf(section: Section, ref: Any, curvature: Any = None, count: int = NODES) -> list[str]:
     """What is wrong with the section of a leaf spring."""
     if isinstance(section, Profile):
         if section.breaks:
             return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]
-        if faults := check_section(section, ref, None, count):
+        if faults := check_section(section, ref, curvature, count):
             return faults
         section = section._kind()
     if not isinstance(section, Rectangle):

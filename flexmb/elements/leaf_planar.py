@@ -1,10 +1,12 @@
 """Leaf spring in the plane: a spectral beam that bends as a plate near clamps; what it shares stands in ``leaf``."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from . import beams, spectral_planar
+from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
 from .leaf_stress import leaf_stress
@@ -12,8 +14,8 @@ from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
-from .spectral import check_shear, fields_after, numbers_of
-from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, nodes_of
+from .spectral import check_curvature, check_shear, fields_after, numbers_of
+from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, nodes_of
 
 
 def _leaf_spring(
@@ -28,9 +30,10 @@ def _leaf_spring(
     order: Static[int] = 6,
     shear: Static[bool] = False,
     clamped: tuple[bool, bool] | bool | None = None,
+    curvature: float | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
+    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
@@ -43,54 +46,60 @@ def _fields(*, order, shear):
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
-    return jnp.pad(leaf.matrix(of, order, beams.beam_length(ref), _names(shear)), (CLOSURE, 0))
+    return jnp.pad(leaf.matrix(of, order, _length(ref, leaf.initial), _names(shear)), (CLOSURE, 0))
 
 
-def _stiffness(*, ref, section, order, shear, clamped=None):
-    return _matrix(None, leaf_of(section, clamped), order, shear, ref)
+def _stiffness(*, ref, section, order, shear, clamped=None, curvature=None):
+    return _matrix(None, leaf_of(section, clamped, curvature), order, shear, ref)
 
 
-def _damping(*, ref, damping: Damping, order, shear, section, clamped=None):
-    return _matrix(damping, leaf_of(section, clamped), order, shear, ref)
+def _damping(*, ref, damping: Damping, order, shear, section, clamped=None, curvature=None):
+    return _matrix(damping, leaf_of(section, clamped, curvature), order, shear, ref)
 
 
-def _energy(e: Array, *, ref, section, order, shear, clamped=None):
+def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=None):
     """Of the flattening at large curvature."""
-    return leaf_of(section, clamped).energy(order, e[CLOSURE:], beams.beam_length(ref), _names(shear))
+    return leaf_of(section, clamped, curvature).energy(order, e[CLOSURE:], _length(ref, curvature), _names(shear))
 
 
-def _inertia(*nodes: Array, ref, section, order, shear, clamped=None):
-    return spectral_planar._inertia(*nodes, ref=ref, section=leaf_of(section, clamped), order=order, shear=shear)
+def _inertia(*nodes: Array, ref, section, order, shear, clamped=None, curvature=None):
+    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+    return spectral_planar._inertia(*nodes, ref=ref, **own)
 
 
-def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear, "sigma": sigma, "fall": fall}
-    return spectral_planar._resultants(*nodes, ref=ref, place=place, **own)
+def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None, curvature=None):
+    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+    return spectral_planar._resultants(*nodes, ref=ref, place=place, sigma=sigma, fall=fall, **own)
 
 
-def _surface(e: Array, *, ref, place, resultants, section, clamped=None):
-    return leaf_stress(leaf_of(section, clamped), place, beams.beam_length(ref), resultants)
+def _surface(e: Array, *, ref, place, resultants, section, clamped=None, curvature=None):
+    # A moment about the section's y axis turns clockwise.
+    opposite = None if curvature is None else jax.tree.map(jnp.negative, curvature)
+    return leaf_stress(leaf_of(section, clamped, opposite), place, _length(ref, curvature), resultants)
 
 
-def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None, curvature=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
-    length, bends = beams.beam_length(ref), {"EIy": -gradient[0]}
-    return jnp.pad(leaf_of(section, clamped).thermal(change, bends, order, length, _names(shear)), (CLOSURE, 0))
+    length, bends = _length(ref, curvature), {"EIy": -gradient[0]}
+    return jnp.pad(
+        leaf_of(section, clamped, curvature).thermal(change, bends, order, length, _names(shear)), (CLOSURE, 0)
+    )
 
 
-def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": shear}
+def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None, curvature=None):
+    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
     return spectral_planar._shape(*nodes, ref=ref, place=place, **own)
 
 
-def _check(*, ref, order, shear, section) -> list[str]:
-    faults = beams.check_length(ref=ref) or faults_of_leaf(section, ref, nodes_of(order))
+def _check(*, ref, order, shear, section, curvature=None) -> list[str]:
+    faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
+    faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order))
     if faults or shear:
         # What counts shear does so whatever the section states.
         return faults
     # Of a material that the section itself finds fault with there is none to be found here.
     with np.errstate(all="ignore"):
-        return check_shear(False, numbers_of(section, ref, None).shear_z)
+        return check_shear(False, numbers_of(section, ref, curvature).shear_z)
 
 
 leaf_spring = Element(
@@ -117,7 +126,8 @@ or a part at least three times as thick, and folds.
 
 Deformations: those of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
-first end and its last are clamped, such as (True, False), where that shall not be found.
+first end and its last are clamped, such as (True, False), where that shall not be found;
+curvature, as ``planar.spectral_beam`` has it.
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, False unless given.
 Where that would change a stiffness by more than 1 %, a model warns.

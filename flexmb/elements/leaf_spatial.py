@@ -1,11 +1,13 @@
 """Leaf spring in space: a spectral beam whose warping is a coordinate; what it shares stands in ``leaf``."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from . import beams, spectral_spatial
+from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
 from .leaf_stress import leaf_stress, twist_at
@@ -13,18 +15,24 @@ from .nodes import Point3, Reference, Rotation3, Series3, Static, Warping
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
-from .spectral import fields_after
-from .spectral_spatial import FIELDS
+from .spectral import check_curvature, fields_after
+from .spectral_spatial import FIELDS, _length
 
 # Deformations: the closure, the warping of both ends, and the coefficients of the strains.
 CLOSURE, WARPINGS = 6, 2
 OF_BEAM = spectral_spatial.spectral_beam.names
 
 
-def _spectral(nodes: Sequence[Array], ref: Reference):
+def _spectral(nodes: Sequence[Array], ref: Reference, curvature: Any, order: int):
     """Coordinates of a spectral beam whose last coefficients are the warpings, times length."""
     p, rot_p, warp_p, q, rot_q, warp_q, c = nodes
-    return p, rot_p, q, rot_q, jnp.concatenate([c, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
+    return p, rot_p, q, rot_q, jnp.concatenate([c, _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])])
+
+
+def _of_beam(section: Any, clamped: Any, order: int, y: Any, curvature: Any) -> dict[str, Any]:
+    """Properties of the spectral beam that a leaf spring is."""
+    leaf = leaf_of(section, clamped, curvature)
+    return {"section": leaf, "order": order, "shear": True, "y": y, "curvature": curvature}
 
 
 def _leaf_spring(
@@ -41,10 +49,11 @@ def _leaf_spring(
     order: Static[int] = 6,
     clamped: tuple[bool, bool] | bool | None = None,
     y: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, warping of both ends, then the coefficients."""
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
-    warping = beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])
+    own = _of_beam(section, clamped, order, y, curvature)
+    warping = _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])
     # Which motions are allowed does not depend on how strains are spread: that is asked without a section.
     coefficients = c if section is None else jnp.concatenate([c, warping])
     e = spectral_spatial._spectral_beam(p, rot_p, q, rot_q, coefficients, ref=ref, **own)
@@ -56,54 +65,60 @@ def _fields(*, order):
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
-    found = leaf.matrix(of, order, beams.beam_length(ref), FIELDS)
+    found = leaf.matrix(of, order, _length(ref, leaf.initial, order), FIELDS)
     return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
-def _stiffness(*, ref, section, order, clamped=None):
-    return _matrix(None, leaf_of(section, clamped), order, ref)
+def _stiffness(*, ref, section, order, clamped=None, curvature=None):
+    return _matrix(None, leaf_of(section, clamped, curvature), order, ref)
 
 
-def _damping(*, ref, damping: Damping, order, section, clamped=None):
-    return _matrix(damping, leaf_of(section, clamped), order, ref)
+def _damping(*, ref, damping: Damping, order, section, clamped=None, curvature=None):
+    return _matrix(damping, leaf_of(section, clamped, curvature), order, ref)
 
 
-def _energy(e: Array, *, ref, section, order, clamped=None):
+def _energy(e: Array, *, ref, section, order, clamped=None, curvature=None):
     """Of the flattening at large curvature, and of the tension that twist gives the edges."""
-    return leaf_of(section, clamped).energy(order, jnp.roll(e[CLOSURE:], -WARPINGS), beams.beam_length(ref), FIELDS)
+    return leaf_of(section, clamped, curvature).energy(
+        order, jnp.roll(e[CLOSURE:], -WARPINGS), _length(ref, curvature, order), FIELDS
+    )
 
 
-def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
-    return spectral_spatial._inertia(*_spectral(nodes, ref), ref=ref, **own)
+def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None, curvature=None):
+    own = _of_beam(section, clamped, order, y, curvature)
+    return spectral_spatial._inertia(*_spectral(nodes, ref, curvature, order), ref=ref, **own)
 
 
-def _resultants(*nodes: Array, ref, place, sigma, section, order, fall=None, clamped=None, y=None):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y, "sigma": sigma, "fall": fall}
-    return spectral_spatial._resultants(*_spectral(nodes, ref), ref=ref, place=place, **own)
+def _resultants(*nodes: Array, ref, place, sigma, section, order, fall=None, clamped=None, y=None, curvature=None):
+    own = _of_beam(section, clamped, order, y, curvature)
+    return spectral_spatial._resultants(
+        *_spectral(nodes, ref, curvature, order), ref=ref, place=place, sigma=sigma, fall=fall, **own
+    )
 
 
-def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None):
+def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None, curvature=None):
     """Stress with restrained warping, and across where clamps keep the section flat."""
-    leaf, length, at = leaf_of(section, clamped), beams.beam_length(ref), CLOSURE + WARPINGS + order
+    leaf, length, at = leaf_of(section, clamped, curvature), _length(ref, curvature, order), CLOSURE + WARPINGS + order
     twisting = jnp.concatenate([e[at : at + order], e[CLOSURE : CLOSURE + WARPINGS]])
     return leaf_stress(leaf, place, length, resultants, twist_at(leaf, place, length, order, twisting))
 
 
-def _thermal(change: Array, gradient: Array, *, ref, section, order, clamped=None):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, clamped=None, curvature=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
-    length, bends = beams.beam_length(ref), {"EIy": gradient[1], "EIz": -gradient[0]}
-    return jnp.pad(leaf_of(section, clamped).thermal(change, bends, order, length, FIELDS), (CLOSURE + WARPINGS, 0))
+    length, bends = _length(ref, curvature, order), {"EIy": gradient[1], "EIz": -gradient[0]}
+    return jnp.pad(
+        leaf_of(section, clamped, curvature).thermal(change, bends, order, length, FIELDS), (CLOSURE + WARPINGS, 0)
+    )
 
 
-def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None):
-    own = {"section": leaf_of(section, clamped), "order": order, "shear": True, "y": y}
-    return spectral_spatial._shape(*_spectral(nodes, ref), ref=ref, place=place, **own)
+def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None, curvature=None):
+    own = _of_beam(section, clamped, order, y, curvature)
+    return spectral_spatial._shape(*_spectral(nodes, ref, curvature, order), ref=ref, place=place, **own)
 
 
-def _check(*, ref, section, y=None) -> list[str]:
-    faults = beams.check_length(ref=ref) or beams.check_across(ref, y)
-    return faults or faults_of_leaf(section, ref)
+def _check(*, ref, section, y=None, curvature=None) -> list[str]:
+    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, curvature, y)
+    return faults or faults_of_leaf(section, ref, curvature)
 
 
 leaf_spring = Element(
@@ -136,7 +151,7 @@ warping coordinates give; then ``order`` coefficients of each strain, times leng
 shear has them.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; y (vector that fixes
 local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
-shall not be found.
+shall not be found; curvature, as ``spatial.spectral_beam`` has it.
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
 Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the

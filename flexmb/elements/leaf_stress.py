@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from ..numerical_limits import STRIP_SERIES
 from . import surface
-from .leaf import REACHES, Leaf, curving
+from .leaf import REACHES, Leaf, curving, share_of_change
 from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
@@ -40,32 +40,34 @@ def leaf_stress(
     wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
     youngs, nu = rectangle.material.E, rectangle.material.poisson()
     force, _, _, torque, moment, _ = resultants
-    stiffer, flat, keeps, lifted, lowered = _flattened(moment / numbers.EIy, wide, thick, nu)
+    twisted, curved = (jnp.reshape(one, (-1,))[0] for one in leaf.initial_at(jnp.asarray(place, float)[None]))
+    stiffer, flat, keeps, lifted, lowered = _flattened(moment / numbers.EIy, curved, wide, thick, nu)
+    bent = moment / numbers.EIy / stiffer
     warped = tension = shear = jnp.zeros(())
     if twist is not None:
         rate, slope = twist
-        square = (wide * rate) ** 2
-        of_edges = wide**2 * rate * (force / 12 + numbers.EA * square / 360)
-        of_edges = of_edges + 2 * nu * numbers.EIy / (1 - nu**2) * flat * rate
+        square = wide**2 * rate * (2 * twisted + rate)
+        of_edges = wide**2 * (twisted + rate) * (force / 12 + numbers.EA * square / 360)
+        of_edges = of_edges + 2 * nu * numbers.EIy / (1 - nu**2) * flat * share_of_change(bent, curved) * rate
         # What neither Saint-Venant's shear nor the edges carry, the warping does.
         shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
         resultants = resultants.at[3].set(numbers.GIt * rate)
     sigma, tau = rectangle.stress(resultants)
-    stretched, bent = force / (wide * thick), 6 * moment / (wide * thick**2)
+    stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Each end in turn, in widths.
     away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
     flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
     more = nu * MORE * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped
     free = 1 - flat_bent
-    fibres = youngs * nu * (moment / numbers.EIy / stiffer * wide) ** 2 / 12
+    fibres = youngs * nu * bent * (curved + bent) * wide**2 / 12
     at_edges = 1 + free * (1 / stiffer - 1)
     in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + more
     y, z = RECTANGLE.T
-    sigma = sigma + bent * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
+    sigma = sigma + at_surface * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
     sigma = sigma + (fibres * free * lifted + 2 * tension) * y**2 - (fibres * free * lowered / 2 + tension) * AT_Z
     curved = free * keeps
-    across = nu * AT_Z * (bent * z * in_middle * (1 - curved) / (1 - nu**2 * curved) + stretched * flat_stretched)
+    across = nu * AT_Z * (at_surface * z * in_middle * (1 - curved) / (1 - nu**2 * curved) + stretched * flat_stretched)
     return sigma + warped * y * z, tau + AT_Y * shear, across
 
 
@@ -88,19 +90,23 @@ def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Arr
     return 1 - jnp.prod(1 - clamped * (1 + fallen) * jnp.exp(-fallen))
 
 
-def _flattened(curvature: Float[Array, ""], wide: Scalar, thick: Scalar, nu: Scalar) -> tuple[Float[Array, ""], ...]:
-    """Of a strip that is bent by M = EIy times a curvature, far from clamps, how stiff and how flat it is."""
+def _flattened(
+    change: Float[Array, ""], initial: Any, wide: Scalar, thick: Scalar, nu: Scalar
+) -> tuple[Float[Array, ""], ...]:
+    """Of a strip that is bent by M = EIy times a change of curvature, far from clamps, how stiff and how flat it is."""
 
-    def fourth(curvature: Float[Array, ""]):
-        return 3 * (1 - nu**2) * (curvature * wide**2 / thick) ** 2
+    def fourth(change: Float[Array, ""], whole: Float[Array, ""]):
+        return 3 * (1 - nu**2) * change * whole * (wide**2 / thick) ** 2
 
-    def stiffer(fourth: Float[Array, ""]):
-        kept, slope = jax.jvp(curving, (fourth,), (jnp.ones_like(fourth),))
-        return (1 - nu**2 * (kept + fourth * slope)) / (1 - nu**2)
+    def stiffer(change: Float[Array, ""]):
+        whole = initial + change
+        kept, slope = jax.jvp(curving, (fourth(whole, whole),), (jnp.ones(()),))
+        return (1 - nu**2 * (kept + fourth(change, whole) * slope)) / (1 - nu**2)
 
     # It varies by nu^2 at most, so that one step finds it.
-    found = stiffer(fourth(curvature))
-    at = fourth(curvature / found)
+    found = stiffer(change)
+    whole = initial + change / found
+    at = fourth(whole, whole)
     return found, 1 - curving(at), *_across(at)
 
 

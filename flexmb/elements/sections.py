@@ -12,6 +12,8 @@ from ..compilation.record import static
 from ..errors import ModelError
 from ..lazy import only
 from . import surface
+from .curves import curvature_along as curvature_along
+from .curves import curvature_through as curvature_through
 from .profile import Profile as Profile
 from .profile import stepped as stepped
 from .profile import taper as taper

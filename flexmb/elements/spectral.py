@@ -22,6 +22,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds, is_concrete, library_of
 from ..compilation.compile import traced_once
 from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
+from .curves import CurvedLine, arc_length, curve_length, faults_of_curve
 from .nodes import Reference
 from .profile import NODES, Profile
 from .section import Damping, Rigidity, Section
@@ -244,16 +245,17 @@ def thermal_series(
     return series_of(wanted, section, order, length, closure, names)
 
 
-def arc_length(chord: Float[Array, ""], half: Float[Array, ""]) -> Float[Array, ""]:
-    """Length of an arc over a chord [m]; ``half`` is half the curvature times the chord [-]."""
-    return chord * jnp.arcsin(half) / half
-
-
-def check_curvature(ref: Reference, size: Any | None) -> list[str]:
-    """Faults of an initial curvature of some size [1/m], or None for a straight beam."""
-    if size is None:
+def check_curvature(ref: Reference, curvature: Any, y: Any = None) -> list[str]:
+    """Faults of an initial curvature, None for a straight beam."""
+    if curvature is None:
         return []
-    half = as_floats(size) * _chord(ref) / 2
+    if isinstance(curvature, CurvedLine):
+        return faults_of_curve(ref, curvature, y)
+    curvature = as_floats(curvature)
+    size = abs(curvature) if curvature.ndim < ref.q.ndim else library_of(curvature).linalg.norm(curvature, axis=-1)
+    if curvature.ndim == ref.q.ndim and not holds(curvature[..., 0] == 0):
+        return ["has an initial twist, the first of its three numbers: give curvature_along a function with this twist"]
+    half = size * _chord(ref) / 2
     if not holds((half > 0) & (half <= 1)):
         return ["has an initial curvature that no arc between its ends has: it must not be zero, nor above 2/chord"]
     return []
@@ -295,6 +297,11 @@ def _length(ref: Reference, curvature: Any) -> Any:
     chord = _chord(ref)
     if curvature is None:
         return chord
+    if isinstance(curvature, CurvedLine):
+        length: Any = curve_length
+        for _ in range(np.ndim(chord)):
+            length = jax.vmap(length)
+        return as_floats(length(chord, curvature))
     curvature = as_floats(curvature)
     size = abs(curvature) if np.ndim(curvature) == chord.ndim else library_of(curvature).linalg.norm(curvature, axis=-1)
     return as_floats(arc_length(jnp.asarray(chord), jnp.asarray(size * chord / 2)))

@@ -9,10 +9,10 @@ import numpy as np
 from jax.scipy.linalg import block_diag
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats
 from ..math.quadrature import gauss, legendre_coefficients
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
+from .curves import CurvedLine, beam_length, tilt_of, turned_to
 from .element import Element
 from .nodes import Angle, Point2, Reference, Series2, Static
 from .section import Scalar
@@ -20,7 +20,6 @@ from .sections import Damping, Section
 from .spectral import (
     WHOLE,
     BeamPieces,
-    arc_length,
     check_curvature,
     check_section,
     check_shear,
@@ -96,22 +95,21 @@ def _stretched_along(
     return found + (rule.shears @ fields[SHEAR])[:, None] * across
 
 
-def _length(ref: Reference, curvature: Scalar | None) -> Float[Array, ""]:
-    chord = beams.beam_length(ref)
-    return chord if curvature is None else arc_length(chord, curvature * chord / 2)
+def _length(ref: Reference, curvature: Scalar | CurvedLine | None) -> Float[Array, ""]:
+    return beam_length(beams.beam_length(ref), curvature)
 
 
 def _bent(
     c: Float[Array, "c"],
     length: Float[Array, ""],
-    curvature: Scalar | None,
+    curvature: Scalar | CurvedLine | None,
     s: Float[Array, "n"] | np.ndarray,
     integrals: Float[Array, "n order"] | np.ndarray,
 ) -> Float[Array, "n 2"]:
     """Directions at places s, in axes of end p."""
     angle = integrals @ c.reshape(-1, integrals.shape[1])[CURVATURE]
     if curvature is not None:
-        angle = angle + curvature * length * s
+        angle = angle + turned_to(curvature, length, s)
     return jnp.stack(cosine_and_sine(angle), axis=-1)
 
 
@@ -122,13 +120,13 @@ def _line(
     order: int,
     shear: bool,
     section: Section | None,
-    curvature: Scalar | None,
+    curvature: Scalar | CurvedLine | None,
 ):
     """Length, axes of end p as columns, stretched directions at the nodes in those axes; the rule."""
     length, tilt = _length(ref, curvature), 0.0
     rule = _rule(order, shear, section, length)
     if curvature is not None:
-        tilt = curvature * length / 2
+        tilt = tilt_of(curvature, length)
     x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
     axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
@@ -141,7 +139,7 @@ def _to_place(
     order: int,
     shear: bool,
     section: Section | None,
-    curvature: Scalar | None,
+    curvature: Scalar | CurvedLine | None,
     place: Float[Array, ""],
 ):
     """Direction at a place, and the way from p to it, in axes of end p."""
@@ -162,7 +160,7 @@ def _spectral_beam(
     order: Static[int] = 5,
     shear: Static[bool] = False,
     section: Section | None = None,
-    curvature: float | None = None,
+    curvature: float | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
     _, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
@@ -189,12 +187,12 @@ def _stretched(
     ref: Reference,
     length: Float[Array, ""],
     rule: SimpleNamespace,
-    curvature: Scalar | None,
+    curvature: Scalar | CurvedLine | None,
 ):
     """Directions times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
     angle = turn + rule.angles @ _fields_of(c, rule)[CURVATURE]
     if curvature is not None:
-        angle = angle + curvature * length * (rule.nodes - 0.5)
+        angle = angle + turned_to(curvature, length, rule.nodes) - tilt_of(curvature, length)
     x = (ref.q - ref.p) / beams.beam_length(ref)
     cosine, sine = cosine_and_sine(angle)
     directions = cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]])
@@ -273,8 +271,7 @@ def _passage(*nodes: Array, ref, order, shear, section=None, curvature=None):
 
 
 def _check(*, ref, order, shear, section=None, curvature=None) -> list[str]:
-    size = None if curvature is None else abs(as_floats(curvature))
-    faults = beams.check_length(ref=ref) or check_curvature(ref, size)
+    faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
     faults = faults or check_section(section, ref, curvature, nodes_of(order))
     if section is None or faults:
         return faults
@@ -301,7 +298,8 @@ Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p
 coefficients of each strain, times length: elongation [m], curvature [rad], the first of which is the angle between the
 ends, and with ``shear`` the shear [m]. Stress resultants of the closure are the force and moment at q.
 Properties: section (EA, EIy, mass, Jy; one that varies too, see :class:`flexmb.sections.Profile`), damping, curvature
-(initial, of an arc from p to q [1/m], positive counter-clockwise).
+(initial [1/m], positive counter-clockwise: a number for an arc from p to q,
+a function of the place, or :func:`flexmb.sections.curvature_through`).
 Options: order, the number of coefficients of each strain, 5 unless given; 2 bends as a cubic beam does, 5 gives six
 digits for a leaf spring at a large stroke; shear, whether shear deformation is counted, False unless given: the section
 must then have a shear compliance.

@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, holds, library_of
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
 from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
 from ..math.rotation import CONJUGATE, CROSS, initial_frame, rotation_matrix, turned
 from . import beams
+from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_ends
 from .element import Element
 from .leaf import Leaf
 from .nodes import Point3, Reference, Rotation3, Series3, Static
@@ -21,7 +21,6 @@ from .sections import Damping, Section
 from .spectral import (
     WHOLE,
     BeamPieces,
-    arc_length,
     check_curvature,
     check_section,
     check_shear,
@@ -62,8 +61,8 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
 
 
 def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
-    # In each piece: the ends of fewer steps would not integrate its mass exactly.
-    steps = 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
+    # In each piece.
+    steps = steps_of(order)
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     # Three nodes in each step, or more whose moments three nodes take over.
@@ -75,14 +74,14 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
     if varies:
         moments = (2.0 * np.arange(3) + 1)[:, None] * legendre_values(3, nodes).T * quadrature
         shapes = jnp.einsum("gk,kn,snfo->sgfo", legendre_values(3, gauss(3)[0]), moments, shapes)
-    steps_of = (pieces.sizes[:, None] * lengths).ravel()
+    sizes = (pieces.sizes[:, None] * lengths).ravel()
     basis = np.einsum if isinstance(shapes, np.ndarray) else jnp.einsum
     basis = basis("sgfo,fx->sgxfo", shapes, PLACES[: _count(shear)])
     # Masses are taken just within the pieces, which share their ends.
     masses = pieces.spread(np.clip(ends, 1e-9, 1 - 1e-9)).ravel()
     return SimpleNamespace(
         pieces=pieces,
-        lengths=steps_of,
+        lengths=sizes,
         basis=basis,
         nodes=masses,
         inner=ends,
@@ -97,9 +96,8 @@ def _count(shear: bool) -> int:
     return 6 if shear else 4
 
 
-def _length(ref: Reference, curvature: Float[Array, "3"] | None) -> Float[Array, ""]:
-    chord = beams.beam_length(ref)
-    return chord if curvature is None else arc_length(chord, beams.length(curvature) * chord / 2)
+def _length(ref: Reference, curvature: Float[Array, "3"] | CurvedLine | None, order: int) -> Float[Array, ""]:
+    return beam_length(beams.beam_length(ref), curvature, steps_of(order))
 
 
 def _frames(
@@ -107,27 +105,30 @@ def _frames(
     rot_q: Rotation3,
     ref: Reference,
     y: Float[Array, "3"] | None,
-    curvature: Float[Array, "3"] | None,
+    curvature: Float[Array, "3"] | CurvedLine | None,
     length: Float[Array, ""],
+    order: int,
 ):
     """Section axes at both ends as columns."""
     frame = initial_frame(ref.p, ref.q, y)
     at_p, at_q = turned(rot_p, ref.rot_p, frame), turned(rot_q, ref.rot_q, frame)
     if curvature is None:
         return at_p, at_q
-    half = exponential(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None])[0, :3, :3]
-    return at_p @ half.T, at_q @ half
+    first, last = turns_of_ends(curvature, length, steps_of(order))
+    return at_p @ rotation_matrix(first).T, at_q @ rotation_matrix(last)
 
 
-def _screws(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Float[Array, "3"] | None):
+def _screws(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
     """Screw motions of the steps along the beam, (steps, 6)."""
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
     if curvature is not None:
-        own = own + jnp.concatenate([curvature, jnp.zeros(3)])
+        starts = jnp.cumsum(rule.lengths) - rule.lengths
+        places = (starts[:, None] + jnp.asarray(rule.lengths)[:, None] * gauss(3)[0]).ravel()
+        own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3)))
     return screws(own.reshape(-1, 3, 6) * length, rule.lengths)
 
 
-def _steps(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Float[Array, "3"] | None):
+def _steps(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
     """Poses of the steps along the beam, (steps, 4, 4)."""
     return exponential(_screws(c, length, rule, curvature))
 
@@ -144,11 +145,11 @@ def _spectral_beam(
     shear: Static[bool] = False,
     section: Section | None = None,
     y: Float[Array, "3"] | None = None,
-    curvature: Float[Array, "3"] | None = None,
+    curvature: Float[Array, "3"] | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    length = _length(ref, curvature)
-    at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
+    length = _length(ref, curvature, order)
+    at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     pose = product(_steps(c, length, _rule(order, shear, section, length), curvature))
     displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - pose[:3, 3]
     between = multiplied(multiplied(at_p, pose[:3, :3]).T, at_q)
@@ -161,11 +162,11 @@ def _fields(*, order: int, shear: bool):
 
 
 def _stiffness(*, ref, section, order, shear, curvature=None):
-    return series_matrix(section, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
+    return series_matrix(section, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
 
 
 def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
-    return series_matrix(damping, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
+    return series_matrix(damping, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
 
 
 def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
@@ -177,9 +178,9 @@ def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
 def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     """Positions and triads at the ends of the steps."""
     p, rot_p, _, rot_q, c = nodes
-    length = _length(ref, curvature)
+    length = _length(ref, curvature, order)
     rule = _rule(order, shear, section, length)
-    at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
+    at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
     placed = multiplied(at_p, jnp.concatenate([poses[first : last + 1, :3] for first, last in rule.spans]))
     vectors = jnp.concatenate([p + placed[:, :, 3], jnp.swapaxes(placed[:, :, :3], 1, 2).reshape(-1, 3)])
@@ -193,8 +194,8 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
 def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
     """Statics of the part beyond the place."""
     p, rot_p, q, rot_q, c = nodes
-    length = _length(ref, curvature)
-    at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length)
+    length = _length(ref, curvature, order)
+    at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     pose = product(_steps(c, length, _rule(order, shear, section, length, place), curvature))
     # Force, and moment about p, of all that is beyond the place, in axes of end p.
     force, moment = jnp.split(sigma[:6], 2)
@@ -218,30 +219,29 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
-    return thermal_series(change, bends, section, order, _length(ref, curvature), 6, FIELDS[: _count(shear)])
+    return thermal_series(change, bends, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
 
 
 def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvature=None):
     p, rot_p, _, rot_q, c = nodes
-    length = _length(ref, curvature)
-    at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length)
+    length = _length(ref, curvature, order)
+    at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
 
 
 def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
     """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
     c = nodes[-1]
-    length = _length(ref, curvature)
+    length = _length(ref, curvature, order)
     own = _screws(c, length, _rule(order, shear, section, length), curvature)
     frame = initial_frame(ref.p, ref.q, y)
     axes = rotation_matrix(ref.rot_p).T @ frame
     # What becomes of each parameter of the turn, which does not change as the beam deforms.
     units = jnp.eye(4)
     if curvature is not None:
-        half = jnp.concatenate([curvature * length / 2, jnp.zeros(3)])
-        back = turn_parameters(-half[None])[0]
-        axes = axes @ exponential(half[None])[0, :3, :3].T
-        units = compose_turns(compose_turns(back, units), back)
+        first, last = turns_of_ends(curvature, length, steps_of(order))
+        axes = axes @ rotation_matrix(first).T
+        units = compose_turns(compose_turns(first * CONJUGATE, units), last * CONJUGATE)
     # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
     units = jnp.concatenate([units[:, :1], units[:, 1:] @ frame.T], axis=1)
     units = compose_turns(compose_turns(ref.rot_p * CONJUGATE, units), ref.rot_q)
@@ -249,11 +249,7 @@ def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=N
 
 
 def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
-    curvature = None if curvature is None else as_floats(curvature)
-    size = None if curvature is None else library_of(curvature).linalg.norm(curvature, axis=-1)
-    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, size)
-    if not faults and curvature is not None and not holds(curvature[..., 0] == 0):
-        faults = ["has an initial twist, the first component of its curvature: only plane arcs are provided for"]
+    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, curvature, y)
     faults = faults or check_section(section, ref, curvature)
     if section is None or faults:
         return faults
@@ -285,7 +281,8 @@ q; then ``order`` coefficients of each strain, times length: elongation [m], twi
 about local z [rad], with ``shear`` also the shears along y and along z [m]. Stress resultants of the closure are the
 force and moment at q.
 Properties: section (one that varies too, see :class:`flexmb.sections.Profile`), damping, y (vector that fixes local y),
-curvature (initial, (0, about y, about z) in local axes, of an arc from p to q [1/m]).
+curvature (initial [1/m]: (0, about y, about z) in local axes for an arc from p to q, a
+function of the place that returns twist and curvatures, or :func:`flexmb.sections.curvature_through`).
 Options: order, the number of coefficients of each strain, 5 unless given; shear, whether shear deformation is counted,
 False unless given: the section must then have a shear compliance.
 Of a leaf spring it leaves out warping that clamps restrain, the plate near clamps and the flattening of wide strips:

@@ -14,8 +14,8 @@ from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, Summary, counted, kind_of, listed, span
+from ..elements.curves import curve_length
 from ..elements.section import Section
-from ..elements.spectral import arc_length
 from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
 from ..mechanics.blocks import companion_of
@@ -307,7 +307,7 @@ def _lengths(block: Block, properties: dict[str, Any], reference: Float[Array, "
     chords = jnp.linalg.norm(ends[-1] - ends[0], axis=1)
     if (curvature := properties.get("curvature")) is None:
         return chords
-    return arc_length(chords, jnp.linalg.norm(jnp.reshape(curvature, (len(chords), -1)), axis=1) * chords / 2)
+    return jax.vmap(curve_length)(chords, curvature)
 
 
 def has_stress(model: Model) -> bool:

@@ -3,10 +3,12 @@
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit
+from ..elements.curves import CurvedLine, frames_of_ends
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Rigidity, Section, Tube
 from ..math.rotation import initial_frame
 from ..mechanics.centreline import parts_of, turns_of
@@ -88,15 +90,23 @@ def _ends(block: Block, properties: dict[str, Any], x: np.ndarray, reference: np
     kinds = list(block.element.nodes.values())
     p, q = parts_of(kinds, block.splits, reference[index], "position")
     y = properties.get("y")
-    frames = np.asarray(_frames(p, q, None if y is None else np.asarray(y)[wanted]))
+    curve = properties.get("curvature") if isinstance(properties.get("curvature"), CurvedLine) else None
+    y, curve = jax.tree.map(lambda numbers: np.asarray(numbers)[wanted], (y, curve))
+    frames = np.asarray(_frames(p, q, y, curve))
     now, before = (parts_of(kinds, block.splits, values[index], "rotation") for values in (x, reference))
-    turned = np.stack([turns_of(*pair) @ frames for pair in zip(now, before, strict=True)])
+    turned = np.stack([turns_of(*pair) @ own for *pair, own in zip(now, before, frames, strict=True)])
     return turned[..., 0], turned[..., 1]
 
 
 @jit
-def _frames(p: Float[Array, "n 3"], q: Float[Array, "n 3"], y: Float[Array, "n 3"] | None) -> Float[Array, "n 3 3"]:
-    return jax.vmap(initial_frame, (0, 0, None if y is None else 0))(p, q, y)
+def _frames(
+    p: Float[Array, "n 3"], q: Float[Array, "n 3"], y: Float[Array, "n 3"] | None, curve: CurvedLine | None
+) -> Float[Array, "2 n 3 3"]:
+    """Section axes in the undeformed mechanism, of both ends; of an arc both are those of its chord."""
+    if curve is not None:
+        return jnp.swapaxes(jax.vmap(frames_of_ends)(curve, q - p, y), 0, 1)
+    frames = jax.vmap(initial_frame, (0, 0, None if y is None else 0))(p, q, y)
+    return jnp.stack([frames, frames])
 
 
 def _carried(

@@ -16,6 +16,7 @@ from ..build.clamps import parts_of, with_clamps
 from ..build.description import Key, Member, NamedSignal, Node
 from ..build.given import released_in
 from ..elements import planar, spatial
+from ..elements.leaf import flags_and_distances
 from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, SERIES2, SERIES3, WARPING, NodeKind
 from ..elements.section import MaterialDamping, Section
 from ..elements.sections import Rigidity
@@ -197,7 +198,8 @@ class _Conversion:
             # The section's material has this damping.
             del properties["damping"]
         if "clamped" in properties and name in self.stated:
-            properties["clamped"] = tuple(bool(flag == 1) for flag in properties["clamped"])
+            flags, beyond = flags_and_distances(np.asarray(properties["clamped"]))
+            properties["clamped"] = tuple(map(bool, np.where(beyond > 0, 0.0, flags)))
         else:
             properties.pop("clamped", None)
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}

@@ -202,7 +202,7 @@ def test_a_clamp_reaches_over_the_whole_of_a_short_leaf_spring():
 
 def test_small_angles_are_in_line_and_folds_are_not():
     """Of two pieces that are half as long as a clamp reaches, clamped at the first."""
-    for angle, flat in ((4.9, [-0.006, 0.0]), (5.1, [1.0, 0.0])):
+    for angle, flat in ((4.9, [[1.0, 0.0], [0.006, 0.0]]), (5.1, [1.0, 0.0])):
         turn = np.radians(angle)
         end = (0.006 + 0.006 * np.cos(turn), 0.006 * np.sin(turn))
         (properties,) = divided([(0, 0), (0.006, 0), end]).parameters.properties

@@ -126,6 +126,27 @@ def test_shape_of_a_flattened_strip(u):
     np.testing.assert_allclose(found, plate(u), rtol=1e-7, atol=1e-8)
 
 
+@pytest.mark.parametrize("bend", [6.0, -6.0, -30.0])
+def test_stress_of_a_curved_strip(bend):
+    """(2.45): initial curvature 15/m; its moment by differences of the energy (2.44), its lift by collocation."""
+    initial, bending = 15.0, E * W * T**3 / 12
+
+    def fourth(bend):
+        return 3 * (1 - NU**2) * W**4 * (initial + bend) ** 2 / T**2
+
+    def energy(bend):
+        u = fourth(bend) ** 0.25
+        keeps = 2 / u * (np.cosh(u) - np.cos(u)) / (np.sinh(u) + np.sin(u))
+        return bending * bend**2 / 2 * (1 - NU**2 * keeps) / (1 - NU**2)
+
+    moment = (energy(bend + 1e-3) - energy(bend - 1e-3)) / 2e-3
+    leaf = Leaf(fm.Rectangle(W, T, STEEL), jnp.zeros(2), initial=jnp.array(initial))
+    sigma, _, _ = jax.jit(functools.partial(leaf_stress, leaf))(jnp.array(0.5), L, jnp.eye(6)[4] * moment)
+    _, edge, _ = plate(fourth(bend) ** 0.25)
+    lifted = E * NU * bend * (initial + bend) * W**2 / 12 * edge
+    np.testing.assert_allclose(np.asarray(sigma)[[0, 6]], np.array([1, -1]) * E * T / 2 * bend + lifted, rtol=2e-3)
+
+
 # Of a strip with a moment of 1 N m about its width at the tip, in the middle along and across; with a torque, along at
 # the corner and shear in the middle; 0.1, 0.15 and 0.3 widths from the clamp.
 SOLID = {

@@ -19,7 +19,7 @@ from flexmb.mechanisms import mechanism_path
 from flexmb.plot.answer import image
 from flexmb.plot.geometry import lines
 from flexmb.plot.modes import factor_of
-from flexmb.plot.sections import strips
+from flexmb.plot.sections import across_of, shapes_of, strips
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -131,6 +131,23 @@ def test_spatial_spectral_beam_ends_at_its_nodes():
     chord = LENGTH / 2
     sagitta = 1 / 4.0 - np.sqrt(1 / 4.0**2 - chord**2)
     assert np.max(np.linalg.norm(arc[:, :2], axis=1)) == approx(sagitta, rel=1e-6)
+
+
+def test_the_width_of_a_twisted_strip_turns_along_it():
+    """By 40 degrees before any load; the section's local y at the first end is the given vector."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (LENGTH, 0, 0))
+    turn = np.radians(40)
+    twisted = fm.sections.curvature_along(lambda s: (turn / LENGTH, 0.0, 0.0))
+    b.add(spatial.spectral_beam(2), "foot", "tip", name="leaf", section=leaf(), y=(0, 1, 0), curvature=twisted)
+    b.fix("foot")
+    model = b.build()
+    drawn = lines(model, np.asarray(model.parameters.reference))
+    across = across_of(model, np.asarray(model.parameters.reference), drawn, shapes_of(model))["leaf"]
+    angles = np.linspace(0, turn, len(across))
+    expected = np.stack([np.zeros(len(across)), np.cos(angles), np.sin(angles)], axis=1)
+    np.testing.assert_allclose(across, expected, atol=1e-9)
 
 
 def test_kinds_of_elements_come_from_nodes_and_companions():

@@ -142,5 +142,5 @@ def test_a_stroke_goes_back_to_nothing():
     np.testing.assert_allclose(found.x[:, [0, 2]], [[0, 1], [0.2, 1.2], [0, 1]], rtol=0, atol=1e-12)
     assert [float(state.x[0]) for state in found] == found.x[:, 0].tolist()
     for number in (3, -4):
-        with pytest.raises(IndexError, match=f"3 equilibria, from 0, and no number {number}"):
+        with pytest.raises(IndexError, match=f"3 equilibria, numbered from 0. Number {number} is none"):
             found[number]

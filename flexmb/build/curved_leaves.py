@@ -1,0 +1,94 @@
+"""Warnings about leaf springs that are curved: too sharply for thin beams, or approximated by straight pieces."""
+
+import itertools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import is_concrete
+from ..elements.curves import curvature_at
+from ..elements.leaf import curving
+from ..elements.sections import Rectangle
+from ..errors import BeamTheoryWarning, warn
+from .clamps import FOLD, axes_of, elements_at, parts_of, span_of
+from .description import Description, Member
+
+# Thickness, or width, over the radius from which the stress at the inner side is 5 % above the stress of a thin beam.
+SHARP = 0.15
+# Pieces that meet at a larger angle are no approximation of a curve [rad].
+STEEPEST = np.radians(20.0)
+# A stiffness that changes by less is not told of.
+SHARE = 0.01
+
+
+def warn_of_curved_leaves(builder: Description) -> None:
+    """Warn of leaf springs that are sharply curved, and of straight pieces that stand for a curved leaf spring.
+
+    Source:
+        Winkler's curved bars of rectangular section: the inner stress is h/(3 R) higher. Flattening of a curved strip:
+        THEORY.md 2, eq. (2.44).
+    """
+    leaves = {name: leaf for name, leaf in builder.members.items() if _is_leaf(builder, leaf)}
+    with jax.ensure_compile_time_eval():
+        for name, leaf in leaves.items():
+            _warn_of_sharp(name, leaf, _rectangle(leaf))
+        for node, names in elements_at(builder).items():
+            for one, other in itertools.combinations([name for name in names if name in leaves], 2):
+                if _stand_for_a_curve(builder, node, leaves[one], leaves[other]):
+                    warn(
+                        f"Elements '{one}' and '{other}' meet at a small angle, as straight pieces of a curved leaf"
+                        " spring do. A curved leaf spring is stiffer than straight pieces, and less stiff than folds."
+                        " Make it one leaf spring with `curvature`.",
+                        BeamTheoryWarning,
+                    )
+                    return
+
+
+def _is_leaf(builder: Description, member: Member) -> bool:
+    if not member.element.fields or "clamped" not in member.properties:
+        return False
+    starts = [builder.nodes[node].start for node in member.nodes]
+    return is_concrete((starts, member.properties)) and isinstance(_rectangle(member), Rectangle)
+
+
+def _rectangle(leaf: Member) -> Any:
+    return leaf.properties["section"].at(0.5, 1.0)
+
+
+def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
+    if (curvature := leaf.properties.get("curvature")) is None:
+        return
+    largest = np.max(np.abs(np.atleast_2d(np.asarray(curvature_at(curvature, np.linspace(0, 1, 21))).T)), axis=1)
+    sizes = (
+        (0.0, float(section.thickness), float(section.width))[-len(largest) :]
+        if len(largest) > 1
+        else (float(section.thickness),)
+    )
+    worst = max(bend * size for bend, size in zip(largest, sizes, strict=True))
+    if worst > SHARP:
+        warn(
+            f"Element '{name}' is curved sharply: at its inner side, stress by bending is about {worst / 3:.0%} higher"
+            " than a thin beam has it.",
+            BeamTheoryWarning,
+        )
+
+
+def _stand_for_a_curve(builder: Description, node: str, one: Member, other: Member) -> bool:
+    """Whether two leaf springs meet as pieces of a curved leaf spring whose curvature would change a stiffness."""
+    if node not in parts_of(one, "rotation"):
+        return False
+    ends = [parts_of(leaf, "rotation").index(node) for leaf in (one, other)]
+    (along, across), (along_other, across_other) = (
+        axes_of(builder, leaf, np, end) for leaf, end in zip((one, other), ends, strict=True)
+    )
+    if abs(across @ across_other) < np.cos(FOLD):
+        return False
+    angle = float(np.arccos(min(abs(along @ along_other), 1.0)))
+    section, length = _rectangle(one), (float(span_of(builder, one)) + float(span_of(builder, other))) / 2
+    if angle == 0 or angle >= STEEPEST or (angle >= FOLD and length > section.width):
+        return False
+    nu = float(section.material.poisson())
+    fourth = 3 * (1 - nu**2) * (angle / length * section.width**2 / section.thickness) ** 2
+    return nu**2 * (1 - float(curving(jnp.asarray(fourth, float)))) > SHARE

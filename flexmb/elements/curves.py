@@ -1,0 +1,347 @@
+"""Initial curvature and twist of beams: numbers, functions of the place along a beam, or a curve through points."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import as_reals, holds, is_concrete, shown
+from ..compilation.record import Record
+from ..errors import ModelError
+from ..math.quadrature import (
+    gauss,
+    legendre_coefficients,
+    legendre_integrals,
+    legendre_integrals_at,
+    legendre_values,
+    legendre_values_at,
+    lobatto,
+)
+from ..math.rigid import compose_turns, exponential, product, screws, turn_parameters, turn_product
+from ..math.rotation import CONJUGATE, initial_frame, rotation_matrix, rotation_plane
+from ..numerical_limits import SAME_END, SAME_LINE, SMOOTH_CURVE
+
+# Legendre coefficients of a curve, and Gauss nodes for its ends in the plane.
+COUNT, NODES = 20, 40
+# Where a curve is compared with what it was made from, and points along a curve through points.
+LOOKED_AT, FINE = np.linspace(0.0, 1.0, 101), 2000
+# Newton's steps from the chord to the length of a curve.
+STEPS = 40
+
+
+class CurvedLine(Record):
+    """Initial curvature along a beam, which goes from the first node to the last.
+
+    :func:`curvature_along` and :func:`curvature_through` make one.
+
+    Attributes:
+        coefficients: Legendre coefficients of the curvature over the place from 0 to 1, in the plane counter-clockwise,
+            (20,) [1/m]; in space of the twist and of the curvatures about local y and z, (20, 3) [1/m].
+        to_middle: From the first point to the middle of the curve, (d,) [m]; None unless it goes through points.
+        to_end: From the first point to the last, (d,) [m]; None unless it goes through points.
+
+    Source:
+        THEORY.md 2, eq. (2.43).
+    """
+
+    coefficients: Any
+    to_middle: Any = None
+    to_end: Any = None
+
+    def at(self, places: Any) -> Float[Array, "n *k"]:
+        """Curvature at places, (n,), in space twist and curvatures, (n, 3) [1/m]."""
+        traced = isinstance(places, jax.Array)
+        return (legendre_values_at if traced else legendre_values)(COUNT, places) @ self.coefficients
+
+
+def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
+    """Initial curvature as a function of the place along a beam.
+
+    The nodes at both ends and the curvature together fix length and directions of the beam: it is the curve of this
+    curvature whose chord goes from the first node to the last. In space local y at the first end is that of a straight
+    beam between these nodes, turned with the beam by the smallest rotation.
+
+    Args:
+        function: ``f(place)``, with the place from 0 at the first end to 1 at the last. Returns the curvature in the
+            plane, counter-clockwise, () [1/m]; in space the twist and the curvatures about local y and z, (3,) [1/m].
+            Its numbers may be traced. It must be smooth.
+
+    Returns:
+        The property ``curvature`` of a beam.
+
+    Raises:
+        ModelError: The function returns no number and no three numbers; it is not smooth.
+    """
+    if not callable(function):
+        raise ModelError(f"The curvature of a beam must be a function of the place from 0 to 1, not {shown(function)}.")
+    nodes = gauss(COUNT)[0]
+    values = [as_reals("The curvature of a beam", function(float(place)), ModelError) for place in nodes]
+    if any(np.shape(value) not in ((), (3,)) for value in values):
+        raise ModelError(
+            "The curvature of a beam must be one number in the plane, three numbers in space, but has the shape"
+            f" {np.shape(values[0])}."
+        )
+    library: Any = np if is_concrete(values) else jnp
+    made = CurvedLine(legendre_coefficients(nodes) @ library.stack([library.asarray(value, float) for value in values]))
+    if library is np:
+        told = np.array([function(float(place)) for place in LOOKED_AT], float)
+        if np.max(np.abs(told - made.at(LOOKED_AT))) > SMOOTH_CURVE * np.max(np.abs(told)):
+            raise ModelError(
+                "The curvature of a beam is not smooth enough along it: make a beam of each smooth piece, and join the"
+                " beams at nodes."
+            )
+    return made
+
+
+def curvature_through(points: Any, y: Any = None) -> CurvedLine:
+    """Initial curvature of a beam through points: a spline of degree five, or lower for fewer than six points.
+
+    The nodes of the beam lie at the first point and at the last.
+
+    Args:
+        points: From the first end of the beam to the last, three at least, (n, 2) in the plane, (n, 3) in space [m].
+        y: In space the property ``y`` of the beam, a vector that fixes local y, (3,). Along the curve the section does
+            not twist.
+
+    Returns:
+        The property ``curvature`` of a beam.
+
+    Raises:
+        ModelError: Fewer than three points, points that coincide or are traced, a curve that bends too sharply for one
+            beam.
+    """
+    if not is_concrete((points, y)):
+        raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
+    given: Any = np.zeros(0)
+    try:
+        given = np.asarray(points, float)
+    except (TypeError, ValueError):
+        pass
+    if given.ndim != 2 or len(given) < 3 or given.shape[1] not in (2, 3) or not np.all(np.isfinite(given)):
+        raise ModelError(f"A curve goes through three points at least, (n, 2) or (n, 3), not {shown(points)}.")
+    away = np.linalg.norm(np.diff(given, axis=0), axis=1)
+    if np.min(away) <= 0:
+        raise ModelError("Two points of a curve that follow each other coincide.")
+    reached, values = _sampled(given, np.concatenate([[0], np.cumsum(away)]), y)
+    made = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
+    length = float(np.asarray(curve_length(np.linalg.norm(given[-1] - given[0]), made)))
+    chord = given[-1] - given[0]
+    middle = np.asarray(to_middle(made, chord, length, None if y is None else np.asarray(y, float)))
+    at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - given[0]
+    if not np.linalg.norm(middle - at_middle) <= SAME_LINE * length:
+        raise ModelError("A curve through points bends too sharply for one beam: make several beams of it.")
+    return CurvedLine(made.coefficients, at_middle, chord)
+
+
+def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Places and points along a spline, (1 + d, n), and its curvature at the Gauss nodes of its length."""
+    from scipy.interpolate import make_interp_spline
+
+    spline = make_interp_spline(at, points, k=min(5, len(points) - 1))
+    s = np.linspace(0, at[-1], FINE + 1)
+    first, second = spline(s, 1), spline(s, 2)
+    speed = np.linalg.norm(first, axis=1)
+    inner, weights = gauss(6)
+    steps = np.linalg.norm(spline((s[:-1, None] + np.diff(s)[:, None] * inner).ravel(), 1), axis=1)
+    length = np.concatenate([[0], np.cumsum(np.diff(s) * (steps.reshape(-1, 6) @ weights))])
+    places = length / length[-1]
+    tangents = first / speed[:, None]
+    if points.shape[1] == 2:
+        bends = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3
+    else:
+        # A frame that does not turn about the curve, by two reflections a step (Wang et al. 2008).
+        frame = initial_frame(jnp.asarray(points[0]), jnp.asarray(points[-1]), None if y is None else jnp.asarray(y))
+        across = np.asarray(frame)
+        d = across.T @ tangents[0]
+        across = across @ np.asarray(rotation_matrix(_least_turn(jnp.asarray(d))))[:, 1]
+        found, line = [across], spline(s)
+        for i in range(FINE):
+            v = line[i + 1] - line[i]
+            back, turned = (one - 2 / (v @ v) * (v @ one) * v for one in (found[-1], tangents[i]))
+            w = tangents[i + 1] - turned
+            found.append(back - (2 / (w @ w) * (w @ back) * w if w @ w > 0 else 0.0))
+        ys = np.array(found)
+        change = (second - tangents * np.sum(second * tangents, axis=1)[:, None]) / speed[:, None] ** 2
+        about_z, about_y = np.sum(change * ys, axis=1), -np.sum(change * np.cross(tangents, ys), axis=1)
+        bends = np.stack([np.zeros_like(about_y), about_y, about_z], axis=1)
+    smooth = make_interp_spline(places, bends, k=3)
+    return np.concatenate([places[None], spline(s).T]), smooth(gauss(COUNT)[0])
+
+
+# -- what beams ask --------------------------------------------------------------------------------------------------
+
+
+def curvature_at(curvature: Any, places: Any) -> Any:
+    """Initial curvature at places, (n,) or (n, 3) [1/m]."""
+    if isinstance(curvature, CurvedLine):
+        return curvature.at(places)
+    curvature = jnp.asarray(curvature, float)
+    return jnp.broadcast_to(curvature, (len(places), *curvature.shape))
+
+
+def turned_to(curvature: Any, length: Any, places: Any) -> Any:
+    """Angle in the plane from the first end to places, (n,) [rad]."""
+    if not isinstance(curvature, CurvedLine):
+        return curvature * length * places
+    traced = isinstance(places, jax.Array)
+    return length * ((legendre_integrals_at if traced else legendre_integrals)(COUNT, places) @ curvature.coefficients)
+
+
+def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
+    """Length of a beam with initial curvature, by its chord; () [m].
+
+    Source: THEORY.md 2, eq. (2.43); Newton's method on the length.
+
+    Args:
+        steps: Of a beam in space, as :func:`steps_of` has them.
+    """
+    if curvature is None:
+        return chord
+    if not isinstance(curvature, CurvedLine):
+        return arc_length(chord, _size(curvature) * chord / 2)
+
+    def newton(length: Float[Array, ""], coefficients: Any, chord: Any) -> Float[Array, ""]:
+        def gap(length: Float[Array, ""]):
+            end = _end(coefficients, length, steps)
+            return jnp.sqrt(end @ end) - chord
+
+        value, slope = jax.jvp(gap, (length,), (jnp.ones_like(length),))
+        return length - value / slope
+
+    chord = jnp.asarray(chord, float)
+    known = jax.lax.stop_gradient((jnp.asarray(curvature.coefficients, float), chord))
+    length = jax.lax.fori_loop(0, STEPS, lambda _, length: newton(length, *known), known[1])
+    # Each of these steps doubles the number of derivatives that are right.
+    for _ in range(2):
+        length = newton(length, curvature.coefficients, chord)
+    return length
+
+
+def beam_length(chord: Any, curvature: Any, steps: int | None = None) -> Any:
+    """Length of a beam in the plane, or in space with its number of steps, by its chord; () [m]."""
+    if isinstance(curvature, CurvedLine) and (curvature.coefficients.ndim == 1) is not (steps is None):
+        raise ModelError("the curvature has one number a place in the plane, three in space")
+    return curve_length(chord, curvature, steps or 8)
+
+
+def arc_length(chord: Any, half: Any) -> Float[Array, ""]:
+    """Length of an arc over a chord [m]; ``half`` is half the curvature times the chord [-]."""
+    return chord * jnp.arcsin(half) / half
+
+
+def tilt_of(curvature: Any, length: Any) -> Float[Array, ""]:
+    """Angle in the plane from the first direction of a beam to its chord, () [rad]."""
+    if not isinstance(curvature, CurvedLine):
+        return curvature * length / 2
+    x, y = _end(curvature.coefficients, length)
+    return jnp.arctan2(y, x)
+
+
+def turns_of_ends(curvature: Any, length: Any, steps: int = 8) -> tuple[Float[Array, "4"], Float[Array, "4"]]:
+    """Euler parameters in space of the chord's frame seen from the first end, and of the last end seen from it."""
+    if not isinstance(curvature, CurvedLine):
+        half = turn_parameters(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None])[0]
+        return half, half
+    motions = _motions(curvature.coefficients, length, steps)
+    end = product(exponential(motions))[:3, 3]
+    first = _least_turn(end / jnp.sqrt(end @ end))
+    return first, compose_turns(first * CONJUGATE, turn_product(turn_parameters(motions)))
+
+
+def axes_of_end(curvature: Any, chord: Any, y: Any, end: int) -> tuple[Any, Any]:
+    """Direction of a curved beam at its first end (0) or last (1), and local y there, in the plane (1,)."""
+    if len(chord) == 2:
+        length = curve_length(jnp.sqrt(chord @ chord), curvature)
+        angle = turned_to(curvature, length, np.array([float(end)]))[0] - tilt_of(curvature, length)
+        return rotation_plane(angle) @ chord / jnp.sqrt(chord @ chord), np.ones(1)
+    axes = frames_of_ends(curvature, chord, y)[end]
+    return axes[:, 0], axes[:, 1]
+
+
+def frames_of_ends(curvature: Any, chord: Any, y: Any) -> Float[Array, "2 3 3"]:
+    """Section axes of a beam in space at its first end and at its last, as columns."""
+    first, last = turns_of_ends(curvature, curve_length(jnp.sqrt(chord @ chord), curvature))
+    frame = initial_frame(jnp.zeros(3), chord, y)
+    return jnp.stack([frame @ rotation_matrix(first).T, frame @ rotation_matrix(last)])
+
+
+def to_middle(curve: CurvedLine, chord: Any, length: Any, y: Any) -> Any:
+    """From the first end of a beam to its middle, (d,) [m]."""
+    if len(chord) == 2:
+        nodes, weights = gauss(NODES)
+        angles = turned_to(curve, length, nodes / 2) - tilt_of(curve, length)
+        along = chord / jnp.sqrt(chord @ chord)
+        x, y = weights @ jnp.cos(angles) * length / 2, weights @ jnp.sin(angles) * length / 2
+        return x * along + y * jnp.stack([-along[1], along[0]])
+    first, _ = turns_of_ends(curve, length)
+    frame = initial_frame(jnp.zeros(3), jnp.asarray(chord, float), y)
+    return frame @ rotation_matrix(first).T @ product(exponential(_motions(curve.coefficients, length, end=0.5)))[:3, 3]
+
+
+def _size(curvature: Any) -> Any:
+    """Size of a constant curvature: in the plane with its sign, so that it may be differentiated everywhere."""
+    return curvature if jnp.ndim(curvature) == 0 else jnp.sqrt(curvature @ curvature)
+
+
+def _end(coefficients: Any, length: Any, steps: int = 8) -> Float[Array, "d"]:
+    """Last end of a beam, in axes of the first, [m]."""
+    if coefficients.ndim == 2:
+        return product(exponential(_motions(coefficients, length, steps)))[:3, 3]
+    nodes, weights = gauss(NODES)
+    angles = length * (legendre_integrals(COUNT, nodes) @ coefficients)
+    return length * jnp.stack([weights @ jnp.cos(angles), weights @ jnp.sin(angles)])
+
+
+def steps_of(order: int) -> int:
+    """Number of steps along a beam in space over which its pose goes by an exponential, a power of two."""
+    # The ends of fewer steps would not integrate its mass exactly.
+    return 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
+
+
+def _motions(coefficients: Any, length: Any, steps: int = 8, end: float = 1.0) -> Float[Array, "steps 6"]:
+    """Screw motions in space over the steps of a beam, up to a place."""
+    ends = lobatto(steps + 1)[0] * end
+    sizes = np.diff(ends)
+    places = (ends[:-1, None] + sizes[:, None] * gauss(3)[0]).ravel()
+    bends = (legendre_values(COUNT, places) @ coefficients).reshape(-1, 3, 3)
+    straight = jnp.broadcast_to(jnp.eye(3)[0], bends.shape)
+    return screws(jnp.concatenate([bends, straight], axis=2) * length, sizes)
+
+
+def _least_turn(direction: Float[Array, "3"]) -> Float[Array, "4"]:
+    """Euler parameters of the smallest rotation from the x axis to a direction."""
+    x, y, z = direction
+    return jnp.stack([1 + x, jnp.zeros_like(x), -z, y]) / jnp.sqrt(2 * (1 + x))
+
+
+def faults_of_curve(ref: Any, curve: CurvedLine, y: Any = None) -> list[str]:
+    """What is wrong with the initial curvature of beams between nodes, of one beam or of stacked beams."""
+    chord = jnp.asarray(ref.q, float) - jnp.asarray(ref.p, float)
+
+    def gaps(chord: Any, curve: CurvedLine, y: Any):
+        size = jnp.sqrt(chord @ chord)
+        length = curve_length(size, curve)
+        end = _end(curve.coefficients, length)
+        missed = jnp.abs(jnp.sqrt(end @ end) / size - 1) + jnp.where(length > 0, 0.0, jnp.inf)
+        if curve.to_end is None:
+            return missed, 0.0, 0.0
+        off = curve.to_end - chord
+        around = to_middle(curve, chord, length, y) - curve.to_middle
+        return missed, jnp.sqrt(off @ off) / size, jnp.sqrt(around @ around) / size
+
+    for _ in range(jnp.ndim(chord) - 1):
+        gaps = jax.vmap(gaps)
+    missed, off, around = gaps(chord, curve, None if y is None else jnp.asarray(y, float))
+    if not holds(missed < SAME_END):
+        return ["has an initial curvature that no curve between its ends has"]
+    if not holds(off < SAME_LINE):
+        return [
+            "has an initial curvature through points whose last is not as far from the first, in the same direction, as"
+            " its last node from its first: put the nodes at these points"
+        ]
+    if not holds(around < 10 * SAME_LINE):
+        return ["has an initial curvature through points with another y: give curvature_through the y of the element"]
+    return []

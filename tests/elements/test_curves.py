@@ -1,0 +1,277 @@
+"""Initial curvature that varies along a beam, and initial twist: closed forms, quadrature, solid finite elements."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.optimize
+from cases.tolerances import approx
+from scipy.integrate import solve_ivp
+
+import flexmb as fm
+from flexmb import planar, spatial
+from flexmb.elements.leaf import Leaf
+
+STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850.0)
+LEAF = fm.Rectangle(0.018, 0.5e-3, STEEL)
+SECTION = fm.Rigidity(EA=1e5, EIy=0.7, EIz=30.0, GIt=0.5, mass=0.3)
+# A quarter of a circle, by the tangent at its foot.
+RADIUS = 0.06
+QUARTER = [(RADIUS * np.sin(a), RADIUS * (1 - np.cos(a))) for a in np.linspace(0, np.pi / 2, 9)]
+
+
+def one(element, end, curvature, section=SECTION, **properties) -> fm.Builder:
+    """One beam from the origin, clamped there."""
+    b = fm.Builder()
+    b.node("foot", np.zeros(len(end)))
+    b.node("tip", end)
+    b.add(element, "foot", "tip", name="beam", section=section, curvature=curvature, **properties)
+    b.fix("foot")
+    return b
+
+
+def compliance(b: fm.Builder) -> np.ndarray:
+    return np.asarray(fm.compliance(b.build(), "tip"))
+
+
+def bent(place):
+    """A curvature that changes its sign along the beam."""
+    return 9.0 * np.cos(4.0 * place) + 5.0 * place
+
+
+def line_of(curvature, chord):
+    """Length, angles and points of the curve of a curvature over a chord along x, by integration and Brent's method."""
+
+    def end(length):
+        found = solve_ivp(
+            lambda s, u: [length * curvature(s), length * np.cos(u[0]), length * np.sin(u[0])],
+            (0, 1),
+            [0.0, 0, 0],
+            rtol=1e-12,
+            atol=1e-14,
+            dense_output=True,
+        )
+        return found.sol, found.y[1:, -1]
+
+    length = scipy.optimize.brentq(lambda length: np.linalg.norm(end(length)[1]) - chord, chord, 0.15, xtol=1e-14)
+    line, last = end(length)
+    tilt = np.arctan2(last[1], last[0])
+    s, weights = np.polynomial.legendre.leggauss(60)
+    s, weights = (s + 1) / 2, weights * length / 2
+    angle, x, y = line(s)
+    turn = np.array([[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]])
+    return weights, angle - tilt, (turn @ [x, y]).T
+
+
+@pytest.mark.parametrize("element", [planar.spectral_beam(10), planar.leaf_spring(order=10)])
+def test_tip_of_a_curved_beam_by_quadrature(element):
+    """Castigliano's theorem on the curve that an integrator of differential equations finds."""
+    chord = 0.1
+    rectangle = fm.Rectangle(0.002, 1e-3, STEEL)
+    leaf = element.name == "leaf_spring"
+    found = compliance(one(element, (chord, 0), bent, rectangle, **({"clamped": False} if leaf else {})))
+    weights, angle, points = line_of(bent, chord)
+    lever = np.array([chord, 0]) - points
+    moments = np.stack([-lever[:, 1], lever[:, 0], np.ones(len(points))])
+    along = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(points))])
+    stiff = rectangle.rigidity()
+    expected = (moments * weights) @ moments.T / float(stiff.EIy) + (along * weights) @ along.T / float(stiff.EA)
+    # A leaf spring as narrow as twice its thickness flattens by 1e-5.
+    np.testing.assert_allclose(found, expected, rtol=1e-4 if leaf else 1e-9)
+
+
+def test_a_function_of_one_value_is_the_number():
+    end = QUARTER[-1]
+    number, function, points = (
+        compliance(one(planar.spectral_beam(6), end, curvature))
+        for curvature in (1 / RADIUS, lambda place: 1 / RADIUS, fm.sections.curvature_through(QUARTER))
+    )
+    np.testing.assert_allclose(function, number, rtol=1e-10)
+    np.testing.assert_allclose(points, number, rtol=3e-5)
+
+
+def test_in_space_as_in_the_plane():
+    """About the third axis, which is local y; mass and frequency too."""
+    end = (0.08, 0.04)
+    plane = one(planar.spectral_beam(8), end, bent)
+    space = one(spatial.spectral_beam(8), (*end, 0), lambda s: (0.0, -bent(s), 0.0), y=(0, 0, -1))
+    for b in (plane, space):
+        b.inertia("tip", 1e-4 if b is plane else (1e-4, 0, 0, 1e-4, 0, 1e-4))
+    flexible = compliance(space)
+    np.testing.assert_allclose(flexible[np.ix_((0, 1, 5), (0, 1, 5))], compliance(plane), rtol=1e-8, atol=1e-12)
+    lowest = float(fm.frequencies(plane.build())[0])
+    assert np.min(np.abs(np.asarray(fm.frequencies(space.build()))[:4] / lowest - 1)) < 1e-7
+
+
+def test_tip_of_a_twisted_strip():
+    """By quadrature of both bendings in axes that turn by 70 degrees along it."""
+    length, turn = 0.2, np.radians(70)
+    b = one(spatial.spectral_beam(8), (length, 0, 0), lambda s: (turn / length, 0.0, 0.0), y=(0, 1, 0))
+    s, weights = np.polynomial.legendre.leggauss(30)
+    s, weights = (s + 1) / 2 * length, weights * length / 2
+    c, d = np.cos(turn * s / length), np.sin(turn * s / length)
+    lever = (length - s) ** 2 * weights
+    along, across = lever @ (c**2 / 30.0 + d**2 / 0.7), lever @ (c**2 / 0.7 + d**2 / 30.0)
+    found = compliance(b)
+    np.testing.assert_allclose([found[1, 1], found[2, 2]], [along, across], rtol=1e-7)
+    assert abs(found[1, 2]) == approx(lever @ (c * d) * (1 / 0.7 - 1 / 30), rel=1e-7)
+
+
+def test_shape_and_mass_follow_the_curve():
+    b = one(planar.spectral_beam(6), QUARTER[-1], fm.sections.curvature_through(QUARTER))
+    b.gravity((0, -9.81))
+    found = fm.equilibrium(b.build())
+    weight = 9.81 * 0.3 * RADIUS * np.pi / 2
+    assert float(found.reactions[found.labels.coordinates("foot")[1]]) == approx(weight, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_arc_beside_solid_elements():
+    """C3D20R: a quarter of a circle of 60 mm, 20 x 0.4 mm, with a rigid tip; without (2.44) 5.8 % too soft."""
+    section = fm.Rectangle(0.02, 0.4e-3, STEEL)
+    b = one(spatial.leaf_spring, (0.06, 0, 0.06), (0.0, -1 / 0.06, 0.0), section, y=(0, 1, 0))
+    b.inertia("tip", (1e-9, 0, 0, 1e-9, 0, 1e-9))
+    found = 1 / np.diag(compliance(b))
+    np.testing.assert_allclose(found, [140.494, 556.780, 310.727, 0.810563, 0.252885, 0.810563], rtol=0.007)
+
+
+@pytest.mark.slow
+def test_twisted_leaf_spring_beside_solid_elements():
+    """C3D20R: 100 x 18 x 0.5 mm twisted by 30 degrees, with a rigid tip."""
+    b = one(
+        spatial.leaf_spring,
+        (0.1, 0, 0),
+        lambda s: (np.radians(30) / 0.1, 0.0, 0.0),
+        fm.Rectangle(0.018, 0.5e-3, STEEL),
+        y=(0, 1, 0),
+    )
+    b.inertia("tip", (1e-9, 0, 0, 1e-9, 0, 1e-9))
+    flexible = compliance(b)
+    held = np.diag(np.linalg.inv(flexible))
+    found = [*1 / np.diag(flexible), *held[1:3]]
+    solid = [1.36464e7, 4319.96, 123.455, 0.960347, 0.435895, 4.58836, 24920.2, 15256.5]
+    np.testing.assert_allclose(found, solid, rtol=0.01)
+
+
+@pytest.mark.parametrize("curvature", [20.0, 0.0])
+def test_energy_of_a_curved_strip(curvature):
+    """(2.44) by hand, its quadratic part in the matrix: energy of both for strains that do not vary."""
+    leaf, names, length = Leaf(LEAF, jnp.zeros(2), initial=jnp.array([5.0, curvature, 0.0])), ("EA", "GIt", "EIy"), 0.1
+    bend, twist, stretch = -7.0, 15.0, 1e-4
+    c = jnp.array([stretch, 0, twist, 0, bend, 0, twist, twist]) * length
+
+    @jax.jit
+    def energies(c):
+        straight = Leaf(LEAF, jnp.zeros(2)).matrix(None, 2, length, names)
+        return leaf.energy(2, c, length, names), 0.5 * c @ (leaf.matrix(None, 2, length, names) - straight) @ c
+
+    def kept(bend):
+        u = (3 * 0.91) ** 0.25 * 0.018 * np.sqrt(abs(bend) / 0.5e-3)
+        return 2 / u * (np.cosh(u) - np.cos(u)) / (np.sinh(u) + np.sin(u)) if u else 1.0
+
+    ea, ei = 210e9 * 9e-6, 210e9 * 0.018 * 0.5e-3**3 / 12
+    longer = 0.018**2 * ((5.0 + twist) ** 2 - 5.0**2)
+    whole = ea * (stretch * longer / 24 + longer**2 / 640)
+    at_rest = ea * (stretch * 2 * 5.0 * twist * 0.018**2 / 24 + (2 * 5.0 * twist * 0.018**2) ** 2 / 640)
+    flat = ei / 2 * 0.09 / 0.91 * bend**2
+    at_rest += flat * (1 - kept(curvature))
+    whole += flat * (1 - kept(curvature + bend))
+    whole += ei * 0.3 / 0.91 * (1 - kept(curvature + bend)) * bend / (curvature + bend) * twist**2
+    found, quadratic = energies(c)
+    assert float(quadratic) == approx(length * at_rest, rel=1e-9)
+    assert float(found) == approx(length * (whole - at_rest), rel=1e-8)
+
+
+@pytest.mark.slow
+def test_derivatives_by_a_curve():
+    """By its curvature, the place of its end and its thickness, of a tip compliance; forward and reverse."""
+
+    def answer(numbers):
+        size, x, thickness = numbers
+        section = fm.Rectangle(0.02, thickness, STEEL)
+        b = one(
+            planar.leaf_spring, (x, 0.01), lambda s: size * (1 + 0.4 * np.sin(2 * s)), section, clamped=(True, False)
+        )
+        return 1e3 * fm.compliance(b.build(dofs=labels), "tip")[1, 1]
+
+    at = jnp.array([9.0, 0.09, 0.4e-3])
+    labels = one(planar.leaf_spring, (0.09, 0.01), 9.0, fm.Rectangle(0.02, 0.4e-3, STEEL)).build().q_labels
+    forward, reverse = jax.jacfwd(answer)(at), jax.jacrev(answer)(at)
+    steps = np.diag([1e-4, 1e-6, 1e-8])
+    slopes = [float(answer(at + step) - answer(at - step)) / (2 * step.sum()) for step in steps]
+    np.testing.assert_allclose(forward, slopes, rtol=1e-5)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-8)
+
+
+def test_a_leaf_spring_goes_on_in_the_direction_of_a_curve():
+    """An arc that begins where a straight leaf spring ends is in line with it, though its chord is not."""
+    b = fm.Builder()
+    for name, place in {"foot": (0, 0), "start": (0.004, 0), "end": (0.064, 0.06)}.items():
+        b.node(name, place)
+    b.add(planar.leaf_spring, "foot", "start", section=LEAF)
+    b.add(planar.leaf_spring, "start", "end", section=LEAF, curvature=1 / 0.06)
+    b.fix("foot")
+    clamped = [own["clamped"] for own in b.build().parameters.properties]
+    np.testing.assert_allclose(np.concatenate(clamped), [[[1, 0], [0, 0]], [[1, 0], [0.004, 0]]], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "message"),
+    [
+        (lambda s: 60.0, "no curve between its ends has"),
+        (lambda s: (0.0, 1.0, 0.0), "one number a place in the plane, three in space"),
+        (lambda s: abs(s - 0.3), "not smooth enough"),
+        (fm.sections.curvature_through([(0, 0), (0.05, 0.02), (0.11, 0)]), "through points whose last is not as far"),
+        ("arc", "must be a number"),
+    ],
+)
+def test_a_curve_that_does_not_fit_is_named(curvature, message):
+    with pytest.raises(fm.ModelError, match=message):
+        one(planar.spectral_beam(4), (0.1, 0), curvature)
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([(0, 0), (1, 1)], "three points at least"),
+        ([(0, 0), (0, 0), (1, 1)], "coincide"),
+        ([(0, 0), (0.5, 0.001), (0.51, 0.2), (0.52, 0.001), (1, 0)], "bends too sharply"),
+    ],
+)
+def test_points_that_make_no_curve_are_named(points, message):
+    with pytest.raises(fm.ModelError, match=message):
+        fm.sections.curvature_through(points)
+
+
+def test_sharp_curves_and_straight_pieces_of_a_curve_warn():
+    with pytest.warns(fm.BeamTheoryWarning, match="curved sharply"):
+        one(planar.leaf_spring, (0.01, 0), 100.0, fm.Rectangle(0.02, 2e-3, STEEL)).build()
+    b = fm.Builder()
+    for i, place in enumerate(QUARTER):
+        b.node(f"n{i}", place)
+    for i in range(len(QUARTER) - 1):
+        b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", section=fm.Rectangle(0.02, 0.4e-3, STEEL))
+    b.fix("n0")
+    with pytest.warns(fm.BeamTheoryWarning, match="straight pieces of a curved leaf spring"):
+        b.build()
+
+
+@pytest.mark.slow
+def test_a_cosine_arch_of_one_element_snaps_where_many_arcs_do():
+    """Qiu, Lang and Slocum (2004): half of their beam, 740 EI h/L^3, then -370; h/t = 10."""
+    height, thickness, span, most = 2e-3, 0.2e-3, 0.1, 900.0
+    unit = 210e9 * 0.01 * thickness**3 / 12 * height / span**3
+    x = np.linspace(0, span / 2, 41)
+    points = np.stack([x, height / 2 * (1 - np.cos(2 * np.pi * x / span))], axis=1)
+    b = fm.Builder()
+    b.node("foot", points[0])
+    b.node("middle", points[-1])
+    section = fm.Rectangle(0.01, thickness, STEEL)
+    b.add(planar.spectral_beam(10), "foot", "middle", section=section, curvature=fm.sections.curvature_through(points))
+    b.fix("foot")
+    b.fix("middle", "x", "phi")
+    b.force("middle", (0, -most * unit / 2))
+    path = fm.path(b.build(), switch={1: 1, 2: 1}, stop={"middle.y": -2 * height})
+    index = path.labels.coordinates("middle")[1]
+    found = np.array([(most * c.load_factor, 1 - c.x[index] / height) for c in path.critical_points])
+    assert np.all(np.abs(found - [[740, 0.16], [-370, 1.92]]) < [10, 0.01])
