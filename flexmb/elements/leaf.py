@@ -359,7 +359,8 @@ class Leaf(Sheared):
             c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
         """
         places, weights, free = self._parts(length)
-        stretch, bent, rate = (None if own is None else own @ c for own in self._large(order, places, length, names))
+        stretches, bends, rates = self._large(order, places, length, names)
+        stretch, bent = stretches @ c, bends @ c
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
         # u^4, which is smooth in the curvature.
@@ -370,8 +371,9 @@ class Leaf(Sheared):
             # What is quadratic is in the matrix.
             flatter = bending * (curving(3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2) - keeps)
         found = 0.5 * length * (weights * free) @ (nu * flatter * bent**2)
-        if rate is None:
+        if rates is None:
             return found
+        rate = rates @ c
         square = (wide * rate) ** 2
         drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
         if self.initial is not None:

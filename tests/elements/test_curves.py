@@ -1,5 +1,7 @@
 """Initial curvature that varies along a beam, and initial twist: closed forms, quadrature, solid finite elements."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -53,7 +55,7 @@ def line_of(curvature, chord):
         )
         return found.sol, found.y[1:, -1]
 
-    length = scipy.optimize.brentq(lambda length: np.linalg.norm(end(length)[1]) - chord, chord, 0.15, xtol=1e-14)
+    length: Any = scipy.optimize.brentq(lambda length: np.linalg.norm(end(length)[1]) - chord, chord, 0.15, xtol=1e-14)
     line, last = end(length)
     tilt = np.arctan2(last[1], last[0])
     s, weights = np.polynomial.legendre.leggauss(60)
