@@ -72,7 +72,7 @@ def test_pid_puts_its_poles_where_they_are_wanted_and_knows_the_names():
 @pytest.mark.parametrize(
     ("given", "kind", "words"),
     [
-        ({}, fm.ModelError, "several outputs: name one as `output`, of rate, place"),
+        ({}, fm.ModelError, "several outputs. Name one as `output`, of rate, place"),
         ({"output": "speed"}, fm.ModelError, "`output` names 'speed'"),
         ({"output": "rate"}, fm.ModelError, "Output 'rate' is a velocity"),
         ({"output": "place", "bandwidth": 0.01, "damping": 0.1, "fast": 0.1}, ValueError, "decays with 1.25 1/s"),
@@ -239,15 +239,18 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.fed_forward(LAG, 1.0), "`law` must be a function of time"),
         (lambda: fm.control.closed_loop(MODEL, lambda t, y: y), "function is no linear system"),
         (lambda: fm.control.closed_loop(MODEL, LAG), "1 inputs and 1 outputs, but the mechanism has 2 outputs"),
-        (lambda: fm.control.closed_loop(LAG, np.nan * UNIT), "controller are not finite, in its D"),
-        (lambda: fm.control.closed_loop(LAG, lag(1.0, np.nan)), "controller are not finite, in its A"),
-        (lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG), "mechanism's state space are not finite, in its A"),
-        (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1: give the"),
+        (lambda: fm.control.closed_loop(LAG, np.nan * UNIT), "controller are not finite. They are in its D"),
+        (lambda: fm.control.closed_loop(LAG, lag(1.0, np.nan)), "controller are not finite. They are in its A"),
+        (
+            lambda: fm.control.closed_loop(lag(1.0, np.inf), LAG),
+            "mechanism's state space are not finite. They are in its A",
+        ),
+        (lambda: fm.control.closed_loop(LAG.sample(0.1), LAG.sample(0.1)), "is sampled, with dt = 0.1. Give the"),
         (lambda: fm.control.closed_loop(-1.0 * UNIT, UNIT), "an algebraic loop without solution"),
-        (lambda: fm.simulate(MODEL, TIMES, control=lag(1.0, np.nan)), "controller are not finite, in its A"),
+        (lambda: fm.simulate(MODEL, TIMES, control=lag(1.0, np.nan)), "controller are not finite. They are in its A"),
         (
             lambda: fm.simulate(MODEL, TIMES, control=control.ss([], [], [], [[1, 1]], inputs=["place", "pace"])),
-            "'pace' is no output of the mechanism: rate, place",
+            "'pace' is no output of the mechanism. It has: rate, place",
         ),
         (
             lambda: fm.simulate(MODEL, TIMES, control=fm.control.saturated(lambda t, y: y[:1], [[-1, 1]] * 2)),

@@ -103,5 +103,5 @@ def test_two_times_are_enough():
 
 @pytest.mark.slow
 def test_so_are_outputs_along_a_plan():
-    with pytest.warns(fm.FlexmbWarning, match="What 'angle' measures passes a full turn"):
+    with pytest.warns(fm.FlexmbWarning, match="Output 'angle' passes a full turn"):
         fm.trajectory.inverse_dynamics(rotor(0.0, ("o", "rx")).build(), {"hinge.e1": lambda t: 7.0 * t**2}, TIMES)
