@@ -197,7 +197,7 @@ COUNTED_BEFORE_LAST = 1e-6
 FREE_STIFFNESS = 1e-13
 """A motion is free if its stiffness is below this share of the stiffnesses at its coordinates."""
 
-TAKES_PART = 1e-9
+PART_IN_MOTION = 1e-9
 """A direction takes part in a motion if it has more than this share of it."""
 
 NO_MASS = 1e-12
@@ -325,7 +325,7 @@ SAME_MODE = 1e-9
 TURN_OF_MODES = 1e-5
 """A Newton step that turns modes by more than this into each other does so by round-off."""
 
-NEAR_RESONANCE = 1e-3
+RESONANT_SOLUTION = 1e-3
 """Largest error of a solution near an undamped resonance."""
 
 ENTRY_ROUND_OFF = 1e-13

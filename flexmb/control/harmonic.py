@@ -21,9 +21,9 @@ from ..math.linear import diagonal_of, pencil
 from ..numerical_limits import (
     COUPLED_BY_ROUND_OFF,
     COUPLED_MODES,
-    NEAR_RESONANCE,
     NO_PART_OF_MODE,
     RESONANCE_HIT,
+    RESONANT_SOLUTION,
     SAME_MODE,
     TURN_OF_MODES,
 )
@@ -389,7 +389,7 @@ def _solution(elements: ElementMatrices, factors: Any, s: complex, right: np.nda
         return forces(elements, z, transposed, s)
 
     sizes = elements.sizes[elements.free]
-    return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, NEAR_RESONANCE)
+    return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, RESONANT_SOLUTION)
 
 
 @jit
