@@ -171,3 +171,10 @@ def test_no_module_of_the_root_hides_a_public_name():
     }
     public = {name for stub in PACKAGE.glob("*/__init__.pyi") for name in offered(f"flexmb.{stub.parent.name}")}
     assert not (modules & public) - set(offered("flexmb"))
+
+
+def test_a_limit_has_one_value():
+    """The later of two limits of one name would win in every room."""
+    body = ast.parse((PACKAGE / "numerical_limits.py").read_text(encoding="utf-8")).body
+    names = collections.Counter(node.targets[0].id for node in body if isinstance(node, ast.Assign))  # type: ignore
+    assert [name for name, count in names.items() if count > 1] == []

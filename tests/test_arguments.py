@@ -88,7 +88,7 @@ def test_what_is_no_model_is_refused_by_what_to_do(name):
 def test_results_are_not_taken_for_models():
     equilibrium = fm.equilibrium(MODEL)
     for name in ("frequencies", "modes", "compliance", "to_statespace"):
-        with pytest.raises(TypeError, match=r"not a Equilibrium.*fm\.linearize"):
+        with pytest.raises(TypeError, match=r"not an Equilibrium.*fm\.linearize"):
             ASKS[name](equilibrium)
     path = fm.path(cart(increment=True).build(), step=1.0)
     with pytest.raises(TypeError, match=r"not a Path.*at=path, step=-1"):
@@ -428,7 +428,7 @@ def test_a_rotation_is_driven_by_the_name_it_was_prescribed_by():
     b.fix("A", "position")
     b.mass("B", 1.0)
     with pytest.raises(
-        fm.ModelError, match=r"Motion 'A\.rotation' is not PRESCRIBED: say prescribe\('A', \"rotation\""
+        fm.ModelError, match=r"Motion 'A\.rotation' is not PRESCRIBED\. Call prescribe\('A', \"rotation\""
     ):
         fm.simulate(b.build(), [0, 0.1], motion={"A.rotation": lambda t: t})
 
