@@ -2434,6 +2434,8 @@ FAULTS = [
         "if False and curvature",
         "elements/test_curves.py -k goes_on",
     ),
+    Fault("elements/leaf.py", "-weights * stiff", "weights * stiff", "elements/test_leaf.py -k width_that", slow=True),
+    Fault("elements/leaf.py", "IN_PLANE = 0.30", "IN_PLANE = 0.0", "elements/test_leaf.py -k width_that", slow=True),
     Fault("elements/leaf.py", "[0.065]])", "[0.01]])", "elements/test_leaf.py -k tip_of", slow=True),
     Fault("build/plain_beams.py", "(bends @ places) / bends.sum()", "0.0", "build/test_plain_beams.py"),
     Fault(

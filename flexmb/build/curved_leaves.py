@@ -1,4 +1,4 @@
-"""Warnings about leaf springs that are curved: too sharply for thin beams, or approximated by straight pieces."""
+"""Warnings about leaf springs that are curved sharply, made of straight pieces, or of a width that varies fast."""
 
 import itertools
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.curves import curvature_at
-from ..elements.leaf import curving
+from ..elements.leaf import curving, leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from .clamps import FOLD, axes_of, elements_at, parts_of, span_of
@@ -19,6 +19,8 @@ from .description import Description, Member
 SHARP = 0.15
 # Pieces that meet at a larger angle are no approximation of a curve [rad].
 STEEPEST = np.radians(20.0)
+# Slope of the width up to which stiffnesses are compared with solid elements.
+SLANT = 0.75
 # A stiffness that changes by less is not told of.
 SHARE = 0.01
 
@@ -34,6 +36,7 @@ def warn_of_curved_leaves(builder: Description) -> None:
     with jax.ensure_compile_time_eval():
         for name, leaf in leaves.items():
             _warn_of_sharp(name, leaf, _rectangle(leaf))
+            _warn_of_slant(builder, name, leaf)
         for node, names in elements_at(builder).items():
             for one, other in itertools.combinations([name for name in names if name in leaves], 2):
                 if _stand_for_a_curve(builder, node, leaves[one], leaves[other]):
@@ -71,6 +74,20 @@ def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
         warn(
             f"Element '{name}' is curved sharply: at its inner side, stress by bending is about {worst / 3:.0%} higher"
             " than a thin beam has it.",
+            BeamTheoryWarning,
+        )
+
+
+def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
+    if not leaf.properties["section"].varies:
+        return
+    length = float(span_of(builder, leaf))
+    section = leaf_of(leaf.properties["section"], None)
+    steepest = max(abs(float(section.slanted(place, length)[1])) for place in np.linspace(0.0, 1.0, 9))
+    if steepest > SLANT:
+        warn(
+            f"The width of element '{name}' changes by up to {steepest:.2f} of the distance along it. Up to {SLANT} its"
+            " stiffnesses are compared with solid elements. Divide the leaf spring, or compare it yourself.",
             BeamTheoryWarning,
         )
 

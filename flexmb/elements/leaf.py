@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.record import Record
 from ..errors import ModelError
 from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
@@ -38,8 +39,41 @@ ENDS = np.array([0.0, 1.0])
 Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
+# By how much slanted edges make a strip softer in bending sideways, over the square of the slope of its width.
+IN_PLANE = 0.30
 # Keeps the root of a curvature that is zero smooth, and changes no digit.
 TINY = 1e-12
+
+
+class Slanted(Record):
+    """A rectangle whose width varies, with its shear counted: stress follows the edges that are not parallel.
+
+    Attributes:
+        rectangle: At this place.
+        slope: By how much the width grows along the leaf spring, () [-].
+
+    Source:
+        THEORY.md 2, eq. (2.46).
+    """
+
+    rectangle: Rectangle
+    slope: Scalar
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities, smaller than the rectangle's; the shear rigidity is the same."""
+        found, nu, square = self.rectangle.rigidity(), self.rectangle.material.poisson(), self.slope**2
+        # Bending sideways is coupled to shear, see Leaf._slanting.
+        coupled = 1 - square * found.shear_y / (4 * self.rectangle.width**2)
+        sideways, across = (1 + IN_PLANE * square) * coupled, 1 + nu / (6 * (1 + nu)) * square
+        return dataclasses.replace(
+            found,
+            EA=found.EA / (1 + square / 6),
+            GIt=found.GIt / (1 + square / 6),
+            EIy=found.EIy / across,
+            EIz=found.EIz / sideways,
+            shear_y=found.shear_y / sideways * coupled,
+            shear_z=found.shear_z / across,
+        )
 
 
 class Sheared(Section):
@@ -62,9 +96,23 @@ class Sheared(Section):
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
-    def at(self, place: Scalar, length: Any) -> Section:
-        """The rectangle at a place."""
-        return self.rectangle(place, length)
+    def at(self, place: Scalar, length: Any) -> Any:
+        """The section at a place, () [-]."""
+        rectangle, slope = self.slanted(place, length)
+        return Slanted(rectangle, slope) if self.section.varies else rectangle
+
+    def slanted(self, place: Scalar, length: Any) -> tuple[Rectangle, Any]:
+        """The rectangle at a place, and by how much the width grows along the leaf spring there, () [-]."""
+        if not self.section.varies:
+            return self.rectangle(place, length), 0.0
+
+        def width(place: Scalar):
+            rectangle = self.rectangle(place, length)
+            return jnp.asarray(rectangle.width, float), rectangle
+
+        place = jnp.asarray(place, float)
+        _, slope, rectangle = jax.jvp(width, (place,), (jnp.ones_like(place),), has_aux=True)
+        return rectangle, slope / length
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Compliances at places over their means, as :func:`flexmb.elements.spectral.relative` has them."""
@@ -279,6 +327,8 @@ class Leaf(Sheared):
             stiff = jnp.stack([jnp.asarray(getattr(constant, name), float) for name in kept])[:, None, None, None]
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
         found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
+        if elastic and self.section.varies and "EIz" in names:
+            found = found + self._slanting(order, length, names)
         if "GIt" not in names:
             return found.reshape(fields * order, fields * order) + self._curved(elastic, order, length, names)
         turned = np.eye(fields)[names.index("GIt")]
@@ -297,6 +347,17 @@ class Leaf(Sheared):
         spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
         found = jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
         return found + self._curved(elastic, order, length, names)
+
+    def _slanting(self, order: int, length: Any, names: Sequence[str]) -> Float[Array, "f o f o"]:
+        """Matrix between bending sideways and shear where the width varies. Source: THEORY.md 2, eq. (2.46)."""
+        places, weights = gauss(NODES)
+        places, pair = jnp.asarray(places), ("EIz", "GAy")
+        rectangles, slopes = jax.vmap(lambda place: self.slanted(place, length))(places)
+        stiff = rigidities(self.plain(), places, length, pair)[:, 0] * slopes / (2 * rectangles.width * length)
+        bent, sheared = jnp.moveaxis(strains(order, self.plain(), places, length, pair), 1, 0)
+        own = jnp.einsum("n,nj,nk->jk", -weights * stiff, bent, sheared)
+        one, other = (np.eye(len(names))[names.index(name)] for name in pair)
+        return jnp.einsum("jk,f,g->fjgk", own, one, other) + jnp.einsum("jk,f,g->gkfj", own, one, other)
 
     def _curved(self, elastic: bool, order: int, length: Any, names: Sequence[str]) -> Any:
         """What initial curvature and twist add to the elastic matrix, else zero. Source: THEORY.md 2, eq. (2.44)."""

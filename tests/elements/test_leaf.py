@@ -409,6 +409,70 @@ def test_bad_input_is_named(properties, message):
         b.add(spatial.leaf_spring, "foot", "tip", name="leaf", **properties)
 
 
+def narrow(place):
+    """Waisted from 30 to 12 mm and back."""
+    return fm.Rectangle(0.030 - 0.018 * jnp.sin(np.pi * place) ** 2, 0.5e-3, STEEL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("section", "solid"),
+    [
+        (
+            fm.sections.taper(fm.Rectangle(0.03, 0.5e-3, STEEL), fm.Rectangle(0.012, 0.5e-3, STEEL)),
+            [2.57459e7, 685782, 326.132, 0.917195, 0.545642, 667.074],
+        ),
+        (
+            fm.sections.taper(fm.Rectangle(0.04, 0.5e-3, STEEL), fm.Rectangle(0.004, 0.5e-3, STEEL)),
+            [1.99987e7, 724871, 371.722, 0.689006, 0.428777, 120.773],
+        ),
+        (fm.sections.Profile(narrow), [2.42593e7, 289727, 261.187, 0.871632, 0.519399, 530.795]),
+    ],
+    ids=["trapezoid", "triangle", "waist"],
+)
+def test_width_that_varies_beside_solid_elements(section, solid):
+    """C3D20R, 80 mm long, 0.5 mm thick, with a rigid tip; largest deviation 1.9 %, without (2.46) 6 %."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.08, 0, 0))
+    b.add(spatial.leaf_spring, "foot", "tip", section=section, y=(0, 1, 0))
+    b.fix("foot")
+    b.inertia("tip", (1e-9, 0, 0, 1e-9, 0, 1e-9))
+    found = 1 / np.diag(np.asarray(fm.compliance(b.build(), "tip")))
+    assert np.all(np.abs(found / solid - 1) < [0.008, 0.008, 0.02, 0.008, 0.008, 0.008])
+
+
+@pytest.mark.slow
+def test_derivatives_by_the_widths_of_a_trapezoid():
+    def answer(widths):
+        b = fm.Builder()
+        b.node("foot", (0, 0, 0))
+        b.node("tip", (0.08, 0, 0))
+        section = fm.sections.taper(*(fm.Rectangle(width, 0.5e-3, STEEL) for width in widths))
+        b.add(spatial.leaf_spring(order=3), "foot", "tip", section=section, y=(0, 1, 0), clamped=(True, False))
+        b.fix("foot")
+        model = b.build() if labels is None else b.build(dofs=labels)
+        return model if labels is None else 1e5 * fm.compliance(model, "tip")[1, 1]
+
+    widths, labels = jnp.array([0.03, 0.012]), None
+    labels = answer(widths).q_labels
+    forward, reverse = jax.jacfwd(answer)(widths), jax.jacrev(answer)(widths)
+    slopes = [float(answer(widths + step) - answer(widths - step)) / 2e-6 for step in 1e-6 * np.eye(2)]
+    np.testing.assert_allclose(forward, slopes, rtol=1e-5)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-8)
+
+
+def test_a_width_that_varies_fast_warns():
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (0.03, 0))
+    steep = fm.sections.taper(LEAF, dataclasses.replace(LEAF, width=0.05))
+    b.add(planar.leaf_spring, "foot", "tip", name="leaf", section=steep)
+    b.fix("foot")
+    with pytest.warns(fm.BeamTheoryWarning, match="width of element 'leaf' changes by up to 1.07"):
+        b.build()
+
+
 @pytest.mark.slow
 def test_taper_beside_solid_elements():
     """REFERENCES.md A14-leaf: 0.5 to 0.3 mm thick; one that stays the same is as a section that does not vary."""
