@@ -293,7 +293,7 @@ FUNCTIONS = {
     ),
     "a reference of one output for two": (
         lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: y, reference=lambda t: jnp.zeros(1)),
-        r"`reference` gives shape \(1,\), but the mechanism has 2 outputs",
+        r"`reference` returns shape \(1,\), but the mechanism has 2 outputs",
     ),
     "a sample that takes no time": (
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, z), 0.0)),

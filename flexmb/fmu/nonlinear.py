@@ -85,7 +85,7 @@ def plant(
     )
     (w, n), m = done.work, memory.size
     numbers = {"WORK": w, "MEMORY": m, "X": 2 * n_q, "Q": n_q}
-    numbers |= {"DEPENDENT_FOUND": DEPENDENT_FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
+    numbers |= {"FOUND": DEPENDENT_FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
     defined = "\n".join(f"#define PLANT_{name} {value!r}" for name, value in numbers.items())
     call = f"{defined}\n{CALL.read_text(encoding='utf-8')}"
     names = tuple(model.q_labels)

@@ -76,7 +76,7 @@ def test_damping_without_mass_is_not_left_out_without_a_word():
     b.input("n2", "x", name="push")
     b.output("n2", "x")
     model = b.build()
-    with pytest.warns(fm.FlexmbWarning, match=r"motion of n1\.x carries no mass but is damped.*off by up to"):
+    with pytest.warns(fm.FlexmbWarning, match=r"motion of n1\.x carries no mass but is damped.*wrong by up to"):
         fm.to_statespace(model)
     with pytest.warns(fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped, which the exact sum leaves out"):
         fm.control.noise_budget(model, sources={"push": 1.0})

@@ -278,7 +278,7 @@ def test_fixed_deformations_that_matter_are_named():
 def test_what_is_refused(nineteen, lean_guide):
     with pytest.raises(fm.ModelError, match="`bandwidth` must be positive, but is 0"):
         fm.lean(nineteen, bandwidth=0)
-    with pytest.raises(fm.ModelError, match="same nodes and elements"):
+    with pytest.raises(fm.ModelError, match="needs the nodes and elements"):
         lean_guide.of(shipped("pf3d"))
     with pytest.raises(fm.AnalysisError, match="No smaller model answers"):
         fm.lean(shipped("pf3d"), bandwidth=100.0)
@@ -306,7 +306,7 @@ def test_free_and_unstable_motions_are_refused():
     strut.mass("n2", 0.1)
     strut.force("n2", (-100.0, 0))
     for case in (b.build(), strut.build(), lambda beams: strut.build()):
-        with pytest.raises(fm.AnalysisError, match="about a stable state"):
+        with pytest.raises(fm.AnalysisError, match="The state is unstable"):
             fm.lean(case, bandwidth=100.0)
 
 

@@ -190,7 +190,7 @@ def test_strongest_clamped_column_is_bimodal():
     "changes7-Limits of 'frequency' are empty",
     "changes8-must be two values",
     "changes10-is inf at the start",
-    "changes12-targets alone",
+    "changes12-targets only",
 )
 @pytest.mark.parametrize(
     ("changes", "words"),
@@ -207,7 +207,7 @@ def test_strongest_clamped_column_is_bimodal():
         ({"scales": {"thickness": "ln"}}, "must be 'log' or 'linear'"),
         ({"answers": {"frequency": lambda model: frequency(model) / 0}}, "is inf at the start"),
         ({"answers": {"frequency": lambda model: jnp.array(3.0)}}, "depends on dimension 'thickness'"),
-        ({"optimizer": optimistix.LevenbergMarquardt(1e-8, 1e-8), "equal": {"pair": 1.0}}, "targets alone"),
+        ({"optimizer": optimistix.LevenbergMarquardt(1e-8, 1e-8), "equal": {"pair": 1.0}}, "targets only"),
     ],
 )
 def test_wrong_calls_are_named(changes, words):

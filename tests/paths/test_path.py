@@ -57,7 +57,7 @@ def test_derivative_of_a_limit_load():
     for k, step in enumerate((1.0, 1e-4)):
         up, down = (limit_of(*(at + s * step * np.eye(2)[k])) for s in (1, -1))
         assert float(found[k]) == approx((up - down) / (2 * step), rel=1e-7)
-    with pytest.raises(NotImplementedError, match="once"):
+    with pytest.raises(NotImplementedError, match="no second one"):
         jax.grad(jax.grad(lambda h: limit((1e4, h))))(1.0)
     # The displacement's own derivative has no bound there: dP/dw = 0.
     assert abs(load_at(HIGHEST + 1e-6) - load_at(HIGHEST - 1e-6)) / 2e-6 < 1e-6

@@ -107,7 +107,7 @@ def test_what_is_so_already_changes_nothing():
     found = targets.meet(planar_guide(), [want("frequency 1", "5", "least")], ["t"], Job())
     assert found["met"]
     assert not found["ops"]
-    assert "so already" in found["text"]
+    assert "already met" in found["text"]
 
 
 @pytest.mark.slow
