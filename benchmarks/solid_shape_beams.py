@@ -5,21 +5,19 @@ from collections.abc import Callable
 import jax.numpy as jnp
 import numpy as np
 import solid_shapes as shapes
-from solid_beams import Leaf, cantilever, fold, guided_leaf, tip_of
+from solid_beams import ACROSS, Leaf, cantilever, fold, guided_leaf, tip_of
 from solid_cases import THICKNESS
 
 import flexmb as fm
+from flexmb import spatial
 
 # Elements that are compared in these cases.
 KINDS = ("one leaf_spring",)
 # Cases whose solid models take a quarter of an hour; no results of theirs are committed.
 NOT_SOLVED = ("arc at strokes", "cosine arch at strokes")
-# Cases that no element describes: their solid results stand by themselves.
+# Cases that no element describes, or no mechanism here: their solid results stand by themselves.
 NOT_YET = {
-    **dict.fromkeys(
-        ("arc", "arc at strokes", "cosine arch", "cosine arch at strokes"), "no element has an initial curvature"
-    ),
-    "twisted leaf spring": "no element has an initial twist",
+    **dict.fromkeys(("arc at strokes", "cosine arch", "cosine arch at strokes"), "no mechanism of it is written yet"),
     "slot": "no section has a hole",
     **{name: "no clamp is skew" for name in shapes.SHAPES if name.startswith("skew")},
 }
@@ -41,6 +39,27 @@ def waisted(kind):
     """Strip whose width narrows to its middle."""
     length, wide, narrow = shapes.WAIST
     return plain((length, lambda place: wide + (narrow - wide) * jnp.sin(jnp.pi * place) ** 2, THICKNESS))(kind)
+
+
+def curved(chord: float, leaf: Leaf, curvature: tuple[float, float, float]) -> Callable:
+    """Strip with a twist and two curvatures before any load, its chord along x."""
+
+    def ask(kind):
+        del kind
+
+        def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+            section = leaf.section()
+            return [b.add(spatial.leaf_spring, first, last, section=section, y=ACROSS, curvature=lambda _: curvature)]
+
+        return tip_of(cantilever(whole, leaf, tip=chord)[0])
+
+    return ask
+
+
+def arc() -> Callable:
+    """Arc of a circle."""
+    radius, angle, width, thickness = shapes.ARC
+    return curved(2 * radius * np.sin(angle / 2), Leaf(width, thickness), (0.0, 1 / radius, 0.0))
 
 
 def in_line(lengths, leaves) -> Callable:
@@ -78,6 +97,10 @@ CASES: dict[str, Callable] = {
     ),
     "steps in thickness, 1.75 mm": stiffened(0.00175),
     "steps in thickness, 5 mm": stiffened(0.005),
+    "arc": arc(),
+    "twisted leaf spring": curved(
+        shapes.TWISTED[0], Leaf(*shapes.TWISTED[1:]), (shapes.TWIST / shapes.TWISTED[0], 0.0, 0.0)
+    ),
     "wide fold": lambda kind: fold(kind, shapes.FOLDED, shapes.FOLD_STROKES),
     "guided leaf spring 50 mm wide, far": lambda kind: guided_leaf(kind, shapes.GUIDED_STROKES),
 }

@@ -341,7 +341,7 @@ FUNCTIONS = {
         lambda: fm.simulate(
             MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y, jax.lax.complex(z, z)), 0.1, jnp.zeros(2))
         ),
-        "the sampled controller gives must be real",
+        "of the sampled controller must be real",
     ),
     "a complex reference": (
         lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: y, reference=lambda t: jnp.array([1j, 2])),
