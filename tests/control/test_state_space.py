@@ -78,5 +78,7 @@ def test_damping_without_mass_is_not_left_out_without_a_word():
     model = b.build()
     with pytest.warns(fm.FlexmbWarning, match=r"motion of n1\.x carries no mass but is damped.*wrong by up to"):
         fm.to_statespace(model)
-    with pytest.warns(fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped, which the exact sum leaves out"):
+    with pytest.warns(
+        fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped\. The exact sum leaves its damping out"
+    ):
         fm.control.noise_budget(model, sources={"push": 1.0})

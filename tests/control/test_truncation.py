@@ -101,7 +101,7 @@ def test_rigid_motion_and_motion_without_mass():
     system = fm.to_statespace(free, modes=1)
     for s in 1j * FREQUENCIES:
         np.testing.assert_allclose(system(s)[0], [0.5 / (MASS * s**2) + d / (4 * BETWEEN) for d in (1, -1)], rtol=1e-9)
-    with pytest.raises(ValueError, match=r"Mode 1 does not vibrate .* keep it, as number 0"):
+    with pytest.raises(ValueError, match=r"Mode 1 does not vibrate .* Keep it, as number 0"):
         fm.to_statespace(free, modes=[1])
     # With a joint in the middle of the spring, a force on it moves it by 1/(4 k) more than both masses' mean.
     jointed = fm.to_statespace(chain(foot=0.0, joint=True), modes=1)

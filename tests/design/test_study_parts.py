@@ -107,7 +107,7 @@ def expected():
 
 
 @pytest.mark.slow("first", "second")
-@pytest.mark.filterwarnings("ignore:Before it buckles")
+@pytest.mark.filterwarnings("ignore:At the load multiplier")
 @pytest.mark.parametrize("name", expected())
 def test_answer(study, name):
     # What the small loads add is of their size.

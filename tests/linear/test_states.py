@@ -111,7 +111,7 @@ def swinging(bent):
 @pytest.mark.slow
 def test_what_is_no_time_of_a_motion_is_named_beside_the_nearest(bent, swinging):
     half, motion = swinging
-    with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s; the nearest are 0, {half / 2:.5g} s"):
+    with pytest.raises(ValueError, match=rf"but is {half / 3:.5g} s\. The nearest are 0, {half / 2:.5g} s"):
         fm.frequencies(bent, at=motion, time=half / 3)
 
 

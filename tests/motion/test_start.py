@@ -104,7 +104,7 @@ def test_a_motion_without_a_velocity_is_named():
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:What is driven takes")
+@pytest.mark.filterwarnings("ignore:Driven coordinates move")
 def test_how_it_begins_is_the_same_in_every_frame():
     found = []
     for turned in (np.eye(3), Rotation.from_rotvec([1, 2, -0.5]).as_matrix()):

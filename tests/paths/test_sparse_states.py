@@ -158,7 +158,7 @@ def stayed(sparse):
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:As they are, these loads")
+@pytest.mark.filterwarnings("ignore:With factor one, these loads")
 def test_laws_with_a_potential():
     dense, sparse = (fm.path(stayed(of), sparse=of, stop={"load_factor": 0.3}) for of in (False, True))
     (critical,) = dense.critical_points

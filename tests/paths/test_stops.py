@@ -147,7 +147,7 @@ def test_what_is_not_met_is_said():
         path = fm.path(FLAT, stop={"apex.y": 1.0, "critical_points": 7})
     assert path.stopped_by is None
     assert float(path.load_factor[-1]) == 1.0
-    with pytest.warns(fm.FlexmbWarning, match="asks for bifurcation 1, but there are 0 of them"):
+    with pytest.warns(fm.FlexmbWarning, match="names bifurcation 1, but there are 0 of them"):
         fm.path(FLAT, switch=True)
     for wrong, match in (
         ({"stop": {"apex": 1.0}}, "apex.x, apex.y"),
