@@ -100,7 +100,7 @@ def test_what_the_path_has_not_is_named(paths):
         (lambda: sparse.K0, "has no K0. Use one state"),
         (lambda: sparse.frequencies, "has no frequencies"),
         (lambda: sparse.linearization(time=1.0), "no times"),
-        (lambda: sparse.linearization(99), "and 99 is none of them"),
+        (lambda: sparse.linearization(99), "Number 99 is none of them"),
         (sparse.linearizations, "one state at a time"),
         (sparse.at_critical_points, "no critical points. Follow it further"),
         (dense.at_critical_points, "no critical points. Follow it further"),
