@@ -182,7 +182,7 @@ def test_a_killed_process_comes_back(opened, tmp_path):
     assert told.newest["document"]["undo"] == ["all"]
     assert told.newest["document"]["redo"] == ["C"]
     assert told.newest["file"]["recovered"]
-    assert "1 step" in told.newest["file"]["summary"]
+    assert "1 unsaved step" in told.newest["file"]["summary"]
     # Text and all return on undo.
     again.ask("undo", {})
     assert again.history.document.data == Document.empty().data
