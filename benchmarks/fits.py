@@ -49,7 +49,7 @@ def response_fits(sets: int) -> dict[str, Any]:
     import flexmb as fm
 
     model = guide(TRUTH["thickness"], TRUTH["modulus"], TRUTH["clamp"])
-    clean = np.asarray(fm.frequency_response(model, HERTZ, loss_factor=TRUTH["loss"]).of())
+    clean = np.asarray(fm.frequency_response(model, HERTZ.tolist(), loss_factor=TRUTH["loss"]).of())
     deviation = RESPONSE_SCATTER * np.abs(clean)
     data = fm.measured_response(HERTZ, clean, deviation, loss_factor="loss")
     return _repeated(guide, data, START, np.tile(deviation, 2), sets)

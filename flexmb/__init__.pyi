@@ -46,6 +46,9 @@ from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError
 from .fmu.save import save_fmu as save_fmu
 from .identification.fit import fit as fit
+from .identification.measurement import measured as measured
+from .identification.mode_pairing import measured_modes as measured_modes
+from .identification.response_data import measured_response as measured_response
 from .linear.buckling import buckling as buckling
 from .linear.buckling import buckling_loads as buckling_loads
 from .linear.compliance import compliance as compliance

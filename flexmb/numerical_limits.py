@@ -928,3 +928,36 @@ SAME_RANGE = 1e-6
 LOOSE_FREEDOM = 1e-12
 """A degree of freedom is loose if its stiffness is below this share of the largest, both per unit mass. Below stands
 round-off of the stiffness matrix."""
+
+# --- identification -------------------------------------------------------------------------------------------------
+
+MISTAKEN_UNIT = 300.0
+"""Measured values over computed ones at the start, in the mean. Beyond, the unit is mistaken: units differ by 1000."""
+
+WORST_MAC = 0.5
+"""A measured shape has no partner if its modal assurance criterion is below this with every mode."""
+
+UNDETERMINED_SHARE = 12**-0.5
+"""Standard deviation of a combination of parameters over the distance of their bounds. Beyond, data tell no more than
+the bounds: a uniform distribution between them has this deviation."""
+
+ZERO_SLOPE = 1e-9
+"""A singular value of weighted slopes below this share of the largest is zero: round-off of slopes is 1e-10."""
+
+PART_IN_COMBINATION = 0.02
+"""A parameter with less than this part in a direction does not belong to the combination."""
+
+OUTLIER = 3.0
+"""Differences beyond so many standard deviations are named. Scatter alone exceeds it once in 370."""
+
+IMPLAUSIBLE = 1e-3
+"""A chi-squared that scatter alone exceeds with a smaller probability is no scatter."""
+
+SAME_MINIMUM = 1e-3
+"""Two minima are one if their costs differ by less than this share."""
+
+SETTLED_COST = 1e-10
+"""A search ends if the cost changes by less than this share."""
+
+SETTLED_PARAMETERS = 1e-8
+"""A search ends if the scaled parameters change by less than this, far below any scatter."""

@@ -107,7 +107,7 @@ def test_results_are_not_taken_for_models():
         lambda: fm.linear.second_transfer(MODEL),
         lambda: fm.linear.mode_assurance(1, 2),
     ):
-        with pytest.raises(TypeError, match=r"takes (a Motion|a Linearization|Modes)"):
+        with pytest.raises(TypeError, match=r"needs (a Motion|a Linearization|Modes)"):
             call()
 
 

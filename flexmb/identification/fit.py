@@ -12,17 +12,14 @@ from ..design.designs import numbers
 from ..design.evaluate import Build, Layout, check_dimensions, check_names, layout_of
 from ..design.scaling import Scaling
 from ..errors import AnalysisError, clean, warn
+from ..numerical_limits import AT_BOUND, IMPLAUSIBLE, PART_IN_COMBINATION, SAME_MINIMUM
 from ..results import RESULTS
 from .fitted import Fit, scaled_covariance, weighted_slopes
 from .measurement import Measured, check_start, measurements
-from .problem import AT_BOUND, FitProblem, Prior, Solution
-from .undetermined import TAKES_PART, combinations_of
+from .problem import FitProblem, Prior, Solution
+from .undetermined import combinations_of
 
 LOSSES = ("linear", "huber", "soft_l1", "cauchy")
-# A chi-squared that scatter alone exceeds this rarely is no scatter.
-IMPLAUSIBLE = 1e-3
-# Minima are the same where scaled parameters are this near.
-SAME_MINIMUM = 1e-3
 
 
 @unguarded
@@ -187,7 +184,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     finite, infinite = scaled_covariance(slopes, noise or np.finfo(float).tiny)
     change = problem.change(unit)
     deviations = np.sqrt(np.diag(finite)) * change
-    deviations[np.any(np.abs(infinite) > TAKES_PART, axis=1)] = np.inf
+    deviations[np.any(np.abs(infinite) > PART_IN_COMBINATION, axis=1)] = np.inf
     flat = scaling.to_dimensions(unit)
     square = float(np.sum(rows**2)) if known else np.nan
     probability = float(chi2.sf(square, freedom)) if known and freedom > 0 else np.nan

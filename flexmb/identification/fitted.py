@@ -10,13 +10,11 @@ from ..arguments import check_number
 from ..design.evaluate import Answers, named_answers
 from ..display import Result, Summary
 from ..errors import clean
+from ..numerical_limits import OUTLIER
 from ..results import RESULTS
 from .measurement import Measured, in_deviations, measurements, predicted
 from .problem import FitProblem, robust
 from .undetermined import Undetermined
-
-# Weighted differences beyond this are named.
-OUTLIER = 3.0
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -35,7 +33,7 @@ class Fit(Result):
         freedom: Number of values and priors less number of determined parameters.
         probability: Of a chi-squared as large by scatter alone [-]; NaN if the scatter is not known.
         noise: Factor of the standard deviations: 1, or the common deviation of the values if it was not given.
-        undetermined: Undetermineds of parameters that the data do not determine.
+        undetermined: Combinations of parameters that the data do not determine.
         active: Parameters at a bound.
         minima: Parameters and chi-squared of each different minimum that the starts found, the lowest first.
         result: Code of RESULTS: successful, not_optimal, poor_fit.
@@ -191,7 +189,8 @@ class Fit(Result):
                 inner = outer
             if outer in (inner, bound) and cost(outer) - best <= growth:
                 return -np.inf if side < 0 else np.inf
-            return brentq(lambda place: cost(place) - best - growth, inner, outer, xtol=1e-3 * width)
+            root: Any = brentq(lambda place: cost(place) - best - growth, inner, outer, xtol=1e-3 * width)
+            return root
 
         lower, upper = end(-1), end(1)
         first, last = (float(np.clip(self.unit[i] + side * 2 * width, 0.0, 1.0)) for side in (-1, 1))
@@ -310,7 +309,7 @@ class Fit(Result):
     def largest_residuals(self) -> list[tuple[str, int, float]]:
         """Name, number (from 1) and size of the values that differ by more than three deviations, largest first."""
         found = [
-            (name, i + 1, float(rows[i]))
+            (name, int(i) + 1, float(rows[i]))
             for name, rows in self.residuals.items()
             for i in np.flatnonzero(np.abs(rows) > OUTLIER * self.noise)
         ]

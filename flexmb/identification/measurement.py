@@ -11,10 +11,8 @@ from jaxtyping import Array, Float
 
 from ..design.designs import numbers
 from ..errors import clean
+from ..numerical_limits import MISTAKEN_UNIT
 from ..questions.question import asked
-
-# Largest ratio of measured to computed values at the start. A larger one is a mistaken unit.
-MISTAKEN_UNIT = 300.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -14,10 +14,8 @@ from ..design.designs import numbers
 from ..linear.linearize import linearize
 from ..linear.modes import frequencies
 from ..linear.spectrum import spectrum, to_frequency
+from ..numerical_limits import WORST_MAC
 from .measurement import Measured, measured
-
-# A measured shape whose modal assurance criterion is below this with every mode has no partner.
-WORST_MAC = 0.5
 
 
 def measured_modes(

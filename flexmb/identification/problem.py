@@ -12,13 +12,9 @@ from jaxtyping import Float
 from ..compilation.by_meaning import jit
 from ..design.evaluate import Layout, build_once, flat_function
 from ..design.scaling import Scaling
+from ..numerical_limits import SETTLED_COST, SETTLED_PARAMETERS
 from ..results import RESULTS
 from .measurement import Measured, in_deviations, predicted
-
-# A dimension this near to a bound, as a share of the range, is at it.
-AT_BOUND = 1e-6
-# Far below the scatter of any parameter: a cost is known to the square of the error of a parameter.
-CONVERGED = 1e-10
 
 
 class Prior(NamedTuple):
@@ -179,9 +175,9 @@ class FitProblem:
             bounds=(0.0, 1.0),
             loss=self.loss,
             x_scale="jac",
-            ftol=CONVERGED,
-            xtol=1e-8,
-            gtol=1e-8,
+            ftol=SETTLED_COST,
+            xtol=SETTLED_PARAMETERS,
+            gtol=SETTLED_PARAMETERS,
             max_nfev=self.max_evaluations,
         )
         return Solution(whole(found.x), 2 * float(found.cost), count, found.status > 0)

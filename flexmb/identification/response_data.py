@@ -52,7 +52,7 @@ def measured_response(
         y = gain exp(-2 pi i f delay) H(2 pi i f) u.
     """
     places = np.atleast_1d(numbers(f"Measurement '{name}': frequencies", hertz))
-    response = np.atleast_1d(np.asarray(values, complex))
+    response: Any = np.atleast_1d(np.asarray(values, complex))
     if places.ndim > 1 or response.shape != places.shape:
         raise ValueError(
             f"Measurement '{name}' has {places.size} frequencies and {response.size} values: give one value for each."
@@ -69,7 +69,8 @@ def measured_response(
 
     def answer(model: Any, **parameters: Any) -> Float[Array, "2*n_f"]:
         loss = parameters[loss_factor] if isinstance(loss_factor, str) else loss_factor
-        found = frequency_response(model, places, outputs=output, inputs=input, loss_factor=loss).of()
+        asked = jnp.asarray(places)
+        found: Any = frequency_response(model, asked, outputs=output, inputs=input, loss_factor=loss).of()
         if gain is not None:
             found = found * jnp.asarray(parameters[gain], complex)
         if delay is not None:

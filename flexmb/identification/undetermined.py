@@ -1,17 +1,12 @@
-"""Undetermineds of parameters that the data do not determine, and those that they do."""
+"""Combinations of parameters that the data do not determine, and those that they do."""
 
 import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..numerical_limits import PART_IN_COMBINATION, UNDETERMINED_SHARE, ZERO_SLOPE
 from .problem import FitProblem
-
-# Standard deviation, as a share of the distance of the bounds, beyond which data tell no more than the bounds: a
-# uniform distribution between them has 1/sqrt(12).
-UNDETERMINED = 1 / np.sqrt(12)
-# Part of a parameter in a direction below which the direction does not concern it.
-TAKES_PART = 0.02
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,17 +43,16 @@ def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray
     n = slopes.shape[1]
     _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
     singular = np.concatenate([singular, np.zeros(n - len(singular))])
-    # What round-off leaves of a singular value that is zero.
-    zero = singular <= 1e-9 * max(singular[0], np.finfo(float).tiny)
+    zero = singular <= ZERO_SLOPE * max(singular[0], np.finfo(float).tiny)
     with np.errstate(divide="ignore"):
         deviations = np.where(zero, np.inf, noise / np.where(zero, 1.0, singular))
-    return deviations, rows.T, deviations > UNDETERMINED
+    return deviations, rows.T, deviations > UNDETERMINED_SHARE
 
 
 def combinations_of(
     problem: FitProblem, unit: np.ndarray, slopes: np.ndarray, noise: float
 ) -> tuple[Undetermined, ...]:
-    """Undetermineds of parameters that the data do not determine."""
+    """Combinations of parameters that the data do not determine."""
     deviations, columns, wide = directions(slopes, noise)
     scaling = problem.scaling
     relative = np.where(scaling.log, problem.change(unit) / np.where(scaling.log, scaling.to_dimensions(unit), 1), 1.0)
@@ -73,9 +67,9 @@ def combinations_of(
 def _combination(
     labels: Sequence[str], change: np.ndarray, column: np.ndarray, logarithmic: np.ndarray, deviation: float
 ) -> Undetermined:
-    part = np.flatnonzero(np.abs(column) > TAKES_PART)
+    part = np.flatnonzero(np.abs(column) > PART_IN_COMBINATION)
     change = change[part] / change[part][np.argmax(np.abs(change[part]))]
-    names = tuple(labels[i] for i in part)
+    names = tuple(labels[int(i)] for i in part)
     determined: tuple[str, ...] = ()
     if len(part) > 1 and np.all(logarithmic[part]):
         # p_i p_0^e stays where e = -change_i/change_0.

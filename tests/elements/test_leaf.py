@@ -1,6 +1,7 @@
 """Leaf springs beside solid finite elements and closed forms; which of their ends are clamped."""
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -444,7 +445,7 @@ def test_width_that_varies_beside_solid_elements(section, solid):
 
 @pytest.mark.slow
 def test_derivatives_by_the_widths_of_a_trapezoid():
-    def answer(widths):
+    def answer(widths) -> Any:
         b = fm.Builder()
         b.node("foot", (0, 0, 0))
         b.node("tip", (0.08, 0, 0))

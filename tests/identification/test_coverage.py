@@ -12,7 +12,7 @@ BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
 def test_intervals_contain_the_truth():
     sys.path.insert(0, BENCHMARKS)
     try:
-        import fits
+        import fits  # type: ignore
     finally:
         sys.path.remove(BENCHMARKS)
     found = fits.response_fits(100)
