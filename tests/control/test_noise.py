@@ -400,7 +400,7 @@ def test_what_is_refused():
         (ValueError, "ascend", {"hertz": [1.0, 1.0]}),
         (ValueError, "`band` must be two ascending", {"band": (2, 1)}),
         (ValueError, "either `hertz` or `band`", {"band": (1, 2), "hertz": [1.0, 2.0]}),
-        (ValueError, "1 inputs, but 4 outputs", {"controller": 3.0}),
+        (ValueError, "1 inputs, but the mechanism has 4 outputs", {"controller": 3.0}),
         (ValueError, "sampled", {"controller": control.ss(0.5, 1, 1, 0, 0.01)}),
         (TypeError, "A controller is", {"controller": "pid"}),
         (ValueError, "go with a controller", {"driven": "push"}),
