@@ -208,7 +208,7 @@ def test_what_is_refused_and_what_is_said():
     ):
         with pytest.raises(fault, match=message):
             fm.frequency_response(model, **{"hertz": [1.0], **words})
-    with pytest.raises(KeyError, match="Say which: the outputs are"):
+    with pytest.raises(KeyError, match="Choose one: the outputs are"):
         found.of()
     fm.plot.bode(found, "tip")
 
