@@ -2419,6 +2419,7 @@ FAULTS = [
         "compose_turns(first * CONJUGATE, turn_product",
         "compose_turns(first, turn_product",
         "elements/test_curves.py -k in_space_as",
+        slow=True,
     ),
     Fault("elements/curves.py", "if not holds(off < SAME_LINE)", "if False", "elements/test_curves.py -k does_not_fit"),
     Fault(
@@ -4460,8 +4461,14 @@ FAULTS = [
         slow=True,
     ),
     Fault("cli.py", "except StrokeError as", "except ZeroDivisionError as", "test_cli.py -k its_number"),
-    Fault("answers/labelled.py", '.replace("²", "^2")', "", "answers/test_labelled.py -k stands_over_time"),
-    Fault("answers/labelled.py", 'turned[:, j], "rad"', 'turned[:, 0], "rad"', "answers/test_labelled.py -k rotations"),
+    Fault("answers/labelled.py", '.replace("²", "^2")', "", "answers/test_labelled.py -k stands_over_time", slow=True),
+    Fault(
+        "answers/labelled.py",
+        'turned[:, j], "rad"',
+        'turned[:, 0], "rad"',
+        "answers/test_labelled.py -k rotations",
+        slow=True,
+    ),
     Fault(
         "control/universal_file.py", '"rz": 6, "phi": 6', '"rz": 6, "phi": 4', "answers/test_labelled.py -k universal"
     ),

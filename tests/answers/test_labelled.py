@@ -108,6 +108,7 @@ def test_universal_files_that_cannot_be(response, tmp_path):
         uneven.save(tmp_path / "uneven.uff")
 
 
+@pytest.mark.slow
 def test_a_path_goes_through_netcdf(model, tmp_path):
     path = fm.path(model)
     data = path.to_xarray()
@@ -131,6 +132,7 @@ def test_a_path_goes_through_netcdf(model, tmp_path):
         path.to_xarray("nowhere.x")
 
 
+@pytest.mark.slow
 def test_rotations_in_space_stand_about_the_axes():
     path = fm.path(spatial_guide(force=(0, 1.0, 0), extra=(5,)).build())
     data = path.to_xarray()
@@ -141,6 +143,7 @@ def test_rotations_in_space_stand_about_the_axes():
     assert not [name for name in data.data_vars if "l0" in str(name) or "rotation" in str(name)]
 
 
+@pytest.mark.slow
 def test_a_motion_stands_over_time(model, tmp_path):
     times = np.linspace(0, 0.02, 5)
     motion = fm.simulate(model, times)

@@ -82,6 +82,7 @@ def test_tip_of_a_curved_beam_by_quadrature(element):
     np.testing.assert_allclose(found, expected, rtol=1e-4 if leaf else 1e-9)
 
 
+@pytest.mark.slow
 def test_a_function_of_one_value_is_the_number():
     end = QUARTER[-1]
     number, function, points = (
@@ -92,6 +93,7 @@ def test_a_function_of_one_value_is_the_number():
     np.testing.assert_allclose(points, number, rtol=3e-5)
 
 
+@pytest.mark.slow
 def test_in_space_as_in_the_plane():
     """About the third axis, which is local y; mass and frequency too."""
     end = (0.08, 0.04)

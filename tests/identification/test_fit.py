@@ -105,6 +105,7 @@ def test_a_combination_that_is_not_determined_is_named():
     assert known.deviation["mass"] == pytest.approx(0.04, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_to_measure_next():
     frequency, shift = np.sqrt(STIFFNESS / MASS) / (2 * np.pi), LOAD / STIFFNESS
     data = {"frequency 1": (frequency, 1e-3 * frequency), "displacement cart.x": (shift, 1e-2 * shift)}
@@ -136,6 +137,7 @@ def test_correlated_values_weigh_as_their_covariance_says():
     assert found.probability == pytest.approx(chi2.sf(found.chi_squared, 4), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_slopes_agree_with_differences():
     data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-4)}
     problem = fm.fit(cart, data, GUESS, BOUNDS, throw=False).problem

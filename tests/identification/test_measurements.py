@@ -46,6 +46,7 @@ def cart_frequency(stiffness):
     return np.sqrt(stiffness / MASS) / (2 * np.pi)
 
 
+@pytest.mark.slow
 def test_modes_are_paired_by_their_shapes_where_they_cross():
     truth = {"left": 300.0, "right": 100.0}
     hertz = [cart_frequency(truth["left"]), cart_frequency(truth["right"])]
