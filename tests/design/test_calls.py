@@ -155,7 +155,7 @@ def test_dimensions_bear_any_name():
             found["seed"], draw(5, {"count": (1.0, 2.0)}, seed=1, **{"seed ": (3, 4)})["seed "]
         )
     assert fm.design.grid({"self": [1.0, 2.0]}, axes=[3.0])["axes"].tolist() == [3.0, 3.0]
-    with pytest.raises(TypeError, match="'a' is given twice"):
+    with pytest.raises(TypeError, match="'a' is in the dictionary and a keyword"):
         fm.design.grid({"a": [1.0]}, a=[2.0])
     with pytest.raises(TypeError, match="a dictionary by name"):
         fm.design.latin_hypercube(3, (0.0, 1.0))
