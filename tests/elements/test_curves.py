@@ -279,3 +279,20 @@ def test_a_cosine_arch_of_one_element_snaps_where_many_arcs_do():
     index = path.labels.coordinates("middle")[1]
     found = np.array([(most * c.load_factor, 1 - c.x[index] / height) for c in path.critical_points])
     assert np.all(np.abs(found - [[740, 0.16], [-370, 1.92]]) < [10, 0.01])
+
+
+@pytest.mark.slow
+def test_a_curve_through_points_in_space():
+    """A quarter of a circle in a tilted plane, moved across this plane: bending and torsion in closed form."""
+    turn = np.asarray(fm.rotations.to_matrix(fm.rotations.from_vector(np.array([0.3, -0.5, 0.8]))))
+    points = np.c_[QUARTER, np.zeros(len(QUARTER))] @ turn.T
+    across = turn[:, 2]
+    section = fm.Rigidity(EA=1e7, EIy=0.7, EIz=0.7, GIt=0.5)
+    curvature = fm.sections.curvature_through(points, y=across)
+    flexible = compliance(one(spatial.spectral_beam(8), points[-1], curvature, section, y=across))[:3, :3]
+    expected = RADIUS**3 * (np.pi / 4 / 0.7 + (3 * np.pi / 4 - 2) / 0.5)
+    # The spline through nine points is off the circle by 1e-5 of its radius.
+    assert across @ flexible @ across == approx(expected, rel=1e-4)
+    # In the plane, along the tangent at the foot and across it: M = F R cos a, and F R (1 - sin a).
+    for direction, factor in ((turn[:, 0], np.pi / 4), (turn[:, 1], 3 * np.pi / 4 - 2)):
+        assert direction @ flexible @ direction == approx(RADIUS**3 / 0.7 * factor, rel=1e-4)
