@@ -52,5 +52,5 @@ def test_within_another_program():
 
     assert 5 * float(jax.jit(limit)(1.0)) == approx(limit_of(1e4, 1.0), rel=1e-12)
     assert float(jax.jit(jax.grad(limit))(1.0)) == approx(float(jax.grad(limit)(1.0)), rel=1e-11)
-    with pytest.raises(NotImplementedError, match="differentiated once"):
+    with pytest.raises(NotImplementedError, match="no second one"):
         jax.grad(jax.grad(limit))(1.0)
