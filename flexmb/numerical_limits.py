@@ -954,7 +954,10 @@ IMPLAUSIBLE = 1e-3
 """A chi-squared that scatter alone exceeds with a smaller probability is no scatter."""
 
 SAME_MINIMUM = 1e-3
-"""Two minima are one if their costs differ by less than this share."""
+"""Two minima are one if no scaled parameter differs by more than this."""
+
+AS_GOOD = 4.0
+"""Another minimum fits as well if its chi-squared is larger by less than this: two standard deviations."""
 
 SETTLED_COST = 1e-10
 """A search ends if the cost changes by less than this share."""

@@ -59,3 +59,8 @@ class Scaling:
             found = np.where(self.log, self.lower * np.exp(unit * np.log(ratio)), linear)
             return np.clip(found, self.lower, self.upper)
         return jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)
+
+    def slopes(self, unit: np.ndarray) -> np.ndarray:
+        """Derivatives of the dimensions by their numbers from 0 to 1, (n,) [SI]."""
+        ratio = np.log(np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0))
+        return np.where(self.log, self.to_dimensions(unit) * ratio, self.upper - self.lower)

@@ -9,14 +9,14 @@ import numpy as np
 from ..arguments import check_by_name, check_choice, check_whole
 from ..compilation.compile import unguarded
 from ..design.designs import numbers
-from ..design.evaluate import Build, Layout, check_dimensions, check_names, layout_of
+from ..design.evaluate import REFUSED, Build, Layout, check_dimensions, check_names, layout_of
 from ..design.scaling import Scaling
-from ..errors import AnalysisError, clean, warn
-from ..numerical_limits import AT_BOUND, IMPLAUSIBLE, PART_IN_COMBINATION, SAME_MINIMUM
+from ..errors import AnalysisError, clean, first_line, warn
+from ..numerical_limits import AS_GOOD, AT_BOUND, IMPLAUSIBLE, PART_IN_COMBINATION, SAME_MINIMUM
 from ..results import RESULTS
 from .fitted import Fit, scaled_covariance, weighted_slopes
-from .measurement import Measured, check_start, measurements
-from .problem import FitProblem, Prior, Solution
+from .measurement import Measured, check_unit, measurements
+from .problem import GOOD, FitProblem, Prior, Solution
 from .undetermined import combinations_of
 
 LOSSES = ("linear", "huber", "soft_l1", "cauchy")
@@ -62,11 +62,13 @@ def fit(
     Raises:
         ValueError: More parameters than values and priors, an unknown name, values whose unit is mistaken, a measured
             mode without partner, or a parameter on which no value depends.
-        AnalysisError: The start has no answer, or no start converged (not_optimal).
+        AnalysisError: The start has no answer, no start converged (not_optimal), or no mechanism has the fitted
+            parameters (impossible_design).
 
     Warns:
-        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit), a parameter is at a bound, or the data
-            do not determine a combination of parameters.
+        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit), other parameters fit as well, a
+            parameter is at a bound, the data do not determine a combination of parameters, a measured mode has lost
+            its partner, or the fitted equilibrium is not stable.
 
     Source:
         Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, with the
@@ -85,6 +87,9 @@ def fit(
     first = layout.join(values)
     scaling.check_inside(first)
     known = _priors(priors or {}, layout)
+    if items[0].scatter is None and (known or loss != "linear"):
+        what = "Priors weigh" if known else f"The loss '{loss}' weighs"
+        raise ValueError(f"{what} values by their deviations. Give measurement '{items[0].name}' a deviation.")
     count, wanted = sum(len(item.values) for item in items) + len(known), len(first)
     if count < wanted:
         raise ValueError(
@@ -98,7 +103,7 @@ def fit(
     solutions = [problem.solve(unit) for unit in _starts(scaling.to_unit(first), starts, check_whole("seed", seed, 0))]
     best = min(solutions, key=lambda one: (not one.converged, one.cost))
     found = _fit_of(problem, solutions, best, values)
-    if throw and found.result is RESULTS.not_optimal:
+    if throw and found.result in (RESULTS.not_optimal, RESULTS.impossible_design):
         raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
     _warn(found)
     return found
@@ -147,20 +152,20 @@ def _starts(first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
 
 def _check_start(problem: FitProblem) -> None:
     """Refuse a start without answer, values of a mistaken unit, and parameters on which nothing depends."""
-    model = problem.models[0] if problem.models else None
     unit = problem.scaling.to_unit(problem.first)
     computed, slopes, code = problem.function(unit)
     for item, part in zip(problem.items, problem.parts, strict=True):
         if np.all(np.isfinite(computed[part])):
-            check_start(item, computed[part])
-    if code not in (RESULTS.successful, RESULTS.unstable_state):
+            check_unit(item, computed[part])
+    if code not in GOOD:
         raise AnalysisError(RESULTS(code).name, f"The start has no answer. {RESULTS(code).message}")
     if not (np.all(np.isfinite(computed)) and np.all(np.isfinite(slopes))):
         names = [item.name for item, part in zip(problem.items, problem.parts, strict=True)]
         bad = [n for n, part in zip(names, problem.parts, strict=True) if not np.all(np.isfinite(slopes[part]))]
         text = f"Measurement '{bad[0]}' has no finite value or derivative at the start. Start elsewhere."
         raise AnalysisError(RESULTS.not_finite.name, text)
-    if model is not None:
+    if any(item.check is not None for item in problem.items):
+        model, _ = problem.build(**problem.layout.split(problem.first))
         for item in problem.items:
             if item.check is not None:
                 item.check(model)
@@ -182,7 +187,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     undetermined = combinations_of(problem, unit, slopes, noise or np.finfo(float).tiny)
     freedom = len(rows) - len(unit) + len(undetermined)
     finite, infinite = scaled_covariance(slopes, noise or np.finfo(float).tiny)
-    change = problem.change(unit)
+    change = scaling.slopes(unit)
     deviations = np.sqrt(np.diag(finite)) * change
     deviations[np.any(np.abs(infinite) > PART_IN_COMBINATION, axis=1)] = np.inf
     flat = scaling.to_dimensions(unit)
@@ -196,6 +201,11 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     )
     minima = _minima(problem, solutions)
     result, reason = _outcome(best, probability, minima, len(solutions), freedom)
+    try:
+        problem.build(**layout.split(flat))
+    except REFUSED as fault:
+        # A traced build sees no numbers and refuses none.
+        result, reason = RESULTS.impossible_design, first_line(fault)
     return Fit(
         layout.split(flat),
         start,
@@ -221,10 +231,10 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
 
 
 def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[str, Any], float], ...]:
-    """Different minima, the lowest first."""
+    """Minima at different parameters, the lowest first."""
     kept: list[Solution] = []
     for one in sorted(solutions, key=lambda solution: solution.cost):
-        if one.converged and not any(abs(one.cost - other.cost) <= SAME_MINIMUM * (1 + other.cost) for other in kept):
+        if one.converged and not any(np.max(np.abs(one.unit - other.unit)) <= SAME_MINIMUM for other in kept):
             kept.append(one)
     return tuple((problem.layout.split(problem.scaling.to_dimensions(one.unit)), one.cost) for one in kept)
 
@@ -246,6 +256,20 @@ def _outcome(
 
 
 def _warn(found: Fit) -> None:
+    if found.result is RESULTS.impossible_design:
+        return
+    others = [values for values, cost in found.minima[1:] if cost - found.minima[0][1] < AS_GOOD * found.noise**2]
+    if others and not found.undetermined:
+        listed = "; ".join(", ".join(f"{name} = {value}" for name, value in values.items()) for values in others[:3])
+        warn(f"Other parameters fit as well: {listed}. Measure something else, or narrow the bounds.")
+    if found.problem.function(found.unit)[2] == RESULTS.unstable_state:
+        warn("The fitted equilibrium is not stable: its stiffness is negative in some motion.")
+    for item in found.data:
+        try:
+            if item.check is not None:
+                item.check(found.model)
+        except ValueError as fault:
+            warn(f"At the fitted parameters: {fault}")
     if found.result is RESULTS.poor_fit:
         far = [f"{name} {number} ({size:+.1f})" for name, number, size in found.largest_residuals()[:4]]
         named = f" Furthest, in standard deviations: {', '.join(far)}." if far else ""

@@ -12,9 +12,9 @@ from ..display import Result, Summary
 from ..errors import clean
 from ..numerical_limits import OUTLIER
 from ..results import RESULTS
-from .measurement import Measured, in_deviations, measurements, predicted
-from .problem import FitProblem, robust
-from .undetermined import Undetermined
+from .measurement import Measured, in_deviations, measurements
+from .problem import FitProblem, prediction_of, robust
+from .undetermined import Undetermined, directions
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -122,12 +122,15 @@ class Fit(Result):
         Returns:
             Prediction by name. The deviation is infinite where the answer depends on what the data do not determine.
 
+        Raises:
+            AnalysisError: An answer has no value or no finite derivative at the fitted parameters.
+
         Source:
             Linear propagation of the covariance by exact derivatives.
         """
         functions = named_answers(answers)
-        call, layout = self.problem.function_of({name: _of_model(f) for name, f in functions.items()})
-        values, slopes, _ = call(self.unit)
+        of_models = {name: _of_model(function) for name, function in functions.items()}
+        values, slopes, layout = self.problem.asked_at(self.unit, of_models)
         deviations = self._propagated(slopes)
         split = layout.split(values), layout.split(deviations)
         return {name: Prediction(split[0][name], split[1][name]) for name in functions}
@@ -146,7 +149,7 @@ class Fit(Result):
         return scaled_covariance(weighted_slopes(rows, slopes, self.problem.loss), self.noise)
 
     def profile(self, name: str, *, level: float = 0.95, points: int = 9) -> "ProfileLikelihood":
-        """ProfileLikelihood likelihood of a parameter: the misfit with all other parameters fitted anew at each value.
+        """Profile likelihood of a parameter: the misfit with all other parameters fitted anew at each value.
 
         Args:
             name: Of a parameter.
@@ -167,7 +170,7 @@ class Fit(Result):
         i, scaling = self._place(name), self.problem.scaling
         best = self.problem.solve(self.unit, fixed={i: float(self.unit[i])}).cost
         growth = self._quantile(level) ** 2 * self.noise**2
-        change = self.problem.change(self.unit)[i]
+        change = self.problem.scaling.slopes(self.unit)[i]
         width = self._quantile(level) * self.problem.layout.join(self.deviation)[i] / change
         width = min(width, 1.0)
         starts: dict[float, np.ndarray] = {float(self.unit[i]): self.unit}
@@ -237,8 +240,7 @@ class Fit(Result):
                 raise ValueError(f"Candidate '{item.name}' has no deviation: give what is expected.")
         names = [narrow] if isinstance(narrow, str) else list(narrow or ())
         places = [self._place(name) for name in names]
-        call, layout = self.problem.function_of({item.name: _of_made(item) for item in items})
-        _, slopes, _ = call(self.unit)
+        _, slopes, layout = self.problem.asked_at(self.unit, {item.name: prediction_of(item) for item in items})
         ends = np.cumsum(layout.sizes)
         rows, present, _ = self.problem.residuals(self.unit)
         information = weighted_slopes(rows, present, self.problem.loss)
@@ -281,7 +283,7 @@ class Fit(Result):
             if not np.isfinite(self.chi_squared):
                 noise = float(np.sqrt(np.sum(rows**2) / max(self.freedom, 1)))
             finite, _ = scaled_covariance(slopes, noise)
-            deviations.append(np.sqrt(np.diag(finite)) * self.problem.change(unit))
+            deviations.append(np.sqrt(np.diag(finite)) * self.problem.scaling.slopes(unit))
         return Refitted(
             self.problem.layout.stacked(flat),
             self.problem.layout.stacked(np.array(deviations)),
@@ -331,7 +333,7 @@ class Prediction:
 
 @dataclasses.dataclass(frozen=True)
 class ProfileLikelihood:
-    """ProfileLikelihood likelihood of a parameter.
+    """Profile likelihood of a parameter.
 
     Attributes:
         name: Of the parameter.
@@ -372,8 +374,6 @@ def weighted_slopes(rows: np.ndarray, slopes: np.ndarray, loss: str) -> np.ndarr
 
 def scaled_covariance(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:
     """Covariance of scaled parameters within the determined directions, (n, n), and the others as columns."""
-    from .undetermined import directions
-
     deviations, columns, wide = directions(slopes, noise)
     kept = columns[:, ~wide] * deviations[~wide]
     return kept @ kept.T, columns[:, wide]
@@ -381,7 +381,3 @@ def scaled_covariance(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.
 
 def _of_model(function: Any) -> Any:
     return lambda made: function(made[0])
-
-
-def _of_made(item: Measured) -> Any:
-    return lambda made: predicted(item, *made)

@@ -64,7 +64,7 @@ def in_deviations(item: Measured, differences: np.ndarray) -> np.ndarray:
     return solve_triangular(item.scatter, differences, lower=True)
 
 
-def check_start(item: Measured, computed: np.ndarray) -> None:
+def check_unit(item: Measured, computed: np.ndarray) -> None:
     """Refuse values whose unit cannot be the unit of the answer, or whose number differs."""
     if computed.shape != item.values.shape:
         raise ValueError(

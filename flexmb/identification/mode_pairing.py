@@ -62,8 +62,15 @@ def measured_modes(
         if which.shape != (count,) or len(set(which.tolist())) < count:
             raise ValueError(f"Measurement '{name}' has {count} frequencies: give as many numbers of modes, each once.")
         most = int(which.max())
-        answer = lambda model: frequencies(model, count=most)[which - 1]  # noqa: E731
-        return measured(answer, found, deviation, name=name, over=which, label="mode")
+
+        def answer_by_number(model: Any) -> Float[Array, "m"]:
+            lowest = frequencies(model, count=most)
+            # JAX would answer a number beyond the last mode with the last mode.
+            if len(lowest) < most:
+                raise ValueError(f"Measurement '{name}' has mode {most}, but the model has {len(lowest)} modes.")
+            return lowest[which - 1]
+
+        return measured(answer_by_number, found, deviation, name=name, over=which, label="mode")
     if numbers_of_modes is not None:
         raise ValueError(f"Measurement '{name}' has shapes, which find the modes: leave out `numbers_of_modes`.")
     matrix = numbers(f"Measurement '{name}': shapes", shapes)

@@ -12,9 +12,14 @@ from jaxtyping import Float
 from ..compilation.by_meaning import jit
 from ..design.evaluate import Layout, build_once, flat_function
 from ..design.scaling import Scaling
+from ..design.sensitivities import REVERSE_COST
+from ..errors import AnalysisError
 from ..numerical_limits import SETTLED_COST, SETTLED_PARAMETERS
-from ..results import RESULTS
+from ..results import ANSWERED, RESULTS
 from .measurement import Measured, in_deviations, predicted
+
+# Outcomes with an answer and a derivative.
+GOOD = (RESULTS.successful, RESULTS.unstable_state)
 
 
 class Prior(NamedTuple):
@@ -75,7 +80,7 @@ class FitProblem:
 
         self.build = with_parameters
         self.models = build_once(with_parameters, self.layout.split(first))
-        self.function, self.computed = self.function_of({item.name: _prediction(item) for item in items})
+        self.function, self.computed = self.function_of({item.name: prediction_of(item) for item in items})
         ends = np.cumsum(self.computed.sizes)
         self.parts = [slice(end - size, end) for end, size in zip(ends, self.computed.sizes, strict=True)]
 
@@ -89,7 +94,7 @@ class FitProblem:
     ) -> tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]], Layout]:
         """Answers of (model, parameters) with their slopes by the scaled parameters, compiled, and their layout."""
         function, layout = flat_function(self.build, answers, self.layout, self.models)
-        differentiate: Any = jax.jacfwd if sum(self.layout.sizes) <= 2 * sum(layout.sizes) else jax.jacrev
+        differentiate: Any = jax.jacfwd if sum(self.layout.sizes) <= REVERSE_COST * sum(layout.sizes) else jax.jacrev
 
         def twice(unit: Float[jax.Array, "n"]):
             values, code = function(self.scaling.to_dimensions(unit))
@@ -102,6 +107,20 @@ class FitProblem:
             return np.asarray(values), np.asarray(slopes), int(code)
 
         return call, layout
+
+    def asked_at(
+        self, unit: np.ndarray, answers: Mapping[str, Callable[[Any], Any]]
+    ) -> tuple[np.ndarray, np.ndarray, Layout]:
+        """Answers of (model, parameters), their slopes and their layout; AnalysisError if one has no finite value."""
+        call, layout = self.function_of(answers)
+        values, slopes, code = call(unit)
+        if code not in ANSWERED:
+            raise AnalysisError(RESULTS(code).name, f"The fitted mechanism has no answer. {RESULTS(code).message}")
+        for name, row in zip(layout.labels, slopes, strict=True):
+            if not np.all(np.isfinite(row)):
+                text = f"'{name}' has no finite derivative at the fitted parameters."
+                raise AnalysisError(RESULTS.not_finite.name, text)
+        return values, slopes, layout
 
     @property
     def measured(self) -> np.ndarray:
@@ -120,18 +139,11 @@ class FitProblem:
         wanted = self.measured if values is None else values
         rows, slope_rows = [self.weighted(computed - wanted)], [self.weighted(slopes)]
         if self.priors:
-            flat, change = self.scaling.to_dimensions(unit), self.change(unit)
+            flat, change = self.scaling.to_dimensions(unit), self.scaling.slopes(unit)
             for i, prior in self.priors.items():
                 rows.append(np.array([(flat[i] - prior.mean) / prior.deviation]))
                 slope_rows.append(np.eye(len(unit))[i : i + 1] * change[i] / prior.deviation)
         return np.concatenate(rows), np.concatenate(slope_rows), code
-
-    def change(self, unit: np.ndarray) -> np.ndarray:
-        """Change of each parameter by its scaled one, (n,) [SI]."""
-        scaling = self.scaling
-        flat, logarithmic = scaling.to_dimensions(np.asarray(unit, float)), scaling.log
-        ratio = np.log(np.where(logarithmic, scaling.upper / np.where(logarithmic, scaling.lower, 1.0), 1.0))
-        return np.where(logarithmic, flat * ratio, scaling.upper - scaling.lower)
 
     def solve(
         self, start: np.ndarray, *, values: np.ndarray | None = None, fixed: Mapping[int, float] | None = None
@@ -156,7 +168,7 @@ class FitProblem:
             if key not in last:
                 count += 1
                 rows, slopes, code = self.residuals(whole(part), values)
-                bad = code not in (RESULTS.successful, RESULTS.unstable_state) or not np.all(np.isfinite(slopes))
+                bad = code not in GOOD or not np.all(np.isfinite(slopes))
                 last.clear()
                 last[key] = (np.full_like(rows, np.nan) if bad else rows), slopes[:, free]
             return last[key]
@@ -183,7 +195,8 @@ class FitProblem:
         return Solution(whole(found.x), 2 * float(found.cost), count, found.status > 0)
 
 
-def _prediction(item: Measured) -> Callable[[Any], Any]:
+def prediction_of(item: Measured) -> Callable[[Any], Any]:
+    """The answer of a measurement as a function of the model and the parameters."""
     return lambda made: predicted(item, *made)
 
 

@@ -36,10 +36,7 @@ class Undetermined:
 
 
 def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Principal directions of weighted slopes: deviations (n,), directions as columns (n, n), undetermined ones (n,).
-
-    Columns are scaled first, so that round-off of a sensitive parameter hides no other.
-    """
+    """Principal directions of weighted slopes: deviations, directions as columns, whether each is undetermined."""
     n = slopes.shape[1]
     _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
     singular = np.concatenate([singular, np.zeros(n - len(singular))])
@@ -55,9 +52,8 @@ def combinations_of(
     """Combinations of parameters that the data do not determine."""
     deviations, columns, wide = directions(slopes, noise)
     scaling = problem.scaling
-    relative = np.where(scaling.log, problem.change(unit) / np.where(scaling.log, scaling.to_dimensions(unit), 1), 1.0)
+    relative = np.where(scaling.log, scaling.slopes(unit) / np.where(scaling.log, scaling.to_dimensions(unit), 1), 1.0)
     labels = problem.layout.labels
-    # Directions that are not determined at all mix freely: they are told apart by the parameters they concern.
     return tuple(
         _combination(labels, columns[:, k] * relative, columns[:, k], scaling.log, float(deviations[k]))
         for k in np.flatnonzero(wide)

@@ -1,5 +1,6 @@
 """Parameters from measurements, against closed forms of least squares."""
 
+import dataclasses
 import warnings
 
 import jax
@@ -249,3 +250,64 @@ def test_the_picture_has_a_panel_for_each_measurement():
     plt.close(figure)
     with pytest.raises(TypeError, match=r"fm\.fit"):
         fm.plot.fit(None)  # type: ignore
+
+
+def test_parameters_that_fit_as_well_are_named():
+    """A square does not tell the sign: 1 and 3 are as far from 2."""
+    reading = fm.measured(lambda model, place: (place - 2) ** 2 + 0 * moved(model), 1.0, 0.01, name="reading")
+    data = {"mass": (MASS, 0.1), "reading": reading}
+    start, bounds = {"mass": 5.0, "place": 2.5}, {"mass": (0.4, 40.0), "place": (0.0, 4.0)}
+    with pytest.warns(fm.FlexmbWarning, match="Other parameters fit as well: .*place = "):
+        found = fm.fit(lambda mass: cart(mass=mass), data, start, bounds, starts=6)
+    assert sorted(float(values["place"]) for values, _ in found.minima) == pytest.approx([1.0, 3.0], rel=1e-6)
+
+
+def test_parameters_that_no_mechanism_has_are_no_fit():
+    """E/(2 G) - 1 of the measured moduli is 1.5, beyond any Poisson's ratio."""
+
+    def bar(modulus, shear):
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("cart", (1, 0))
+        material = fm.Material(E=modulus, G=shear, rho=1.0)
+        b.add(planar.truss, "wall", "cart", name="rod", section=fm.Rectangle(0.01, 0.01, material))
+        b.fix("wall")
+        b.fix("cart", "y")
+        b.mass("cart", MASS)
+        b.dof("cart", "x")
+        return b.build()
+
+    data = [
+        fm.measured("stiffness cart.x", 1e6, 1e3),
+        fm.measured(lambda model, shear: shear, 2e9, 1e6, name="shear modulus"),
+    ]
+    start, bounds = {"modulus": 9e9, "shear": 4e9}, {"modulus": (1e9, 1e11), "shear": (1e9, 1e11)}
+    with pytest.raises(fm.AnalysisError, match=r"(?s)No mechanism has these .* G is at least E/3"):
+        fm.fit(bar, data, start, bounds)
+    assert fm.fit(bar, data, start, bounds, throw=False).result is fm.RESULTS.impossible_design
+
+
+def test_a_mode_that_has_lost_its_partner_is_told():
+    def check(model):
+        if fm.mass(model) < 4.5:
+            raise ValueError("Mode 1 has no partner.")
+
+    data = {"frequency 1": (0.8, 0.01), "mass": dataclasses.replace(fm.measured("mass", MASS, 0.1), check=check)}
+    with pytest.warns(fm.FlexmbWarning, match="At the fitted parameters: Mode 1 has no partner"):
+        fm.fit(cart, data, GUESS, BOUNDS)
+
+
+def test_weights_need_deviations():
+    data = fm.measured(lambda model: moved(model) * LOADS, LOADS / STIFFNESS, name="line")
+    given = (lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+    with pytest.raises(ValueError, match=r"Priors weigh values by their deviations\. Give measurement 'line'"):
+        fm.fit(*given, priors={"stiffness": (90.0, 10.0)})
+    with pytest.raises(ValueError, match="loss 'huber' weighs values by their deviations"):
+        fm.fit(*given, loss="huber")
+
+
+def test_a_prediction_without_a_value_is_refused():
+    data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-4)}
+    found = fm.fit(cart, data, GUESS, BOUNDS)
+    with pytest.raises(fm.AnalysisError, match="'root' has no finite derivative"):
+        found.predict({"root": lambda model: jax.numpy.sqrt(moved(model) - moved(model))})

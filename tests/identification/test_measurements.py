@@ -77,6 +77,12 @@ def test_a_shape_without_partner_is_refused_by_its_number():
         fm.measured_modes([1.0, 2.0], 1e-3, shapes=np.eye(2), at=["left.x"])
 
 
+def test_a_mode_beyond_the_last_is_refused():
+    data = fm.measured_modes([1.5], 1e-3, numbers_of_modes=[3])
+    with pytest.raises(ValueError, match="'frequencies' has mode 3, but the model has 2 modes"):
+        fm.fit(lambda left: carts(left, 100.0, 1e-3), data, {"left": 100.0}, {"left": (10, 1000)})
+
+
 @pytest.mark.parametrize("logarithmic", [False, True])
 def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
     truth = {"stiffness": 200.0, "damping": 1.0, "gain": 1.1, "delay": 2e-3}
