@@ -97,7 +97,6 @@ figure = fm.plot.fit(found)
 # frequencies determine.
 
 # %%
-
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
     both = fm.fit(strip, data, start | {"length": 37.5 * INCH}, bounds | {"length": (30 * INCH, 45 * INCH)})
