@@ -1,4 +1,4 @@
-"""What planar and spatial beams share: lengths, stiffness of one bending plane, mass of the cubic interpolation."""
+"""Functions that planar and spatial beams share: length, bending stiffness, mass of the cubic interpolation."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -40,34 +40,34 @@ def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tup
 
 
 def combine(coefficients: Sequence[Scalar], matrices: np.ndarray) -> Float[Array, "n n"]:
-    """Linear combination of constant matrices: one small product in the compiled code."""
+    """Linear combination of constant matrices."""
     return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)
 
 
-# Of (1 - tanh(u)/u)/u^2, in powers of u^2.
+# Coefficients of (1 - tanh(u)/u)/u^2 in powers of u^2.
 _TANH = np.array(
     [1 / 3, -2 / 15, 17 / 315, -62 / 2835, 1382 / 155925, -21844 / 6081075, 929569 / 638512875],
 )
-# Up to this u^2 the series is exact to round-off, and loses less than the quotient does.
+# Up to this u^2 the series is exact to round-off and loses fewer digits than the quotient.
 _SMALL = 0.03
 
 
 def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
-    """Stiffness of a beam that a constant torque twists while its ends warp as they are told.
+    """Torsional stiffness of a beam under constant torque with given warping of its ends.
 
-    With u = (l0/2) sqrt(GIt/EIw) and t = tanh(u)/u it is, between the angle of twist and the twist rates of both ends
-    times length,
+    With u = (l0/2) sqrt(GIt/EIw) and t = tanh(u)/u, for the angle of twist and the twist rates of both ends times
+    length:
 
     S = GIt/(l0 (1 - t)) [[1, -t/2, -t/2], [., a, b], [., ., a]],  a + b = t/2,  a - b = (1 - t)/(2 u^2 t).
 
-    Returns the four coefficients, () [N m]: of the angle, between it and a warping, of a warping, between both.
+    Returns the four coefficients, () [N m]: angle, angle and a warping, one warping, both warpings.
 
     Args:
-        eiw: Warping rigidity, () [N m^4]; zero leaves torsion as it is without warping.
+        eiw: Warping rigidity, () [N m^4]. Zero means torsion without warping.
 
     Source:
-        THEORY.md 2, eq. (2.34): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. For a
-        short beam it is that of a cubic twist.
+        THEORY.md 2, eq. (2.34): the energy of the solution of GIt k - EIw k'' = constant for the twist rate k. A short
+        beam has the energy of a cubic twist.
     """
     warps = jnp.asarray(eiw) > 0
     z = jnp.where(warps, git * l0**2 / (4 * jnp.where(warps, eiw, 1.0)), 1.0)
@@ -77,7 +77,7 @@ def restrained_torsion(git: Scalar, eiw: Scalar, l0: Float[Array, ""]) -> tuple:
     t = 1 - z * quotient
     bimoment = eiw / l0**3
     twist = jnp.where(warps, 4 * bimoment / quotient, git / l0)
-    # Zero without warping rigidity, as that of warping itself is.
+    # Zero without warping rigidity, like the stiffness of warping itself.
     coupling = jnp.where(warps, t / 2 * twist, 0.0)
     even, odd = coupling, 2 * bimoment / t
     return twist, -coupling, (even + odd) / 2, (even - odd) / 2
@@ -142,12 +142,12 @@ def rigid_inertia(p: Array, rot_p: Array, q: Array, *, ref, section: Section):
 
 
 def rigid_body_inertia(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, section: Section):
-    """The same of a rigid line between two bodies."""
+    """Distributed mass of a rigid line between two bodies."""
     return line_inertia(p, q, ref=ref, section=section)
 
 
 def length_or_zero(ref: Reference) -> Float[Array, ""]:
-    """Length of an element whose ends may lie in one place: there its derivative is zero, and finite.
+    """Length of an element whose ends may lie in one place, with derivative zero there.
 
     Returns () [m].
     """
@@ -155,7 +155,7 @@ def length_or_zero(ref: Reference) -> Float[Array, ""]:
 
 
 def truss_resultants(p: Array, q: Array, *, ref, place, sigma, section, fall=None) -> Float[Array, "6"]:
-    """Normal force alone, (6,) [N, N m]."""
+    """Section resultants of a truss: normal force alone, (6,) [N, N m]."""
     normal = sigma[0]
     if fall is not None:
         mass = section.rigidity().mass * beam_length(ref)
@@ -165,7 +165,7 @@ def truss_resultants(p: Array, q: Array, *, ref, place, sigma, section, fall=Non
     return jnp.concatenate([normal[None], jnp.zeros(5)])
 
 
-# Shape functions as polynomials in the place, one a row, lowest power first: of the positions p and q, and of the
+# Shape functions as polynomials in the place, one row each, lowest power first. Linear: positions p and q. Cubic:
 # position and slope at p, then at q.
 LINEAR_SHAPES = np.array([[1.0, -1.0], [0.0, 1.0]])
 CUBIC_SHAPES = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
@@ -174,11 +174,11 @@ CUBIC_SHAPES = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -
 def distributed(
     shapes: np.ndarray, fall: Float[Array, "k d"], place: Float[Array, ""]
 ) -> tuple[Float[Array, "d"], Float[Array, "d"]]:
-    """What a distributed load adds between the ends of a straight beam to what is linear between them.
+    """Force and moment that a distributed load adds to the linear interpolation between the ends of a straight beam.
 
     Returns:
-        The force in the section, (d,), and the vector whose cross product with the chord q - p, from the left, is the
-        moment, (d,) [m/s^2]; both over the mass, and zero at both ends.
+        The force in the section, (d,), and a vector, (d,), both divided by the mass [m/s^2] and zero at both ends. The
+        cross product of the chord q - p with that vector is the moment.
 
     Source:
         Balance of a piece: n' = -w, m'' = (q - p) x w for the place as variable. A uniform load on a bar of mass m
@@ -186,7 +186,7 @@ def distributed(
     """
 
     def inside(integrals: Any):
-        """Polynomials less the straight lines between their ends, all of which begin at zero."""
+        """Polynomials that begin at zero minus the straight lines between their ends."""
         integrals[:, 1] -= np.sum(integrals, axis=1)
         return polynomial.polyval(place, integrals.T)
 
@@ -197,8 +197,8 @@ def distributed(
 def along(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> Float[Array, "..."]:
     """Section resultants between the two ends of a beam that carries no load in between.
 
-    To first order in the deflection within one element this is its equilibrium: bending moments linear, the other
-    resultants constant. The ends are exact, so that what joins them balances. Returns (...) [N, N m].
+    It is the equilibrium to first order in the deflection within one element: bending moments are linear, the other
+    resultants constant. The values at the ends are exact. Returns (...) [N, N m].
 
     Args:
         ends: Resultants at the two ends, in axes of the section there, (2, ...) [N, N m].
@@ -210,7 +210,7 @@ def check_length(*, ref: Reference) -> list[str]:
     """Faults of an element with two end positions."""
     p, q = as_floats(ref.p), as_floats(ref.q)
     xp = library_of((p, q))
-    # What is left of equal positions that were computed in two ways, such as 3 * 0.05 and 0.15.
+    # Equal positions computed in two ways, such as 3 * 0.05 and 0.15, differ by round-off.
     left = SHORTEST_ELEMENT * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
     if holds(xp.linalg.norm(q - p, axis=-1) > left):
         return []
@@ -233,7 +233,7 @@ def check_mass(*, ref: Reference, mass: float) -> list[str]:
 
 
 def check_body_mass(mass: float) -> list[str]:
-    """Faults of the mass of a body, or of many."""
+    """Faults of the mass of one body or of many."""
     return [] if holds(as_floats(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
 
 

@@ -1,4 +1,4 @@
-"""An element type is a pure function of nodal coordinates; its signature is read here."""
+"""An element type: a pure function of nodal coordinates with companions, read by their signatures."""
 
 import collections.abc
 import dataclasses
@@ -18,17 +18,17 @@ from .element_text import help_of, repr_of
 from .nodes import STATIC, NodeKind
 
 EMPTY = inspect.Parameter.empty
-# Kinds of options: what passes for them, and how they are called.
+# Kinds of options: the types that are accepted, and the words of messages.
 ALIKE = {bool: bool | np.bool_, float: float | int}
 WORDS = {bool: "True or False", int: "a whole number", float: "a number", collections.abc.Callable: "a function"}
 
 ALL = "all"
-# Companions by what makes them: stress resultants from deformations, and the rest.
+# Companions: those that compute stress resultants from deformations first.
 ELASTIC = ("stiffness", "energy", "law")
 NONLINEAR = ("energy", "dissipation", "law")
 SECTIONAL = ("resultants", "surface")
 COMPANIONS = ("stiffness", "damping", *NONLINEAR, "inertia", "force", *SECTIONAL, "thermal")
-# Keyword-only parameters that are handed to an element's functions and are no properties of it.
+# Keyword-only parameters that flexmb passes to an element's functions; they are no properties.
 GIVEN = ("ref", "near", "place", "sigma", "fall", "resultants")
 
 
@@ -36,73 +36,75 @@ GIVEN = ("ref", "near", "place", "sigma", "fall", "resultants")
 class Element:
     """An element type: the deformation function and its companions.
 
-    Companions are functions too, called with the properties and options that they name in their signature. One that
-    names a property whose value is None is not called: a beam without a section has neither stiffness nor mass. What
-    the deformation has annotated, companions need not annotate again.
+    Companions are functions, too. flexmb calls them with the properties and options in their signature. A companion
+    with a property whose value is None is not called: a beam without a section has neither stiffness nor mass. A
+    companion need not repeat the annotations of the deformation.
 
-    A keyword-only parameter annotated ``Static`` is an option: any hashable value, which chooses code and is no number.
-    ``builder.add(planar.spectral_beam, .., order=4)`` chooses it, and so does a call of the element type,
-    ``planar.spectral_beam(order=4)`` or ``planar.spectral_beam(4)``, which gives the type with that option. A companion
-    that takes ``**properties`` hands them to the functions among its options, whose keyword-only parameters are then
+    A keyword-only parameter annotated ``Static`` is an option: any hashable value that selects code and is no number.
+    ``builder.add(planar.spectral_beam, .., order=4)`` sets an option. A call of the element type,
+    ``planar.spectral_beam(order=4)`` or ``planar.spectral_beam(4)``, returns the type with that option. A companion
+    with ``**properties`` passes them to the functions among its options. Their keyword-only parameters are then
     properties of the element.
 
     Attributes:
         deformation: ``f(*nodes, ref, **properties) -> (n_e,)``, zero at ``ref`` and unchanged by rigid motion.
         stiffness: ``f(*, ref, **properties) -> (n_e, n_e)``, stress resultants per deformation.
-        damping: The same for deformation rates.
+        damping: ``f(*, ref, **properties) -> (n_e, n_e)``, stress resultants per deformation rate.
         inertia: ``f(*nodes, ref, **properties) -> (s, H)``: vectors s(x), (k, d), and a constant matrix H, (k, k),
             with kinetic energy ``1/2 sum H[a, b] s_a_dot . s_b_dot`` (THEORY.md 3, eq. (3.1)).
         force: ``f(*nodes, ref, **properties) -> (n_x,)``, nodal forces dual to the coordinates, for loads that
             depend on the configuration.
-        energy: ``f(e, *, ref, **properties) -> ()`` [J], elastic energy, where stress is no constant matrix times
-            deformation: its derivative by e is the stress.
-        dissipation: ``f(e, ed, *, ref, **properties) -> ()`` [W], zero at rest, whose derivative by ed is the stress:
-            half of what a linear damper takes.
-        law: ``f(e, ed, *, ref, **properties) -> (n_e,)``, stress resultants that need no potential: friction, contact,
-            a characteristic. An element may have several of the companions; their stresses add up.
+        energy: ``f(e, *, ref, **properties) -> ()`` [J], elastic energy of a nonlinear element. Its derivative by e is
+            the stress.
+        dissipation: ``f(e, ed, *, ref, **properties) -> ()`` [W], zero at rest. Its derivative by ed is the stress, so
+            that it is half the power of a linear damper.
+        law: ``f(e, ed, *, ref, **properties) -> (n_e,)``, stress resultants without a potential: friction, contact, a
+            characteristic. An element may have several of these companions; their stresses add up.
         resultants: ``f(*nodes, ref, place, sigma, **properties) -> (6,)``, force and moment in the cross-section at a
             place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
             force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
-            there. They are what the part beyond the place does to the part before it (the face whose normal is +x),
-            so that a positive normal force pulls. Asked of flexible elements with a section. One that names ``fall``
-            is also given what acts on its mass: the acceleration of free fall less its own of each vector s, (k, d)
-            [m/s^2], or None where nothing acts. Without it distributed loads are taken to act on the ends.
+            there. The part beyond the place exerts them on the part before it, on the face with normal +x, so that a
+            positive normal force pulls. flexmb calls it for flexible elements with a section. A function with the
+            parameter ``fall`` also receives the acceleration of free fall minus the acceleration of each vector s,
+            (k, d) [m/s^2], or None without loads on the mass. Without that parameter distributed loads act on the ends.
         surface: ``f(e, *, ref, place, resultants, **properties) -> (sigma_x, tau, across)``, stress at eight points of
-            the surface at a place, from the deformations less initial strains (n_e,) and the force and moment there
-            (6,): along x, shear stress along the surface counter-clockwise about x, and normal stress along the surface
-            across x, each (8,) [Pa]. Without it stress is that of the section, which has none across.
-        thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, the deformations that a change of temperature
-            gives to the free element: there it is without stress, and deformations that are FIXED are held there.
-            ``change`` is that of the first and of the last end, linear in between, (2,) [K]; ``gradient`` what it
-            grows by across the element, along the section's local y and z in space, (2,), along its local z in the
-            plane, to the left of the way from the first end to the last, (1,) [K/m]. An element that does not bend
-            leaves ``gradient`` out. Asked of elements that are given a temperature.
-        shape: ``f(*nodes, ref, place, **properties) -> (d,)``, where a point of the element is, 0 at its first end and
-            1 at its last, for pictures; its properties are among those of the deformation. Without it an element with
-            two points and two rotations is drawn as a cubic, another as a line between its points.
+            the surface at a place, from the deformations minus initial strains (n_e,) and the force and moment there
+            (6,): stress along x, shear stress along the surface counter-clockwise about x, and normal stress along the
+            surface across x, each (8,) [Pa]. Without it the section computes the stress, with no stress across x.
+        thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, deformations of the free element by a change
+            of temperature. The element has no stress there, and FIXED deformations are held there. ``change``, (2,)
+            [K], is the change at the first and the last end, linear in between. ``gradient`` [K/m] is its gradient
+            across the element: along the section's local y and z in space, (2,); along its local z in the plane, to
+            the left of the way from the first end to the last, (1,). An element that does not bend leaves ``gradient``
+            out. flexmb calls it for elements with a temperature.
+        shape: ``f(*nodes, ref, place, **properties) -> (d,)``, position of a point of the element for pictures, 0 at
+            the first end and 1 at the last. Its properties are among the properties of the deformation. Without it an
+            element with two points and two rotations is drawn as a cubic, any other as a line between its points.
         passage: ``f(*nodes, ref, **properties) -> (way, turn)`` of an element with strain series, from its
-            coefficients alone: where its last node is seen from its first, (d,) [m], and the rotation between both, an
-            angle (1,) [rad] or Euler parameters (4,) [-], in axes of the first node's rotation. Where these hold, the
-            deformations before the coefficients are zero. Its properties are among those of the deformation.
-        check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, on concrete numbers. Those of
-            this package also take many elements at once, stacked along leading axes, and traced numbers, whose
-            conditions they note.
-        released: Numbers (from 1) of the deformations that are DEPENDENT unless the caller says otherwise, or "all".
-            The rest is FIXED. None: those of the strain fields; where there are none all if the element is elastic,
-            none if not.
-        measured: Numbers (from 1) of the deformations that no one holds: what companions need to know, and angles whose
-            turns are counted. They are DEPENDENT whatever the caller releases.
-        angles: Numbers (from 1) of the deformations that are an angle times length by way of its sine, so that they
-            are told as long as that angle is small; from its first point to its second.
-        third_order: Whether its energy is of third order in the deformations at least, so that nothing of it is felt in
-            the undeformed mechanism.
-        series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, where the strains
-            are series. Their coefficients are what the node of an annotation ``Series2`` or ``Series3`` holds.
-        lengths: Numbers (from 0) of the strain fields whose coefficients are lengths, elongation and shears; those of
-            the others are angles.
-        names: Name of each deformation, in order, such as ("elongation", "bending_p"); where strains are series, of
-            each deformation before them, then of each field. Without names deformations have numbers alone.
-        chosen: Options that are not as usual: name, type and value of each, in alphabetical order.
+            coefficients alone: position of the last node relative to the first, (d,) [m], and the rotation between
+            them, an angle (1,) [rad] or Euler parameters (4,) [-], in axes of the first node's rotation. With these
+            values the deformations before the coefficients are zero. Its properties are among the properties of the
+            deformation.
+        check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, for concrete numbers. The
+            checks of this package also accept many elements at once, stacked along leading axes, and traced numbers,
+            whose conditions they note.
+        released: Numbers (from 1) of the deformations that are DEPENDENT by default, or "all". The others are FIXED.
+            None: the deformations of the strain fields; without strain fields, all of an elastic element and none of
+            any other.
+        measured: Numbers (from 1) of the deformations that nothing constrains: inputs of companions, and angles whose
+            turns are counted. They are always DEPENDENT.
+        angles: Numbers (from 1) of the deformations that are length times the sine of an angle. They determine the
+            angle only while it is small.
+        third_order: Whether the energy is at least of third order in the deformations, so that the element has no
+            effect in the undeformed mechanism.
+        series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, if the strains
+            are series. The node annotated ``Series2`` or ``Series3`` stores their coefficients.
+        lengths: Numbers (from 0) of the strain fields whose coefficients are lengths (elongation and shears). The
+            coefficients of the others are angles.
+        names: Name of each deformation, in order, such as ("elongation", "bending_p"). With strain series: the name of
+            each deformation before the series, then the name of each field. Without names deformations have numbers
+            alone.
+        chosen: Options that differ from their defaults: name, type and value of each, in alphabetical order.
     """
 
     deformation: Callable[..., Any]
@@ -132,15 +134,15 @@ class Element:
         return repr_of(self)
 
     def __call__(self, *values: Any, **options: Any) -> "Element":
-        """The same element type with options chosen; those that are not given stay as they are.
+        """The same element type with other options. Options that are not given keep their values.
 
         Args:
             values: Values of the first options, in the order of the signature.
-            options: Values of others, by name.
+            options: Values of further options, by name.
 
         Raises:
-            TypeError: There is no such option, or it is not of the kind that its annotation asks for, or not hashable.
-            ValueError: A value beyond its range.
+            TypeError: An option is unknown, is not of the annotated kind, or is not hashable.
+            ValueError: A value is out of range.
         """
         kinds = _options(self)
         given = dict(zip(kinds, values, strict=False))
@@ -154,18 +156,18 @@ class Element:
             if wanted := wanted_option(value, kind):
                 raise TypeError(f"Option `{name}` of {self.name} must be {wanted}, not {shown(value)}.")
             found[name] = kind(value) if kind in (bool, int, float) else value
-        # Of what is equal but of another type, such as 1 and True, each chooses its own code.
+        # Equal values of different types, such as 1 and True, select different code.
         typed = {name: (type(value), value) for name, value in sorted(found.items())}
         usual = {name: (type(value), value) for name, (_, value) in kinds.items()}
         chosen = tuple((name, *own) for name, own in typed.items() if own != usual[name])
         made = self if chosen == self.chosen else _with(self.usual, chosen)
-        # What the options make of the deformations: a value beyond its range shows here.
+        # A value out of range raises here.
         _ = made.fields
         return made
 
     @property
     def options(self) -> dict[str, Any]:
-        """Values of the options; one that must be chosen and is not is left out."""
+        """Values of the options, without required options that are not set."""
         usual = {name: default for name, (_, default) in _options(self).items() if default is not EMPTY}
         return usual | {name: value for name, _, value in self.chosen}
 
@@ -176,24 +178,24 @@ class Element:
 
     @property
     def usual(self) -> "Element":
-        """The element type with no options chosen."""
+        """The element type with the default options."""
         return dataclasses.replace(self, chosen=())
 
     @property
     def fields(self) -> tuple[tuple[int, ...], ...]:
-        """Numbers (from 1) of the deformations of each strain field, where the strains are series."""
+        """Numbers (from 1) of the deformations of each strain field, if the strains are series."""
         if self.series is None or _keywords(self.series).keys() - self.options.keys():
             return ()
         return self.series(**self._named_options(self.series))
 
     @property
     def closure(self) -> tuple[int, ...]:
-        """Numbers (from 1) of the deformations that join the end of the strain series to its node."""
+        """Numbers (from 1) of the deformations that connect the end of the strain series to its node."""
         return tuple(n for n in range(1, self._before_fields() + 1) if n not in self.measured)
 
     @property
     def numbered(self) -> dict[str, tuple[int, ...]]:
-        """Numbers (from 1) of the deformations that each name stands for: one, or all coefficients of a field."""
+        """Numbers (from 1) of the deformations by name: one number, or all coefficients of a field."""
         before = self._before_fields() if self.fields else len(self.names)
         single = {name: (n,) for n, name in enumerate(self.names[:before], 1)}
         return single | dict(zip(self.names[before:], self.fields, strict=False))
@@ -204,7 +206,7 @@ class Element:
         return _deformation_names(self)
 
     def called(self, number: int) -> str:
-        """How messages call a deformation: its number, and its name in brackets.
+        """Number and name of a deformation for messages: "2 (torsion)".
 
         Args:
             number: From 1.
@@ -213,10 +215,10 @@ class Element:
         return f"{number} ({name})" if name else str(number)
 
     def number_of(self, deformation: Any) -> int | None:
-        """Number (from 1) of a deformation, None where it is none.
+        """Number (from 1) of a deformation, or None if there is no such deformation.
 
         Args:
-            deformation: Its number, also as "e2", or its name.
+            deformation: Its number, its number as "e2", or its name.
         """
         if not isinstance(deformation, str):
             return as_whole(deformation)
@@ -227,7 +229,7 @@ class Element:
 
     @property
     def name(self) -> str:
-        """Name of the element type, as the module that defines it spells it."""
+        """Name of the element type in the module that defines it."""
         return self.deformation.__name__.strip("_")
 
     @property
@@ -239,7 +241,7 @@ class Element:
 
     @property
     def properties(self) -> dict[str, inspect.Parameter]:
-        """Properties that the deformation and the companions name."""
+        """Properties in the signatures of the deformation and the companions."""
         found: dict[str, inspect.Parameter] = {}
         for function in self._functions():
             for name, parameter in self.wanted(function).items():
@@ -248,7 +250,7 @@ class Element:
         return found
 
     def hint(self, name: str) -> Any:
-        """Annotation of a property, None where there is none.
+        """Annotation of a property, or None without annotation.
 
         Args:
             name: Name of the property.
@@ -257,21 +259,21 @@ class Element:
 
     @property
     def tracks_angle(self) -> bool:
-        """Whether the deformation asks for ``near``: its value at the last accepted state (angles past a turn)."""
+        """Whether the deformation has the parameter ``near``: its value at the last accepted state (counted turns)."""
         return "near" in inspect.signature(self.deformation).parameters
 
     @property
     def feels_fall(self) -> bool:
-        """Whether the section resultants ask for ``fall``: what acts on the mass along the element."""
+        """Whether the section resultants have the parameter ``fall``: the load on the mass along the element."""
         return self.resultants is not None and "fall" in inspect.signature(self.resultants).parameters
 
     @property
     def bends_by_heat(self) -> bool:
-        """Whether the thermal deformations ask for ``gradient``."""
+        """Whether the thermal deformations have the parameter ``gradient``."""
         return self.thermal is not None and len(_positional(self.thermal)) > 1
 
     def expands(self, properties: dict[str, Any]) -> bool:
-        """Whether a coefficient of thermal expansion is stated: of the element itself, or of its section.
+        """Whether the element or its section states a coefficient of thermal expansion.
 
         Args:
             properties: All properties of the element.
@@ -282,7 +284,7 @@ class Element:
         return not wanted or any(one is not None and getattr(one, "expands", True) for one in wanted)
 
     def is_elastic(self, properties: dict[str, Any]) -> bool:
-        """Whether deformations are stressed at rest.
+        """Whether deformations cause stress at rest.
 
         Args:
             properties: All properties of the element.
@@ -290,7 +292,7 @@ class Element:
         return any(self.arguments(getattr(self, name), properties) is not None for name in ELASTIC)
 
     def freed(self, properties: dict[str, Any]) -> tuple[int, ...] | str:
-        """Deformations that may change unless the caller says otherwise: numbers from 1, or "all".
+        """Deformations that are released by default: numbers from 1, or "all".
 
         Args:
             properties: All properties of the element.
@@ -300,7 +302,7 @@ class Element:
         return tuple(n for field in self.fields for n in field) or (ALL if self.is_elastic(properties) else ())
 
     def of_deformation(self, properties: dict[str, Any]) -> dict[str, Any]:
-        """Those properties that the deformation names.
+        """Properties in the signature of the deformation.
 
         Args:
             properties: All properties of the element.
@@ -309,7 +311,7 @@ class Element:
         return {name: value for name, value in properties.items() if name in wanted}
 
     def alone(self) -> "Element":
-        """The deformation without companions, and with those options alone that it names."""
+        """The deformation without companions, with its own options alone."""
         own = self._named_options(self.deformation)
         return Element(self.deformation, chosen=tuple((name, type(v), v) for name, v in sorted(own.items())))
 
@@ -325,15 +327,15 @@ class Element:
         return [self.deformation, *(c for c in companions if c is not None)]
 
     def reference(self, coordinates: Iterable[Any]) -> Any:
-        """The ``ref`` argument: coordinates under the names of the nodes.
+        """The ``ref`` argument: coordinates by the names of the nodes.
 
         Args:
-            coordinates: One array a node, in order.
+            coordinates: One array for each node, in order.
         """
         return _reference_type(self.deformation)(*coordinates)
 
     def wanted(self, companion: Callable[..., Any]) -> dict[str, inspect.Parameter]:
-        """Properties that one of this element's functions names.
+        """Properties in the signature of one of this element's functions.
 
         Args:
             companion: The function.
@@ -341,7 +343,7 @@ class Element:
         return _wanted(self, companion)
 
     def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict[str, Any] | None:
-        """Properties and options that a companion names, or None where it does not exist for these properties.
+        """Properties and options in the signature of a companion, or None if the properties rule out the companion.
 
         Args:
             companion: One of this element's functions, or None.
@@ -358,7 +360,7 @@ class Element:
 
 
 class _Text:
-    """Text of the class, and of each element type its own, so that help() tells of it."""
+    """Docstring of the class and of each element type, for help()."""
 
     def __init__(self, own: str | None):
         self.own = own
@@ -377,14 +379,14 @@ def _with(usual: Element, chosen: tuple[tuple[str, type, Any], ...]) -> Element:
 
 @functools.cache
 def _options(element: Element) -> dict[str, tuple[Any, Any]]:
-    """Kind and usual value of each keyword-only parameter that is annotated ``Static``, in order of appearance."""
+    """Kind and default of each keyword-only parameter annotated ``Static``, in order of appearance."""
     found: dict[str, tuple[Any, Any]] = {}
     for function in element._functions():
         for name, parameter in _keywords(function).items():
             hint = _hints(function).get(name)
             if STATIC in getattr(hint, "__metadata__", ()) and found.get(name, (None, EMPTY))[1] is EMPTY:
                 found[name] = typing.get_args(hint)[0], parameter.default
-    # Of the deformation alone, whose companions may have the annotation.
+    # An element type of the deformation alone has chosen options whose annotations the companions had.
     return {name: (kind, EMPTY) for name, kind, _ in element.chosen} | found
 
 
@@ -396,7 +398,7 @@ def _deformation_names(element: Element) -> dict[int, str]:
 
 @functools.cache
 def _wanted(element: Element, function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
-    """Properties that a function names, those of the functions that it hands them to among them."""
+    """Properties in the signature of a function, and of the options to which it passes ``**properties``."""
     known = element.option_names
     found = {name: p for name, p in _keywords(function).items() if name not in known}
     if any(p.kind is p.VAR_KEYWORD for p in inspect.signature(function).parameters.values()):
@@ -406,7 +408,7 @@ def _wanted(element: Element, function: Callable[..., Any]) -> dict[str, inspect
 
 
 def wanted_option(value: Any, kind: Any) -> str:
-    """What an option should be by its annotation, in words; empty if it is."""
+    """Words for the kind that an option should have, empty if it has that kind."""
     origin, within = typing.get_origin(kind), typing.get_args(kind)
     if isinstance(value, jax.core.Tracer):
         return "known before tracing"
@@ -428,7 +430,7 @@ def wanted_option(value: Any, kind: Any) -> str:
 
 @functools.cache
 def _keywords(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
-    """Keyword-only parameters but for those that are given."""
+    """Keyword-only parameters without the names of ``GIVEN``."""
     parameters = inspect.signature(function).parameters.items()
     return {n: p for n, p in parameters if p.kind is p.KEYWORD_ONLY and n not in GIVEN}
 
@@ -442,7 +444,7 @@ def _positional(function: Callable[..., Any]) -> tuple[str, ...]:
 
 @functools.cache
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
-    """Annotations of a function; none where they name what is not there."""
+    """Annotations of a function, empty if they refer to unknown names."""
     try:
         return typing.get_type_hints(function, include_extras=True)
     except (NameError, TypeError):

@@ -1,4 +1,4 @@
-"""What help() tells of an element type: the text below it in its module, and what its signature says."""
+"""The help text of an element type: its docstring in its module, and its signature in words."""
 
 import ast
 import functools
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def repr_of(element: Any) -> str:
-    """An element type in one line: its name, what it joins, and what it takes."""
+    """An element type in one line: name, nodes, properties and options."""
     parts = [f"joins {', '.join(_joined(element))}"]
     if element.properties:
         parts.append(f"takes {', '.join(element.properties)}")
@@ -19,7 +19,7 @@ def repr_of(element: Any) -> str:
 
 
 def help_of(element: Any) -> str:
-    """Name and text of an element type, then what ``Builder.add`` takes of it."""
+    """Name and docstring of an element type, then its nodes, deformations, properties and options."""
     kinds = ", ".join(f"{name} ({kind.part})" for name, kind in element.nodes.items() if kind.part != "internal")
     ends = list(_ends(element))
     short = f", or one for each end: {', '.join(ends)}" if len(ends) < len(_joined(element)) else ""
@@ -31,7 +31,7 @@ def help_of(element: Any) -> str:
 
 
 def deformations_of(element: Any, *without: int) -> str:
-    """Numbers and names of an element's deformations, but for some; empty where they have no names."""
+    """Numbers and names of an element's deformations, except some; empty without names."""
     found = [(numbers, name) for name, numbers in element.numbered.items() if not {*numbers} & {*without}]
     return ", ".join(f"{n[0]} to {n[-1]} {name}" if len(n) > 1 else f"{n[0]} {name}" for n, name in found)
 
@@ -41,7 +41,7 @@ def _joined(element: Any) -> list[str]:
 
 
 def _ends(element: Any):
-    """Parameters that need a name of their own: a node stands for its rotation and its warping too."""
+    """Parameters that need a name of their own: a node's name also means its rotation and its warping."""
     seen: set[str] = set()
     for name in _joined(element):
         part = element.nodes[name].part
@@ -61,7 +61,7 @@ def _word(value: Any) -> str:
 
 
 def _name(element: Any) -> str:
-    """Where users find it, such as planar.beam."""
+    """Public name, such as planar.beam."""
     name, _ = _said(element)
     room = "planar" if next(iter(element.nodes.values())).dimension == 2 else "spatial"
     public = sys.modules.get(f"{__package__}.{room}")
@@ -74,7 +74,7 @@ def _same(found: Any, element: Any) -> bool:
 
 @functools.cache
 def _said(element: Any) -> tuple[str, str]:
-    """Name of an element type in the module that defines it, and the text there; else those of its function."""
+    """Name and docstring of an element type in the module that defines it, else of its deformation function."""
     module = sys.modules.get(element.deformation.__module__)
     for name, text in _texts(element.deformation.__module__).items():
         if _same(getattr(module, name, None), element):
@@ -84,7 +84,7 @@ def _said(element: Any) -> tuple[str, str]:
 
 @functools.cache
 def _texts(module: str) -> dict[str, str]:
-    """Texts below assignments of a module, by name; none where its source is not there."""
+    """Docstrings below assignments of a module, by name; empty without source."""
     try:
         body = ast.parse(inspect.getsource(sys.modules[module])).body
     except (KeyError, OSError, TypeError):

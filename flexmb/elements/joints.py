@@ -1,7 +1,7 @@
 """Joints between bodies in space: hinge, slider, prismatic joint, screw and gears.
 
-Names: the body p has its reference point at p and its triad ``rot_p``, likewise q. Axes are given as they lie in the
-undeformed mechanism, and turn with the body p.
+Names: body p has the reference point p and the triad ``rot_p``; likewise body q. An axis is given in the undeformed
+mechanism and turns with body p.
 """
 
 import jax.numpy as jnp
@@ -20,7 +20,7 @@ def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
     return initial_frame(jnp.zeros(3), axis, None)
 
 
-# What (cosine, sine) times (y, z), products in this order, make of y and z turned by an angle, times two.
+# Twice y and z rotated by an angle, from the products of (cosine, sine) with (y, z) in this order.
 TURNED_TWICE = 2.0 * np.array([[1.0, 0], [0, 1], [0, 1], [-1, 0]])
 
 
@@ -34,14 +34,14 @@ def turn_and_tilt(
 ) -> Float[Array, "3"]:
     """Rotation of body q about an axis of body p, counted past full turns, and the two tilts of the axis.
 
-    The relative Euler parameters are (cos a/2, sin a/2 along the axis) for a pure rotation a, so the half angle is
-    known up to full turns of it, and ``near`` picks the turn. Returns (3,) [rad]; the tilts are those of the axis as
-    body p sees it, twice the sine of half the angle. Source: A rotation is a turn about the axis, then one about a line
-    across it: THEORY.md 2, eq. (2.17).
+    The relative Euler parameters of a pure rotation a are (cos a/2, sin a/2 along the axis). They determine a/2 up to
+    full turns, and ``near`` selects the turn. Returns (3,) [rad]; a tilt is twice the sine of half the angle of the
+    axis, seen from body p. Source: A rotation is a turn about the axis, then one about a line across it: THEORY.md 2,
+    eq. (2.17).
     """
     rel = relative_turn(rot_p, rot_q, ref_p, ref_q, _frame(axis))
     half, across = rel[:2], rel[2:]
-    # Euler parameters across the axis turn with half the turn.
+    # Euler parameters across the axis rotate by half the turn.
     direction = half / jnp.sqrt(half @ half)
     tilts = (direction[:, None] * across).reshape(4) @ TURNED_TWICE
     return jnp.append(counted(2 * polar_angle(half), near, 4 * jnp.pi), tilts)
@@ -62,7 +62,8 @@ def _hinge(
 hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,), names=("angle", "tilt_y", "tilt_z"))
 """Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
 
-Properties: axis (global, undeformed state), stiffness and damping (of all that is released, or one each).
+Properties: axis (global, undeformed state), stiffness and damping (one value for all released deformations, or one
+value each).
 """
 
 
@@ -78,11 +79,11 @@ def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference, axis: Flo
 
 
 slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,), names=("along", "across_y", "across_z"))
-"""Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 and e3 off it (FIXED)
-[m].
+"""Point q that slides on a straight line of body p: e1 displacement along the line, e2 and e3 across the line (FIXED)
+[m]. The line passes through the undeformed place of q.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
-released, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (one value for all released
+deformations, or one value each).
 """
 
 
@@ -102,11 +103,11 @@ prismatic = Element(
     released=(1,),
     names=(*slider.names, "tilt_x", "tilt_y", "tilt_z"),
 )
-"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 off it [m] and
-e4 to e6 rotation [rad], FIXED.
+"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 and e3 displacement across
+the line [m] and e4 to e6 rotation [rad], FIXED.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
-released, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (one value for all released
+deformations, or one value each).
 """
 
 
@@ -121,7 +122,7 @@ def _screw(
     axis: Float[Array, "3"],
     pitch: float,
 ) -> Float[Array, "6"]:
-    """Displacement along the axis less what the turn brings, the turn, displacement off the axis, tilt of the axis."""
+    """Displacement along the axis minus pitch times turn, turn, displacement across the axis, tilt of the axis."""
     along, off_y, off_z = _offset(p, rot_p, q, ref, axis)
     turn, tilt_y, tilt_z = turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[1], axis)
     return jnp.stack([along - pitch * turn, turn, off_y, off_z, tilt_y, tilt_z])
@@ -134,8 +135,8 @@ screw = Element(
     released=(2,),
     names=("mismatch", "angle", "across_y", "across_z", "tilt_y", "tilt_z"),
 )
-"""Screw of body q in body p, about an axis through q: e1 displacement along the axis less pitch times turn [m], FIXED;
-e2 turn, counted past full turns [rad]; e3 and e4 displacement off the axis [m] and e5 and e6 tilt [rad], FIXED.
+"""Screw of body q in body p, about an axis through q: e1 displacement along the axis minus pitch times turn [m], FIXED;
+e2 turn, counted past full turns [rad]; e3 and e4 displacement across the axis [m] and e5 and e6 tilt [rad], FIXED.
 
 Properties: axis (global, undeformed state), pitch (displacement per radian [m/rad]).
 """
@@ -172,8 +173,8 @@ gear = Element(
     measured=(2,),
     names=("mismatch", "turn"),
 )
-"""Two gears whose hinges are on one carrier, bevel gears among them: e1 mismatch of rotation at gear p [rad], FIXED
-unless the mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.
+"""Two gears with hinges on one carrier, also bevel gears: e1 mismatch of rotation at gear p [rad], FIXED unless the
+mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.
 
 Properties: axis_p and axis_q (of the hinges; global, undeformed state), ratio (teeth of q over teeth of p; positive
 where the gears turn in opposite senses about these axes), stiffness and damping of the mesh [N m/rad, N m s/rad].

@@ -1,8 +1,8 @@
 """Materials of precision mechanisms, with typical values at room temperature and where they come from.
 
-What is delivered differs, in strength and fatigue most: take its certificate for a design that depends on them.
-``dataclasses.replace(materials.titanium_6al_4v, strength=900e6)`` is the same material with another strength. What no
-source states is left out: damping always, since what clamps and surroundings take is more than what a metal takes.
+Delivered material differs, most in strength and fatigue: use its certificate for a design that depends on them.
+``dataclasses.replace(materials.titanium_6al_4v, strength=900e6)`` is the same material with another strength.
+Quantities without a source are left out. Damping is always left out: clamps and surroundings dissipate more than metal.
 """
 
 from ..lazy import only
@@ -55,7 +55,7 @@ silicon_110 = Material(E=169e9, G=79.6e9, rho=2329.0, nu=0.064, alpha=2.6e-6)
 
 Hopcroft, Nix and Kenny (2010), Journal of Microelectromechanical Systems 19, 229. Along <100> E is 130 GPa; across the
 wafer nu is 0.36 and 0.28, and the shear in its plane has G = 50.9 GPa. Its strength depends on the surface and on the
-size, from below 300 MPa to some GPa, and none is stated: give that of the process.
+size, from below 300 MPa to some GPa. No strength is stated here: use the strength of your process.
 """
 
 fused_silica = Material(E=73e9, G=31.2e9, rho=2200.0, nu=0.17, alpha=0.5e-6, strength=50e6)

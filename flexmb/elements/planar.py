@@ -1,11 +1,11 @@
 """Planar elements: beams, joints, springs, transmissions, lumped mass and rotary inertia.
 
-``help(planar.beam)`` tells of one: its deformations in order, with units, and what it takes.
+``help(planar.beam)`` lists the deformations of an element in order, with units, and its properties and options.
 
 - Flexible: truss, beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
 - Joints: hinge, slider, prismatic. Transmissions: gear, belt, belt_to_point.
-- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper.
 - Mass and loads: mass, inertia, body, follower_force.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
@@ -56,9 +56,9 @@ def _axes(rot_p: Angle, rot_q: Angle, ref: Reference) -> Float[Array, "2 2 2"]:
 def _beam(
     p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference, second_order: Static[bool] = True
 ) -> Float[Array, "3"]:
-    """Elongation and two bendings of a planar beam, tutorial (3.3)-(3.5) with the bending term in the elongation.
+    """Elongation and two bendings of a planar beam, tutorial (3.3)-(3.5) with the shortening by bending.
 
-    Without that term a guide of two leaf springs buckles at 94.5 N where 78.75 N is right (REFERENCES.md T3).
+    Without the shortening a guide of two leaf springs buckles at 94.5 N; 78.75 N is right (REFERENCES.md T3).
     """
     l0, chord = beams.beam_length(ref), q - p
     across = np.array([-1.0, 1.0]) * jnp.sum(_axes(rot_p, rot_q, ref)[:, 1] * chord, axis=1)
@@ -101,10 +101,10 @@ def _beam_inertia(*nodes: Array, ref, section):
 
 
 def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fall=None) -> Float[Array, "6"]:
-    """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
+    """Nodal forces of the stress resultants less the nodal forces of distributed loads, in axes of the end sections.
 
-    Local z of the section is the beam's local y, across it in the plane, and local y points into the plane: a bending
-    moment about it turns clockwise.
+    Local z of the section is the beam's local y. Local y of the section points into the plane, so that a positive
+    bending moment about it turns clockwise.
     """
 
     def deformations(*nodes: Array):
@@ -133,7 +133,7 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
 
 
 def _beam_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "3"]:
-    """Elongation, and the bendings of an arc that the warmer side makes longer."""
+    """Elongation, and the bendings of an arc whose warmer side is longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
     return jnp.concatenate([elongation[None], jnp.broadcast_to(alpha * gradient * l0**2 / 2, (2,))])
@@ -150,19 +150,20 @@ beam = Element(
     angles=(2, 3),
     names=("elongation", "bending_p", "bending_q"),
 )
-"""Flexible beam, a cubic between its ends.
+"""Flexible beam with a cubic deflection between its ends.
 
 Deformations:
     e1: elongation [m].
-    e2: bending at p [m]: by how much the axis at p is turned counter-clockwise from the chord, times length.
-    e3: bending at q [m]: by how much the axis at q is turned clockwise from it, times length. An arc has both alike.
+    e2: bending at p [m]: angle of the axis at p from the chord, counter-clockwise, times length.
+    e3: bending at q [m]: angle of the axis at q from the chord, clockwise, times length. In an arc e2 = e3.
 
-Properties: section (without one it is rigid and has no mass), damping.
+Properties: section (without a section the beam is rigid and has no mass), damping.
 
-Options: second_order, whether the elongation counts the shortening by bending, True unless given.
-Stretched by a strain, any number of them bends with EI (1 + strain)^2 in place of EI: beyond 1 % take a spectral beam.
-It counts shear where its section does; where that is left out and would change a stiffness by more than 1 %, a model
-warns.
+Options: second_order (default True), whether the elongation includes the shortening by bending.
+
+Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, in any number of pieces. Use a spectral
+beam for strains beyond 1 %. The beam includes shear if its section has a shear stiffness. A model warns where shear is
+left out and would change a stiffness by more than 1 %.
 """
 
 
@@ -179,7 +180,7 @@ def _rigid_beam(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference) -> Float[
 def _rigid_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None
 ) -> Float[Array, "2"]:
-    """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
+    """Expansion of the offset, and the deflection of an arc whose direction at p is unchanged."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
     across = beams.length_or_zero(ref) * jnp.stack([-offset[1], offset[0]])
     return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
@@ -188,15 +189,16 @@ def _rigid_thermal(
 rigid_beam = Element(
     _rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
 )
-"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. It does not turn the rotation at q:
-what is joined there is hinged. ``planar.rigid_body`` is clamped at both ends.
+"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. The rotation at q is free, so that
+parts joined at q are hinged. ``planar.rigid_body`` is clamped at both ends.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
+material).
 """
 
 
 pin_body = rigid_beam
-"""The predecessor's name for a rigid beam, whose two ends may lie in one place."""
+"""The predecessor's name of ``rigid_beam``. Its two ends may lie in one place."""
 
 
 def _hinge(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
@@ -216,7 +218,7 @@ def _rigid_body(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Refere
 def _rigid_body_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None
 ) -> Float[Array, "3"]:
-    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    """Offset of a rigid beam, and the rotation of the arc, which bends away from its warmer side."""
     offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section)
     return jnp.append(offset, -beams.expansion_of(section, alpha) * gradient[0] * beams.length_or_zero(ref))
 
@@ -232,7 +234,8 @@ rigid_body = Element(
 """Rigid body from p to q, clamped at both: e1, e2 offset of q in body axes [m], e3 rotation of q relative to p [rad],
 FIXED. Its two ends may lie in one place.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given).
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
+material).
 """
 
 
@@ -247,10 +250,11 @@ def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
 
 
 slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,), names=("along", "across"))
-"""Point q on a straight line of body p, through where q was: e1 displacement along the line, e2 off it (FIXED) [m].
+"""Point q that slides on a straight line of body p: e1 displacement along the line, e2 across the line (FIXED) [m]. The
+line passes through the undeformed place of q.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
-released, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (one value for all released
+deformations, or one value each).
 """
 
 
@@ -270,11 +274,11 @@ prismatic = Element(
     released=(1,),
     names=("along", "across", "tilt"),
 )
-"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 off it [m] and e3 rotation
-[rad], FIXED.
+"""Body q that slides along a straight line of body p: e1 displacement along the line [m]; e2 displacement across the
+line [m] and e3 rotation [rad], both FIXED.
 
-Properties: axis (direction of the line; global, undeformed state), stiffness and damping (of all that is
-released, or one for each).
+Properties: axis (direction of the line; global, undeformed state), stiffness and damping (one value for all released
+deformations, or one value each).
 """
 
 
@@ -284,11 +288,12 @@ def _spring_damper(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]
 
 
 spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length, names=("elongation",))
-"""Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
-It holds nothing: what is beside it does. Properties: those that the law names.
+"""Spring, damper or actuator between two points with a force law of your own: e1 change of the distance [m]. A positive
+force pulls the points together. The element constrains nothing. Its properties are the keyword-only parameters of the
+law.
 
-Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Define it once: each function is an
-element type of its own, ``spring_damper(law)``.
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Each function makes an element type of
+its own, ``spring_damper(law)``, so define the function once.
 """
 
 
@@ -298,8 +303,8 @@ def _rotary_spring_damper(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Floa
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, names=("angle",))
-"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
-relative to body p [rad]. Properties and option law: as of ``planar.spring_damper``.
+"""Spring, damper or actuator between two bodies with a moment law of your own [N m]: e1 rotation of body q relative to
+body p [rad]. The moment acts on body p. Properties and option law: see ``planar.spring_damper``.
 """
 
 
@@ -337,7 +342,7 @@ def _follower_force(p: Point2, rot: Angle, *, ref: Reference, force: Float[Array
 
 
 follower_force = Element(_nothing_between, force=_follower_force)
-"""Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
+"""Force that turns with the body at p. Properties: force (global, undeformed state) [N]."""
 
 
 def _body(p: Point2, rot: Angle, *, ref: Reference) -> Float[Array, "0"]:
@@ -345,7 +350,7 @@ def _body(p: Point2, rot: Angle, *, ref: Reference) -> Float[Array, "0"]:
 
 
 def _body_inertia(p: Point2, rot: Angle, *, ref: Reference, mass: float, center: Float[Array, "2"], inertia: float):
-    """Centre of mass, and an axis that turns with the body: its rate is that of the rotation."""
+    """Centre of mass, and an axis that turns with the body at the rate of the rotation."""
     axes = rotation_plane(rot[0] - ref.rot[0])
     return jnp.stack([p + axes @ center, axes[:, 0]]), jnp.diag(jnp.stack([jnp.asarray(mass), jnp.asarray(inertia)]))
 
@@ -356,8 +361,8 @@ def _check_body(*, ref: Reference, mass: float, inertia: float) -> list[str]:
 
 
 body = Element(_body, inertia=_body_inertia, check=_check_body)
-"""Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
-(about the centre) [kg m^2].
+"""Body fixed to the node at p. Properties: mass [kg], center (centre of mass relative to the node, undeformed state)
+[m], inertia (about the centre) [kg m^2].
 """
 
 

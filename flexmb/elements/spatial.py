@@ -1,11 +1,11 @@
 """Spatial elements: beams, joints, springs, lumped mass and rotary inertia; moments about fixed axes.
 
-``help(spatial.beam)`` tells of one: its deformations in order, with units, and what it takes.
+``help(spatial.beam)`` lists the deformations of an element in order, with units, and its properties and options.
 
 - Flexible: truss, beam, warping_beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
 - Joints: hinge, slider, prismatic, screw. Transmissions: gear.
-- Springs and dampers with a law of one's own: spring_damper, rotary_spring_damper.
+- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper.
 - Mass and loads: mass, inertia, body, moment (about fixed axes), follower_force, follower_moment.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
@@ -48,7 +48,7 @@ truss = Element(
 
 
 def _triads(rot_p: Rotation3, rot_q: Rotation3, ref: Reference, y: Float[Array, "3"] | None) -> Float[Array, "2 3 3"]:
-    """Local axes at both ends as columns. Both ends go through the same few products, which compile once."""
+    """Local axes at both ends as columns. One batched product serves both ends."""
     frame = initial_frame(ref.p, ref.q, y)
     rotations, references = jnp.stack([rot_p, rot_q]), jnp.stack([ref.rot_p, ref.rot_q])
     return jax.vmap(turned, (0, 0, None))(rotations, references, frame)
@@ -72,7 +72,7 @@ def _beam(
     l0 = beams.beam_length(ref)
     triads = _triads(rot_p, rot_q, ref, y)
     chord = q - p
-    # Local z and y at the ends, and what the chord has along them: (planes, ends).
+    # Local z and y at the ends, (planes, ends), and below the components of the chord along them.
     across = triads[:, :, :0:-1]
     twist = 0.5 * l0 * jnp.sum(across[0] * across[1, :, ::-1] * -SIGN)
     bending = -SIGN[:, None] * SIGN * jnp.sum(chord[:, None] * across, axis=1).T
@@ -86,7 +86,7 @@ def _beam(
     return jnp.concatenate([jnp.stack([elongation, twist]), bending.reshape(-1)])
 
 
-# Of the ends p and q in the bendings along the local z; those along the local y have the other sign.
+# Signs of the ends p and q in the bendings along local z. The bendings along local y have the opposite signs.
 SIGN = np.array([-1.0, 1.0])
 
 
@@ -135,9 +135,9 @@ def _beam_inertia(*nodes: Array, ref, section, y=None):
 
 
 def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fall=None, y=None) -> Float[Array, "6"]:
-    """Nodal forces of the stress resultants less those of distributed loads, in axes of the end sections.
+    """Nodal forces of the stress resultants less the nodal forces of distributed loads, in axes of the end sections.
 
-    The moment of the dual f of a rotation is Lbar f / 2.
+    A force f dual to Euler parameters is the moment Lbar f / 2.
     """
 
     def deformations(*nodes: Array):
@@ -172,7 +172,7 @@ def _check_beam(*, ref, y=None) -> list[str]:
 
 
 def _beam_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "6"]:
-    """Elongation, and in both planes the bendings of an arc that the warmer side makes longer."""
+    """Elongation, and in both planes the bendings of an arc whose warmer side is longer."""
     l0, alpha = beams.beam_length(ref), beams.expansion_of(section)
     elongation = beams.thermal_elongation(change, l0, alpha)
     bent = alpha * l0**2 / 2 * gradient
@@ -190,24 +190,28 @@ beam = Element(
     angles=(2, 3, 4, 5, 6),
     names=("elongation", "torsion", "bending_z_p", "bending_z_q", "bending_y_p", "bending_y_q"),
 )
-"""Flexible beam, cubics between its ends.
+"""Flexible beam with cubic deflections between its ends.
 
 Deformations:
     e1: elongation [m].
-    e2: torsion [m]: by how much the end q is twisted from p about local x, times length.
-    e3, e4: bending along local z at p and at q [m]: by how much the axis is turned from the chord, negatively about
-        local y at p and positively at q, times length. An arc has both alike.
-    e5, e6: bending along local y [m]: the same about local z.
+    e2: torsion [m]: angle of the end q relative to p about local x, times length.
+    e3, e4: bending along local z at p and at q [m]: angle of the axis from the chord, times length, negative about
+        local y at p, positive at q. In an arc e3 = e4.
+    e5, e6: bending along local y [m]: the same with local z in place of local y.
 
-Properties: section (without one it is rigid and has no mass), damping, y. Local x runs from p to q. The vector y, (3,),
-has local y as its part across the beam: that is along the width of a rectangle. Unless given it is the global axis
-along which the beam has its smallest component. Local z, along the thickness, completes the right-handed axes, so that
-e3 and e4 are the soft bending of a leaf spring.
+Properties:
+    section: Without a section the beam is rigid and has no mass.
+    damping: Viscous damping of the section.
+    y: Vector, (3,), that fixes the local axes. Local x runs from p to q. Local y is the part of y across the beam,
+        along the width of a rectangle. Local z, along the thickness, completes the right-handed axes, so that e3 and e4
+        are the soft bending of a leaf spring. Default: the global axis along which the beam has its smallest component.
 
-Options: second_order, whether the terms of second order of bending and torsion are counted, True unless given.
-Stretched by a strain, any number of them bends with EI (1 + strain)^2 in place of EI: beyond 1 % take a spectral beam.
-It counts shear and restrained warping where its section does; where these are left out and would change a stiffness by
-more than 1 %, a model warns. ``spatial.leaf_spring`` has them, and what clamps do to a plate.
+Options: second_order (default True), whether the deformations include the second-order terms of bending and torsion.
+
+Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, in any number of pieces. Use a spectral
+beam for strains beyond 1 %. The beam includes shear and restrained warping if its section does. A model warns where
+these are left out and would change a stiffness by more than 1 %. ``spatial.leaf_spring`` includes them, and the effect
+of clamps on a plate.
 """
 
 
@@ -223,7 +227,7 @@ def _warping_beam(
     y: Float[Array, "3"] | None = None,
     second_order: Static[bool] = True,
 ) -> Float[Array, "8"]:
-    """Those of the beam, then the twist rates of both ends times length."""
+    """Deformations of ``spatial.beam``, then the twist rates of both ends times length."""
     own = _beam(p, rot_p, q, rot_q, ref=ref, y=y, second_order=second_order)
     return jnp.concatenate([own, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
 
@@ -235,7 +239,7 @@ TORSION[1, 1, 6:] = TORSION[1, 6:, 1] = TORSION[3, 6, 7] = TORSION[3, 7, 6] = 1.
 
 
 def _warping_stiffness(*, ref: Reference, section: Section) -> Float[Array, "8 8"]:
-    """That of the beam, but for its torsion."""
+    """Stiffness of ``spatial.beam`` with restrained torsion."""
     s, l0 = section.rigidity(), beams.beam_length(ref)
     plain = _beam_stiffness(ref=ref, section=dataclasses.replace(s, GIt=0.0))
     twist, coupling, *warping = beams.restrained_torsion(s.GIt, s.EIw, l0)
@@ -243,12 +247,12 @@ def _warping_stiffness(*, ref: Reference, section: Section) -> Float[Array, "8 8
 
 
 def _warping_damping(*, ref, damping: Damping) -> Float[Array, "8 8"]:
-    """That of the beam: what warps is not damped by it."""
+    """Damping of ``spatial.beam``: warping has no damping."""
     return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
 
 
 def _warping_inertia(*nodes: Array, ref, section, y=None):
-    """That of the beam, and linear interpolation of the warping, by which the section moves along the axis."""
+    """Inertia of ``spatial.beam``, and of the motion along the axis by warping, which is interpolated linearly."""
     p, rot_p, warp_p, q, rot_q, warp_q = nodes
     vectors, h = _beam_inertia(p, rot_p, q, rot_q, ref=ref, section=section, y=y)
     along = jnp.concatenate([warp_p, warp_q])[:, None] * np.eye(3)[:1]
@@ -260,7 +264,7 @@ def _warping_inertia(*nodes: Array, ref, section, y=None):
 def _warping_resultants(
     *nodes: Array, ref, place, sigma, section, second_order, fall=None, y=None
 ) -> Float[Array, "6"]:
-    """Those of the beam: a bimoment has no resultant."""
+    """Resultants of ``spatial.beam``: a bimoment has no resultant."""
     p, rot_p, _, q, rot_q, _ = nodes
     own = {"section": section, "second_order": second_order, "y": y}
     fall = None if fall is None else fall[:-2]
@@ -268,7 +272,7 @@ def _warping_resultants(
 
 
 def _warping_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "8"]:
-    """That of the beam."""
+    """Thermal deformations of ``spatial.beam``."""
     return jnp.pad(_beam_thermal(change, gradient, ref=ref, section=section), (0, 2))
 
 
@@ -296,19 +300,19 @@ warping_beam = Element(
     angles=(2, 3, 4, 5, 6),
     names=(*beam.names, "warping_p", "warping_q"),
 )
-"""Flexible beam whose warping is a coordinate of each end, shared by warping beams and leaf springs that meet there: e1
-to e6 as of ``spatial.beam``, e7 and e8 the twist rates of both ends times length [rad], which the nodes' warping gives.
+"""Flexible beam with a warping coordinate at each end: e1 to e6 as in ``spatial.beam``, e7 and e8 twist rates of the
+ends times length [rad]. Warping beams and leaf springs that meet in a node share its warping coordinate.
 
-Warping is zero where it is restrained. That is found when the model is built, as for ``spatial.leaf_spring``: where the
-rotation is held, or something rigid, a hinge, a body or a part at least three times as thick is joined. Elsewhere it is
-free. Torsion is exact for a torque that is constant along the beam, so that one beam does where a leaf spring is only
-twisted. Stretched by more than 1 % it bends as ``spatial.beam`` does: take another.
+Warping is zero at a clamped end and free elsewhere. An end is clamped where the rotation is held, or where a rigid
+part, a hinge, a body or a part at least three times as thick is joined. The builder finds this, as for
+``spatial.leaf_spring``. Torsion is exact for a constant torque, so that one warping beam is enough for a leaf spring
+that is only twisted. Do not use the element for strains beyond 1 %: see ``spatial.beam``.
 
 Properties: section (with EIw: a :class:`flexmb.Rectangle` or a :class:`flexmb.Rigidity`), damping, y (vector that fixes
-local y), clamped (whether warping is restrained at its first end and at its last, such as (True, False), where that
-shall not be found).
+local y), clamped (whether warping is restrained at the first end and at the last, such as (True, False); default: as
+the builder finds).
 
-Options: second_order, as of ``spatial.beam``.
+Options: second_order, see ``spatial.beam``.
 
 Source: THEORY.md 2, eq. (2.34).
 """
@@ -326,7 +330,7 @@ def _rigid_beam(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference) -> Fl
 def _rigid_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None, y=None
 ) -> Float[Array, "3"]:
-    """Expansion of the offset, and the deflection of an arc that leaves p as it did."""
+    """Expansion of the offset, and the deflection of an arc whose direction at p is unchanged."""
     offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
     square = offset @ offset
     # A pinned body, whose ends lie in one place, has no axes.
@@ -347,16 +351,16 @@ rigid_beam = Element(
     released=(),
     names=("offset_x", "offset_y", "offset_z"),
 )
-"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. It does not turn the rotation
-at q: what is joined there turns freely. ``spatial.rigid_body`` is clamped at both ends.
+"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. The rotation at q is free.
+``spatial.rigid_body`` is clamped at both ends.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
-y (vector that fixes local y, along which a temperature may grow).
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
+material), y (vector that fixes local y, for a temperature gradient).
 """
 
 
 pin_body = rigid_beam
-"""The predecessor's name for a rigid beam, whose two ends may lie in one place."""
+"""The predecessor's name of ``rigid_beam``. Its two ends may lie in one place."""
 
 
 def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "6"]:
@@ -368,7 +372,7 @@ def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref
 def _rigid_body_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None, y=None
 ) -> Float[Array, "6"]:
-    """That of a rigid beam, and the turn of the arc, which the warmer side bends away from."""
+    """Offset of a rigid beam, and the rotation of the arc, which bends away from its warmer side."""
     offset = _rigid_thermal(change, gradient, ref=ref, alpha=alpha, section=section, y=y)
     along = jnp.where(beams.length_or_zero(ref) > 0, ref.q - ref.p, np.array([1.0, 0, 0]))
     arc = beams.expansion_of(section, alpha) * beams.length_or_zero(ref) * gradient
@@ -388,8 +392,8 @@ rigid_body = Element(
 """Rigid body from p to q, clamped at both: e1 to e3 offset of q in body axes [m], e4 to e6 rotation of q relative to p
 [rad], FIXED. Its two ends may lie in one place.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; that of the section's material unless given),
-y (vector that fixes local y, along which a temperature may grow).
+Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
+material), y (vector that fixes local y, for a temperature gradient).
 """
 
 
@@ -406,11 +410,12 @@ def _spring_damper(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]
 
 
 spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_length, names=("elongation",))
-"""Spring, damper or actuator with a force of one's own that pulls two points together: e1 change of their distance [m].
-It holds nothing: what is beside it does. Properties: those that the law names.
+"""Spring, damper or actuator between two points with a force law of your own: e1 change of the distance [m]. A positive
+force pulls the points together. The element constrains nothing. Its properties are the keyword-only parameters of the
+law.
 
-Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Define it once: each function is an
-element type of its own, ``spring_damper(law)``.
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Each function makes an element type of
+its own, ``spring_damper(law)``, so define the function once.
 """
 
 
@@ -422,9 +427,9 @@ def _rotary_spring_damper(
 
 
 rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis, names=("angle",))
-"""Spring, damper or actuator with a moment of one's own between two bodies, on body p [N m]: e1 rotation of body q
-relative to body p, counted past full turns [rad]. Properties: axis (global, undeformed state), and those that the law
-names. Option law: as of ``spatial.spring_damper``.
+"""Spring, damper or actuator between two bodies with a moment law of your own [N m]: e1 rotation of body q relative to
+body p about the axis, counted past full turns [rad]. The moment acts on body p. Properties: axis (global, undeformed
+state) and the keyword-only parameters of the law. Option law: see ``spatial.spring_damper``.
 """
 
 
@@ -440,7 +445,7 @@ def _nothing_on(rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
     return jnp.zeros(0)
 
 
-# Where each component of an inertia tensor is among its six numbers.
+# Index of each component of an inertia tensor among its six numbers.
 TENSOR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
@@ -451,7 +456,9 @@ def _inertia_inertia(rot: Rotation3, *, ref: Reference, inertia: Float[Array, "6
 
 
 inertia = Element(_nothing_on, inertia=_inertia_inertia)
-"""Lumped rotary inertia. Properties: inertia (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, undeformed [kg m^2]."""
+"""Lumped rotary inertia. Properties: inertia (Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about global axes, undeformed state
+[kg m^2].
+"""
 
 
 def _moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Float[Array, "4"]:
@@ -460,7 +467,7 @@ def _moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Flo
 
 
 moment = Element(_nothing_on, force=_moment)
-"""Moment about fixed axes: it has no potential, its tangent is not symmetric. Properties: moment (global) [N m]."""
+"""Moment about fixed axes. It has no potential, and its tangent is not symmetric. Properties: moment (global) [N m]."""
 
 
 def _nothing_between(p: Point3, rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
@@ -472,7 +479,7 @@ def _follower_force(p: Point3, rot: Rotation3, *, ref: Reference, force: Float[A
 
 
 follower_force = Element(_nothing_between, force=_follower_force)
-"""Force that turns with the body at p. Properties: force (as it points in the undeformed mechanism) [N]."""
+"""Force that turns with the body at p. Properties: force (global, undeformed state) [N]."""
 
 
 def _follower_moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Float[Array, "4"]:
@@ -480,7 +487,7 @@ def _follower_moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"
 
 
 follower_moment = Element(_nothing_on, force=_follower_moment)
-"""Moment that turns with its body. Properties: moment (as it points in the undeformed mechanism) [N m]."""
+"""Moment that turns with its body. Properties: moment (global, undeformed state) [N m]."""
 
 
 def _body(p: Point3, rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
@@ -502,7 +509,7 @@ def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> l
     if not holds(xp.isfinite(own)):
         return found
     moments = xp.linalg.eigvalsh(own[..., TENSOR])
-    # A needle has one that is zero, and two that are equal; a plate one that is the sum of the others.
+    # A needle has one zero moment and two equal ones; in a plate one moment is the sum of the others.
     slack = PRINCIPAL_MOMENTS * moments[..., 2]
     if not holds((moments[..., 0] >= -slack) & (moments[..., 0] + moments[..., 1] >= moments[..., 2] - slack)):
         told = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
@@ -514,8 +521,8 @@ def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> l
 
 
 body = Element(_body, inertia=_body_inertia, check=_check_body)
-"""Body fixed to the node at p. Properties: mass [kg], center (its place relative to the node, undeformed) [m], inertia
-((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre and global axes, undeformed) [kg m^2].
+"""Body fixed to the node at p. Properties: mass [kg], center (centre of mass relative to the node, undeformed state)
+[m], inertia ((Ixx, Ixy, Ixz, Iyy, Iyz, Izz) about the centre, global axes, undeformed state) [kg m^2].
 """
 
 

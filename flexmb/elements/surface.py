@@ -1,9 +1,9 @@
 """Stress at points on the surface of a cross-section, from the force and moment in it.
 
-Everywhere: resultants (N, Vy, Vz, T, My, Mz) as :class:`flexmb.Element` defines them; stress along x, and shear stress
-along the surface, positive counter-clockwise about x. No other shear stress can be there, since the surface is free.
-Stress from restrained warping and from the clamping of the Poisson contraction is that of elements, if any
-(:mod:`.leaf_stress`); that at notches is not counted.
+All functions take the resultants (N, Vy, Vz, T, My, Mz) as :class:`flexmb.Element` defines them. They return the
+stress along x and the shear stress along the surface, positive counter-clockwise about x. The surface is free, so that
+no other shear stress exists there. Elements add the stress of restrained warping and of clamped Poisson contraction
+(:mod:`.leaf_stress`). Stress concentrations at notches are not included.
 """
 
 from typing import Any
@@ -19,7 +19,7 @@ from ..numerical_limits import DIRECTED_STRESS
 # Points of a rectangle over half its sides, counter-clockwise from the corner at +y, +z: corners and middles in turn.
 RECTANGLE = np.array([[1.0, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]])
 POINTS = len(RECTANGLE)
-# Middles of the sides at the ends of y, of those at the ends of z, and corners.
+# Middles of the sides at +-y, middles of the sides at +-z, and corners.
 AT_Y, AT_Z = (RECTANGLE[:, 1] == 0).astype(float), (RECTANGLE[:, 0] == 0).astype(float)
 CORNER = 1 - AT_Y - AT_Z
 CATALAN = 0.9159655941772190
@@ -35,7 +35,7 @@ def squared(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 
 
 
 def von_mises(sigma_x: Float[Array, "*n"], tau: Float[Array, "*n"], across: Any = 0.0) -> Float[Array, "*n"]:
-    """Equivalent stress sqrt(sigma^2 - sigma across + across^2 + 3 tau^2), whose derivative is zero where it is zero.
+    """Equivalent stress sqrt(sigma^2 - sigma across + across^2 + 3 tau^2), with derivative zero at zero stress.
 
     Returns the same shape [Pa]. Source: Von Mises's criterion for plane stress.
     """
@@ -59,7 +59,7 @@ def torsion_stress(
     flat = width >= thickness
     w, t = jnp.where(flat, width, thickness), jnp.where(flat, thickness, width)
     half = jnp.pi * w / (2 * t)
-    # 1/cosh falls with exp(-n pi/2) at least, 1 - tanh with its square. Beyond n half = 300 nothing is left of it.
+    # 1/cosh decays at least as exp(-n pi/2), 1 - tanh as its square. Both are zero to round-off beyond n half = 300.
     n = np.arange(1.0, 13, 2)
     longer = 1 - 8 / jnp.pi**2 * jnp.sum(1 / (n**2 * jnp.cosh(jnp.minimum(n * half, 300.0))))
     rest = (jnp.tanh(n * half) - 1) @ ((-1) ** (n // 2) / n**2)
@@ -99,8 +99,8 @@ def hollow_rectangle(
     """Stress at the points of :data:`RECTANGLE` of a thin-walled rectangular tube, on its outer surface.
 
     Returns:
-        Stress along x and shear stress, (8,) [Pa]. The shear flow, constant in torsion (Bredt) and V Q/I of shear
-        forces, is over the wall's thickness, at a corner over the thinner one's.
+        Stress along x and shear stress, (8,) [Pa]: shear flow (constant in torsion by Bredt, V Q/I for shear forces)
+        over the thickness of the wall, at a corner over the thickness of the thinner wall.
 
     Source:
         N/A + My z/Iy - Mz y/Iz; T/(2 Am) with Am within the middle of the walls; V Q/(2 I), Q beyond the middle of a
@@ -112,7 +112,7 @@ def hollow_rectangle(
     between_y, between_z = width - wall_y, thickness - wall_z
     torsion = t / (2 * between_y * between_z)
     inner_y, inner_z = width - 2 * wall_y, thickness - 2 * wall_z
-    # First moments, of half the section and of one wall without its corners' overlap.
+    # First moments of half the section, and of one wall without the overlap at its corners.
     middle_z, middle_y = (
         (width * thickness**2 - inner_y * inner_z**2) / 8,
         (thickness * width**2 - inner_z * inner_y**2) / 8,
@@ -127,7 +127,7 @@ def hollow_rectangle(
 def _direction(
     y: Float[Array, ""], z: Float[Array, ""], least: Float[Array, ""]
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Unit vector along (y, z), or along y where that is shorter than ``least``."""
+    """Unit vector along (y, z), or along y if (y, z) is shorter than ``least``."""
     square = y**2 + z**2
     known = square > least**2
     size = jnp.sqrt(jnp.where(known, square, 1.0))
@@ -149,7 +149,7 @@ def ring(diameter: Scalar, inner: Scalar, resultants: Float[Array, "6"]) -> Stre
     outer, hole = diameter / 2, inner / 2
     area, i = jnp.pi * (outer**2 - hole**2), jnp.pi / 4 * (outer**4 - hole**4)
     shear = 4 / (3 * area) * (outer**2 + outer * hole + hole**2) / (outer**2 + hole**2)
-    # A moment or force that is round-off beside the others has no direction, nor a derivative of it.
+    # A moment or force at round-off of the others has no direction, and the direction no derivative.
     all_of_it = jnp.sum(jnp.abs(jax.lax.stop_gradient(resultants)) * jnp.where(np.arange(6) < 3, outer, 1.0))
     bent = _direction(-mz, my, DIRECTED_STRESS * all_of_it)
     sheared = _direction(vy, vz, DIRECTED_STRESS * all_of_it / outer)

@@ -1,4 +1,4 @@
-"""A constraint between the deformations of several elements: weighted sums of them, to be FIXED at zero."""
+"""A constraint between the deformations of several elements: weighted sums that are FIXED at zero."""
 
 import functools
 from typing import Annotated, Any, NamedTuple
@@ -12,13 +12,13 @@ from .nodes import NodeKind, Reference
 
 
 class TiePart(NamedTuple):
-    """Elements of one type among those that are tied.
+    """Tied elements of one type.
 
     Attributes:
         element: Their type.
-        options: Properties that choose code, as sorted pairs.
-        splits: Where the coordinates of one node end and the next begin.
-        rows: Coordinates of each element, as places among those of the tie.
+        options: Properties that select code, as sorted pairs.
+        splits: Indices at which the coordinates of the next node begin.
+        rows: Indices of the coordinates of each element among the coordinates of the tie.
     """
 
     element: Element
@@ -43,8 +43,8 @@ def _part_deformations(part: TiePart, x: Float[Array, "n_x"], ref: Float[Array, 
 def tie(parts: tuple[TiePart, ...], size: int, dimension: int) -> Element:
     """Element type whose deformations are weighted sums of the deformations of other elements.
 
-    It has one node of all coordinates that those elements have, and two properties: ``weights``, (n, m), of the m
-    deformations one part after the other, and ``of``, the properties of each part's elements.
+    It has one node with all coordinates of those elements, and two properties: ``weights``, (n, m), for the m
+    deformations of one part after the other, and ``of``, the properties of the elements of each part.
     """
     everything = NodeKind("Coordinates", "internal", dimension, (0.0,) * size, ("c",) * size, size)
 

@@ -1,8 +1,8 @@
 """Planar transmissions: gears on a turning arm, and belts from a pulley to another or to a point.
 
-What a belt or a gear mesh does depends on how far each wheel has turned relative to the line between the centres. That
-angle counts past full turns, which no function of the coordinates alone can, so it is a deformation that is measured:
-DEPENDENT, whatever is released.
+The state of a belt or a gear mesh depends on the turn of each wheel relative to the line between the centres. The turn
+counts past full turns. No function of the coordinates alone can count, so the turn is a measured deformation, which is
+always DEPENDENT.
 """
 
 import jax.numpy as jnp
@@ -37,12 +37,12 @@ def _check_gear(*, ref, ratio) -> list[str]:
 
 
 def _around(centre: Float[Array, "2"], start: Float[Array, "2"], turns: Float[Array, ""]) -> Float[Array, "2"]:
-    """Point of a circle, so many turns after its start."""
+    """Point of a circle, a number of turns after the start."""
     return centre + rotation_plane(2 * np.pi * jnp.clip(turns, 0.0, 1.0)) @ (start - centre)
 
 
 def _gear_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place, ratio) -> Float[Array, "2"]:
-    """Both pitch circles, from where they meet."""
+    """Both pitch circles, from their common point."""
     meeting = p + (q - p) / (1 + ratio)
     return jnp.where(place < 0.5, _around(p, meeting, 2 * place), _around(q, meeting, 2 * place - 1))
 
@@ -57,7 +57,7 @@ gear = Element(
     names=("mismatch", "turn"),
 )
 """Two meshing gears with centres p and q: e1 mismatch of rotation at gear p [rad], FIXED unless the mesh has a
-stiffness; e2 turn of gear p relative to the line of centres [rad], measured. The arm that holds the centres may turn.
+stiffness; e2 turn of gear p relative to the line of centres [rad], measured. The line of centres may turn.
 
 Properties: ratio (radius of q over radius of p, negative where one gear runs inside the other), stiffness and damping
 of the mesh [N m/rad, N m s/rad].
@@ -96,7 +96,7 @@ def _belt(
     radius_p: float,
     radius_q: float,
 ) -> Float[Array, "3"]:
-    """Elongation, to which what is rolled on at either end adds, and turns of both pulleys relative to the belt."""
+    """Elongation, including the belt rolled onto each pulley, and turns of both pulleys relative to the belt."""
     stretch, turn_p = _turns(p, rot_p, q, ref=ref, near=near[1], radius_p=radius_p, radius_q=radius_q)
     turn_q = turn_p + (rot_q[0] - ref.rot_q[0]) - (rot_p[0] - ref.rot_p[0])
     return jnp.stack([stretch + radius_p * turn_p - radius_q * turn_q, turn_p, turn_q])
@@ -109,7 +109,7 @@ def _free_length(e: Float[Array, "3"], ref: Reference, radius_p: Scalar, radius_
 
 
 def _belt_energy(e: Array, *, ref, section: Section, radius_p, radius_q) -> Float[Array, ""]:
-    """EA e1^2/(2 L), with L the free length; the belt on the pulleys is taken to be without tension."""
+    """EA e1^2/(2 L) with the free length L: the belt on the pulleys has no tension."""
     return section.rigidity().EA * e[0] ** 2 / (2 * _free_length(e, ref, radius_p, radius_q))
 
 
@@ -128,7 +128,7 @@ def _check_belt(*, ref, radius_p, radius_q, section=None) -> list[str]:
 
 
 def _belt_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place, radius_p, radius_q) -> Float[Array, "2"]:
-    """Pulley p, the straight part, pulley q, a third of the way each."""
+    """Pulley p, the straight part and pulley q, a third of the places each."""
     d = q - p
     _, angle = _span(d, radius_p, radius_q)
     tangent = rotation_plane(angle) @ (d / jnp.sqrt(d @ d))
@@ -148,11 +148,12 @@ belt = Element(
     measured=(2, 3),
     names=("elongation", "turn_p", "turn_q"),
 )
-"""Belt between two pulleys: e1 elongation of the part between them [m]; e2 and e3 turns of the pulleys relative to it
-[rad], measured. Its stiffness EA/L and damping EdA/L follow the free length L as belt is rolled on and off.
+"""Belt between two pulleys: e1 elongation of the part between them [m]; e2 and e3 turns of the pulleys relative to the
+belt [rad], measured. The stiffness EA/L and the damping EdA/L follow the free length L, which changes as the pulleys
+turn.
 
-Properties: radius_p and radius_q (positive where the belt runs to the left of the centre on the way from p to q,
-negative to the right), section (EA), damping (EA). Without a section it does not stretch.
+Properties: radius_p and radius_q (positive if the belt passes the centre on the left on the way from p to q, negative
+on the right), section (EA), damping (EA). Without a section the belt does not stretch.
 """
 
 
@@ -193,6 +194,6 @@ belt_to_point = Element(
     measured=(2,),
     names=("elongation", "turn"),
 )
-"""Belt or rope from a pulley at p to the point q: e1 elongation [m]; e2 turn of the pulley relative to it [rad],
-measured. Properties as of a belt, with radius_p alone.
+"""Belt or rope from a pulley at p to the point q: e1 elongation [m]; e2 turn of the pulley relative to the belt [rad],
+measured. Properties: see ``planar.belt``, with radius_p alone.
 """
