@@ -179,6 +179,10 @@ constraint force, over the largest force that it balances; that of an element's 
 NEGATIVE_STIFFNESS = 1e-9
 """An element's stiffness is negative below zero by more than this share."""
 
+HELD_COMPLIANCE = 1e-7
+"""A direction of a node is held if the root of its compliance is below this share of the largest root among
+displacements, or among rotations: a share of 1e-14 of a compliance is round-off; leaf springs have 1e-8 at least."""
+
 NEGATIVE_WORK = 1e-6
 """Forces on a node in a stable state do no negative work beyond this, for compliances scaled to one."""
 

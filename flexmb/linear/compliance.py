@@ -15,7 +15,7 @@ from ..math.linear import diagonal_of, factorise
 from ..math.linear_solver import LinearSolver, asked_solver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
-from ..numerical_limits import NEGATIVE_WORK
+from ..numerical_limits import HELD_COMPLIANCE, NEGATIVE_WORK
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.equilibrium import Equilibrium
 from .about import Where, asked_about, linearized
@@ -86,10 +86,11 @@ def compliance(
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
         raise ValueError(f"Node '{node}' has no rotation: no axes turn with it. Leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
+    displacements = sum(labels.x[place[0]].kind != "rotation" for place in places for _ in place)
     if lin.large:
         try:
             flexibility = compliance_of_large(lin, places, local)
-            _warn_of_instability(flexibility, node)
+            _warn_of_instability(flexibility, node, displacements)
             return flexibility
         except AnalysisError:
             if chosen is not None or lin is model or lin is at:
@@ -100,18 +101,22 @@ def compliance(
     if is_concrete(known := undifferentiated((lin, jacobian, result))) and int(known[2]) == RESULTS.singular_stiffness:
         return _beside_free_motions(lin, jacobian, node, known)
     check(result, True)
-    _warn_of_instability(flexibility, node)
+    _warn_of_instability(flexibility, node, displacements)
     return or_nan(flexibility, result)
 
 
-def _warn_of_instability(flexibility: Float[Array, "n n"], node: str) -> None:
+def _warn_of_instability(flexibility: Float[Array, "n n"], node: str, displacements: int) -> None:
     """Warn if forces do negative work on a node, which they do not in a stable state."""
     if not is_concrete(flexibility):
         return
     sizes = np.sqrt(np.abs(np.diag(np.asarray(flexibility))))
-    scaled = np.asarray(flexibility) / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))
+    # Directions that rigid parts hold have a compliance of round-off, of either sign. Displacements come first.
+    turns = np.arange(len(sizes)) >= displacements
+    largest = [np.max(sizes[turns == part], initial=0.0) for part in (False, True)]
+    moves = sizes > HELD_COMPLIANCE * np.where(turns, *largest[::-1])
+    scaled = np.asarray(flexibility)[np.ix_(moves, moves)] / np.outer(sizes[moves], sizes[moves])
     symmetric = np.allclose(scaled, scaled.T, rtol=0, atol=NEGATIVE_WORK)
-    if symmetric and np.min(np.linalg.eigvalsh(scaled)) < -NEGATIVE_WORK:
+    if symmetric and np.min(np.linalg.eigvalsh(scaled), initial=0.0) < -NEGATIVE_WORK:
         collect(RESULTS.unstable_state)
         warn(
             f"Forces on node '{node}' do negative work: the state is not stable, and has negative or imaginary"

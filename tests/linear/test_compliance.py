@@ -78,3 +78,15 @@ def test_a_state_that_is_not_stable_is_told():
             warnings.simplefilter("always")
             found = fm.compliance(model, "tip")
         assert any("negative work" in str(one.message) for one in caught) == told == (found[1, 1] < 0)
+
+
+def test_round_off_of_a_held_direction_is_no_instability():
+    # A rigid body holds the node along its line: 1e-47 m/N of either sign is left there, against 1e-3 across it.
+    from flexmb.linear.compliance import _warn_of_instability
+
+    found = np.diag([-1e-47, 1e-3, 5e-2])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _warn_of_instability(found, "tip", 2)
+    with pytest.warns(fm.FlexmbWarning, match="negative work"):
+        _warn_of_instability(np.diag([-1e-9, 1e-3, 5e-2]), "tip", 2)
