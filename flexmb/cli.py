@@ -647,10 +647,24 @@ def _demo_picture(name: str) -> Path:
     return path
 
 
-def _study(command: str, path: Path, json_path: str | None, save: Path | None, plot: Path | None, work: Any) -> None:
-    """Run a design study and write its answer; ``work`` returns data, table, saving function and result."""
+def _study(
+    command: str,
+    path: Path,
+    json_path: str | None,
+    save: Path | None,
+    plot: Path | None,
+    work: Any,
+    read_study: Callable[[Path], Any] | None = None,
+) -> None:
+    """Run a study and write its answer; ``work`` returns data, table, saving function and result.
+
+    Args:
+        read_study: Reader of the file; by default of a design study.
+    """
     from . import __version__
-    from .design.study_file import read_study
+
+    if read_study is None:
+        from .design.study_file import read_study
 
     _check_files(path, f"flexmb {command}", json=json_path, save=save, plot=plot)
     _prepare_jax()
@@ -727,6 +741,37 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
         return data, str(found), saved, found
 
     _study("tune", study, json_path, save, plot, work)
+
+
+@command
+def fit(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and measurements.")],
+    json_path: Json = None,
+    save: Save = None,
+    plot: StudyPlot = None,
+) -> None:
+    """Find parameters from measurements, with intervals, and show what the measurements do not determine."""
+
+    def read_study(path: Path):
+        from .identification.fit_study import read_fit_study
+
+        return read_fit_study(path)
+
+    def work(read: Any):
+        from . import __version__
+        from .files import save_arrays
+        from .identification.fit_study import fit_answer, fit_arrays
+
+        found = read.fit()
+        data = fit_answer(read, found, __version__)
+        arrays = {} if save is None else fit_arrays(found)
+
+        def saved(path: Path):
+            save_arrays(path, arrays, {name: data[name] for name in ("study", "status", "reason", "active", "labels")})
+
+        return data, str(found), saved, found
+
+    _study("fit", study, json_path, save, plot, work, read_study)
 
 
 def _named(before: str, names: Iterable[str]) -> list[str]:

@@ -423,7 +423,7 @@ def test_a_wrong_call_is_one_line(line, workplace):
     assert {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()} == before
 
 
-@pytest.mark.parametrize("command", ["", "run", "check", "verdict", "demo", "sweep", "tune"])
+@pytest.mark.parametrize("command", ["", "run", "check", "verdict", "demo", "sweep", "tune", "fit"])
 @pytest.mark.parametrize("option", ["-h", "--help"])
 def test_help(command, option):
     result = call(*command.split(), option)
@@ -569,13 +569,14 @@ def test_modes_by_number_and_by_name(words, number, monkeypatch):
     assert result.stderr == f"flexmb: RuntimeError: mode {number} (--debug shows where)\n"
 
 
-@pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune"])
+@pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune", "fit"])
 def test_the_same_of_every_command(command, monkeypatch, tmp_path):
     def surprised(*_, **__):
         raise RuntimeError("surprise")
 
     monkeypatch.setattr(answers, "answer", surprised)
     monkeypatch.setattr("flexmb.design.study_file.read_study", surprised)
+    monkeypatch.setattr("flexmb.identification.fit_study.read_fit_study", surprised)
     monkeypatch.chdir(tmp_path)
     given = {"check": [mechanism_path("pf2d")], "demo": ["pf2d"]}.get(command, [tmp_path / "study.toml"])
     result = call(command, *given)

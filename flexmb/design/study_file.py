@@ -3,14 +3,11 @@
 import contextlib
 import difflib
 import errno
-import math
 import os
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..errors import StudyError, clean
 from ..files import read_whole
@@ -19,97 +16,58 @@ from .designs import MOST
 from .evaluate import check_dimensions, check_names
 from .study import Study
 from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
+from .study_values import (
+    Kind,
+    as_choice,
+    as_node,
+    as_number,
+    as_numbers,
+    as_pair,
+    as_positive,
+    as_text,
+    as_whole,
+    checked_table,
+)
 
 # A study with a thousand answers has 0.1 MiB.
 LARGEST_FILE = 16 * 2**20
 MOST_STARTS = 10_000
 
-# A kind of values: a function of key and value that returns the value, or raises a StudyError with the key.
-Kind = Callable[[str, Any], Any]
-
-
-def _number(key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise StudyError(f"{key} must be a number, not {clean(repr(value))}.")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise StudyError(f"{key} must be a finite number, not {clean(repr(value))}.")
-    return number
-
-
-def _positive(key: str, value: Any) -> float:
-    if _number(key, value) <= 0:
-        raise StudyError(f"{key} must be positive, but is {value:g}.")
-    return float(value)
-
-
-def _numbers(key: str, value: Any) -> Any:
-    """A number, or nested lists of numbers as an array."""
-    if not isinstance(value, list):
-        return _number(key, value)
-    entries = [_numbers(key, entry) for entry in value]
-    try:
-        return np.array(entries, float)
-    except ValueError:
-        raise StudyError(f"{key} has lists of different lengths.") from None
-
-
-def _whole(least: int = 1, most: float = math.inf) -> Kind:
-    def check(key: str, value: Any) -> int:
-        if type(value) is not int or not least <= value <= most:
-            to = f" to {most:g}" if most < math.inf else ""
-            raise StudyError(f"{key} must be a whole number from {least}{to}, but is {clean(repr(value))}.")
-        return value
-
-    return check
-
-
-def _text(key: str, value: Any) -> str:
-    if not isinstance(value, str) or not value.isprintable():
-        raise StudyError(f"{key} must be a text of printable letters, but is {clean(repr(value))}.")
-    return value
-
-
-def _choice(*known: str) -> Kind:
-    def check(key: str, value: Any) -> str:
-        if _text(key, value) not in known:
-            raise StudyError(f"{key} must be {', '.join(known[:-1])} or {known[-1]}, not '{clean(value)}'.")
-        return value
-
-    return check
-
-
-def _node(key: str, value: Any) -> str:
-    if isinstance(value, bool) or not isinstance(value, str | int):
-        raise StudyError(f"{key} must be the name of a node, but is {clean(repr(value))}.")
-    return str(value)
-
-
 # The schema: kinds by key. None stands for a table with names of the user as keys.
-PARAMETER: dict[str, Kind] = {"value": _number, "lower": _number, "upper": _number, "scale": _choice("log", "linear")}
-LIMIT: dict[str, Kind] = {"lower": _numbers, "upper": _numbers}
+PARAMETER: dict[str, Kind] = {
+    "value": as_number,
+    "lower": as_number,
+    "upper": as_number,
+    "scale": as_choice("log", "linear"),
+    "prior": as_pair,
+}
+LIMIT: dict[str, Kind] = {"lower": as_numbers, "upper": as_numbers}
 TUNE: dict[str, Kind] = {
-    "minimize": _text,
-    "maximize": _text,
-    "starts": _whole(1, MOST_STARTS),
-    "seed": _whole(0),
-    "tolerance": _positive,
-    "max_evaluations": _whole(),
+    "minimize": as_text,
+    "maximize": as_text,
+    "starts": as_whole(1, MOST_STARTS),
+    "seed": as_whole(0),
+    "tolerance": as_positive,
+    "max_evaluations": as_whole(),
 }
 DESIGNS = {"grid": ("points",), "latin-hypercube": ("samples", "seed"), "monte-carlo": ("samples", "seed")}
 SWEEP: dict[str, Kind] = {
-    "kind": _choice(*DESIGNS),
-    "points": lambda key, value: value if isinstance(value, dict) else _whole(1, MOST)(key, value),
-    "samples": _whole(1, MOST),
-    "seed": _whole(0, MOST),
-    "chunk": _whole(1, MOST),
+    "kind": as_choice(*DESIGNS),
+    "points": lambda key, value: value if isinstance(value, dict) else as_whole(1, MOST)(key, value),
+    "samples": as_whole(1, MOST),
+    "seed": as_whole(0, MOST),
+    "chunk": as_whole(1, MOST),
+}
+FIT: dict[str, Kind] = {
+    "loss": as_choice("linear", "huber", "soft_l1", "cauchy"),
+    "starts": as_whole(1, MOST_STARTS),
+    "seed": as_whole(0),
+    "max_evaluations": as_whole(),
+    "level": as_positive,
 }
 TABLES = {
-    "model": _text,
-    "release": _text,
+    "model": as_text,
+    "release": as_text,
     "parameters": None,
     "choices": None,
     "answers": None,
@@ -118,23 +76,17 @@ TABLES = {
     "equal": None,
     "tune": TUNE,
     "sweep": SWEEP,
+    "data": None,
+    "fit": FIT,
 }
 # Kinds of the arguments of a question.
 PARTS: dict[str, Kind] = {
-    "number": _whole(),
-    "component": _whole(),
-    "node": _node,
-    "element": _text,
-    "axis": _text,
+    "number": as_whole(),
+    "component": as_whole(),
+    "node": as_node,
+    "element": as_text,
+    "axis": as_text,
 }
-
-
-def _checked(key: str, content: dict[str, Any], schema: Mapping[str, Kind], between: str = ": ") -> dict[str, Any]:
-    """The values of a table, each of its kind."""
-    for name in content:
-        if name not in schema:
-            raise StudyError(f"{key}: there is no '{clean(name)}'. Known keys: {', '.join(schema)}.")
-    return {name: schema[name](f"{key}{between}{name}", value) for name, value in content.items()}
 
 
 def kinds() -> dict[str, Question]:
@@ -145,14 +97,14 @@ def kinds() -> dict[str, Question]:
 
 def read_study(path: str | os.PathLike) -> Study:
     """Read a study; StudyError with file and key if it is wrong."""
-    return _Reader(Path(path)).study()
+    return StudyReader(Path(path)).study()
 
 
 def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, ...]], list[str]]:
     """Model, parameters and functions of a study, without calling any function."""
-    reader = _Reader(Path(path))
+    reader = StudyReader(Path(path))
     with reader.named():
-        model = _text("model", reader.data.get("model", ""))
+        model = as_text("model", reader.data.get("model", ""))
         given = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
     found = {name: tuple(own[key] for key in ("value", "lower", "upper") if key in own) for name, own in given.items()}
     choices = reader.data.get("choices", {})
@@ -166,7 +118,7 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
     return model, found, functions
 
 
-class _Reader:
+class StudyReader:
     """The reader of one file."""
 
     def __init__(self, path: Path):
@@ -191,8 +143,9 @@ class _Reader:
             raise StudyError(f"{self.name}: {fault}") from fault.__cause__
 
     def study(self) -> Study:
+        """The study of a sweep or a search."""
         with self.named():
-            self.check_tables()
+            self.check_tables("model", "answers")
             parameters = self.parameters()
             free = {name: given for name, given in parameters.items() if "lower" in given}
             fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
@@ -214,7 +167,8 @@ class _Reader:
                 choices,
             )
 
-    def check_tables(self) -> None:
+    def check_tables(self, *needed: str) -> None:
+        """Check the kinds of all tables, and that some are there."""
         for table, content in self.data.items():
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
@@ -226,8 +180,8 @@ class _Reader:
             elif not isinstance(content, dict):
                 raise StudyError(f"[{table}] must be a table, but is {clean(repr(content))}.")
             elif schema:
-                _checked(f"[{table}]", content, schema, " ")
-        for table in ("model", "answers"):
+                checked_table(f"[{table}]", content, schema, " ")
+        for table in needed:
             if not self.data.get(table):
                 raise StudyError(f"'{table}' is missing or empty.")
 
@@ -236,13 +190,14 @@ class _Reader:
         found = {}
         for name, given in self.data.get("parameters", {}).items():
             key = _key_of_name("parameters", name, "parameter")
-            entry = _checked(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
+            entry = checked_table(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
             if "value" not in entry or ("lower" in entry) is not ("upper" in entry):
                 raise StudyError(f"{key}: give value, or value with lower and upper.")
             if "lower" in entry and not entry["lower"] < entry["upper"]:
                 raise StudyError(f"{key}: lower {entry['lower']:g} is not below upper {entry['upper']:g}.")
-            if "scale" in entry and "lower" not in entry:
-                raise StudyError(f"{key}: a scale needs lower and upper.")
+            for option in ("scale", "prior"):
+                if option in entry and "lower" not in entry:
+                    raise StudyError(f"{key}: a {option} needs lower and upper.")
             if entry.get("scale") == "log" and not entry["lower"] > 0:
                 raise StudyError(f"{key}: scale cannot be log, since lower {entry['lower']:g} is not positive.")
             found[name] = entry
@@ -258,7 +213,7 @@ class _Reader:
             if not isinstance(given, list) or not given:
                 raise StudyError(f"{key} must be a list of values, but is {clean(repr(given))}.")
             if not _is_function(self.data["model"]):
-                given = [_number(key, value) for value in given]
+                given = [as_number(key, value) for value in given]
             elif not all(isinstance(value, bool | int | float | str) for value in given):
                 what = "a list of numbers, words, true and false"
                 raise StudyError(f"{key} must be {what}, but is {clean(repr(given))}.")
@@ -278,7 +233,7 @@ class _Reader:
             except ValueError as fault:
                 raise StudyError(f"[parameters]: {fault}") from None
             return Called(about, text, function, fixed)
-        release = _choice("none", "auto")("release", "none" if release is None else release)
+        release = as_choice("none", "auto")("release", "none" if release is None else release)
         source = folder / text
         try:
             content = content_of(source)
@@ -312,13 +267,13 @@ class _Reader:
         found: dict[str, Any] = {}
         for table in ("targets", "equal"):
             given = self.data.get(table, {})
-            found[table] = {name: _numbers(_key_of_answer(table, name, answers), v) for name, v in given.items()}
+            found[table] = {name: as_numbers(_key_of_answer(table, name, answers), v) for name, v in given.items()}
         found["limits"] = {}
         for name, given in self.data.get("limits", {}).items():
             key = _key_of_answer("limits", name, answers)
             if not isinstance(given, dict) or not given:
                 raise StudyError(f"{key} must be a table with lower, upper or both.")
-            pair = _checked(key, given, LIMIT)
+            pair = checked_table(key, given, LIMIT)
             found["limits"][name] = (pair.get("lower"), pair.get("upper"))
         options = self.data.get("tune", {})
         for sense in ("minimize", "maximize"):
@@ -334,7 +289,7 @@ class _Reader:
             if option not in ("kind", "chunk", *DESIGNS[kind]):
                 raise StudyError(f"[sweep] {option} has no meaning if kind is {kind}. Give {DESIGNS[kind][0]}.")
         if isinstance(points := given.get("points"), dict):
-            _checked("[sweep] points", points, dict.fromkeys(free, _whole(1, MOST)))
+            checked_table("[sweep] points", points, dict.fromkeys(free, as_whole(1, MOST)))
             if missing := [name for name in free if name not in points]:
                 raise StudyError(
                     f"[sweep] points: '{missing[0]}' is missing. Every parameter with bounds needs points."

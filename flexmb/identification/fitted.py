@@ -92,8 +92,9 @@ class Fit(Result):
 
         Raises:
             KeyError: No such parameter.
+            ValueError: The level is not between 0 and 1.
         """
-        check_number("level", level, above=0)
+        check_number("level", level, above=0, most=1)
         i = self._place(name)
         value = self.problem.layout.join(self.parameters)[i]
         width = self._quantile(level) * self.problem.layout.join(self.deviation)[i]

@@ -29,6 +29,8 @@ class Measured:
         over: Places of the values on the axis of a picture, (m,).
         label: Name of this axis, with its unit.
         check: ``check(model)`` raises ValueError if the model cannot answer, such as a measured mode without partner.
+        relative: Whether ``answer`` returns logarithms of the ratio of computed to measured values, first their real
+            parts, then as many imaginary parts.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Measured:
     over: np.ndarray | None = None
     label: str = ""
     check: Callable[[Any], None] | None = None
+    relative: bool = False
 
     @property
     def deviation(self) -> np.ndarray | None:
@@ -71,10 +74,17 @@ def check_unit(item: Measured, computed: np.ndarray) -> None:
             f"Measurement '{item.name}' has {len(item.values)} values, but the model computes {len(computed)}."
             " Give one value for each."
         )
+    if item.relative:
+        _refuse_ratio(item, float(np.exp(-np.median(computed[: len(computed) // 2]))))
+        return
     both = (item.values != 0) & (computed != 0)
     if not np.any(both):
         return
-    ratio = float(np.median(np.abs(item.values[both] / computed[both])))
+    _refuse_ratio(item, float(np.median(np.abs(item.values[both] / computed[both]))))
+
+
+def _refuse_ratio(item: Measured, ratio: float) -> None:
+    """Refuse a ratio of measured to computed values that is beyond any error of a model."""
     if not 1 / MISTAKEN_UNIT < ratio < MISTAKEN_UNIT:
         raise ValueError(
             f"Values of measurement '{item.name}' are about {ratio:.2g} times the values that the model computes at the"

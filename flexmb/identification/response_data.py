@@ -87,4 +87,4 @@ def measured_response(
     if logarithmic:
         wanted = np.zeros_like(wanted)
     single = measured(answer, wanted, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
-    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)))
+    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)), relative=logarithmic)

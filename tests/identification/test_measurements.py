@@ -110,3 +110,12 @@ def test_bad_responses_are_refused_by_name():
         fm.measured_response([1.0, 2.0, 3.0], [1.0, np.nan, 1.0])
     with pytest.raises(ValueError, match="has no logarithm"):
         fm.measured_response([1.0, 2.0], [0.0, 1.0], logarithmic=True)
+
+
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_a_response_in_another_unit_is_refused(logarithmic):
+    s = 2j * np.pi * np.linspace(0.2, 4.0, 20)
+    millimetres = 1000 / (MASS * s**2 + s + 200.0)
+    data = fm.measured_response(s.imag / (2 * np.pi), millimetres, 1e-3, logarithmic=logarithmic)
+    with pytest.raises(ValueError, match="'response' are about 1e.03 times the values that the model computes"):
+        fm.fit(lambda left: damped_carts(left, 1, 1, 1.0), data, {"left": 200.0}, {"left": (20, 2000)})

@@ -1,0 +1,206 @@
+"""A fit that is described in a TOML file: the model, parameters with bounds and priors, and the measurements."""
+
+import contextlib
+import dataclasses
+import inspect
+import os
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..design.study_file import StudyReader
+from ..design.study_parts import UNTRACEABLE, function_of
+from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
+from ..spacar.read import read_spacar
+from .fit import fit
+from .fitted import Fit
+from .measurement import Measured
+from .study_data import measurements_of
+
+UNTRACED = "a fit needs derivatives, and the model or an answer cannot be traced by JAX"
+
+
+@dataclasses.dataclass(frozen=True)
+class FitStudy:
+    """The contents of a file for a fit.
+
+    Attributes:
+        name: Name of the file.
+        build: Function of the parameters that returns a model.
+        builder: Function behind ``build``, with the warnings of the input file's reader.
+        data: Measurements.
+        values: Start of the parameters, by name.
+        bounds: Their lower and upper values.
+        scales: "log" or "linear" by name, if given.
+        priors: Mean and standard deviation by name, if given.
+        options: Other arguments of :func:`flexmb.fit`.
+        level: Of the confidence intervals [-].
+    """
+
+    name: str
+    build: Callable[..., Any]
+    builder: Callable[..., Any]
+    data: list[Measured]
+    values: dict[str, float]
+    bounds: dict[str, tuple[float, float]]
+    scales: dict[str, Any]
+    priors: dict[str, tuple[float, float]]
+    options: dict[str, Any]
+    level: float
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of the input file's reader so far."""
+        return list(getattr(self.builder, "warnings", ()))
+
+    def fit(self, *, throw: bool = False) -> Fit:
+        """Run :func:`flexmb.fit`; StudyError with the file if the study is wrong."""
+        with self._named():
+            options = {"scales": self.scales, "priors": self.priors, **self.options}
+            return fit(self.build, self.data, self.values, self.bounds, throw=throw, **options)
+
+    @contextlib.contextmanager
+    def _named(self) -> Iterator[None]:
+        try:
+            yield
+        except (StudyError, SpacarError, ModelError, AnalysisError):
+            raise
+        except UNTRACEABLE as fault:
+            raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
+        except (ValueError, KeyError) as fault:
+            text = str(fault.args[0]) if isinstance(fault, KeyError) and fault.args else first_line(fault)
+            raise StudyError(f"{self.name}: {text}") from fault
+
+
+def read_fit_study(path: str | os.PathLike) -> FitStudy:
+    """Read a study for a fit; StudyError with file and key if it is wrong."""
+    reader = StudyReader(Path(path))
+    with reader.named():
+        reader.check_tables("model", "data")
+        if reader.data.get("choices"):
+            raise StudyError("[choices]: a fit has none. Give one value of each as a parameter.")
+        parameters = reader.parameters()
+        free = {name: given for name, given in parameters.items() if "lower" in given}
+        if not free:
+            raise StudyError("[parameters]: give at least one lower and upper.")
+        fixed = {name: given["value"] for name, given in parameters.items() if name not in free}
+        items = measurements_of(reader.name, reader.path.parent, reader.data["data"])
+        of_data = {name for item in items for name in item.parameters}
+        accepted = _accepted(reader, {name: given["value"] for name, given in parameters.items()})
+        taken = [name for name in parameters if name not in of_data or name in accepted]
+        own_fixed = tuple((name, value) for name, value in fixed.items() if name in taken)
+        own_free = tuple(name for name in free if name in taken)
+        builder = reader.builder(own_fixed, own_free)
+        options = dict(reader.data.get("fit", {}))
+        level = options.pop("level", 0.95)
+        if not level < 1:
+            raise StudyError(f"[fit] level must be below 1, but is {level:g}.")
+        return FitStudy(
+            reader.name,
+            _with_signature(builder, own_free),
+            builder,
+            [_with_fixed(item, fixed) for item in items],
+            {name: given["value"] for name, given in free.items()},
+            {name: (given["lower"], given["upper"]) for name, given in free.items()},
+            {name: given["scale"] for name, given in free.items() if "scale" in given},
+            {name: given["prior"] for name, given in free.items() if "prior" in given},
+            options,
+            level,
+        )
+
+
+def _accepted(reader: StudyReader, values: Mapping[str, float]) -> set[str]:
+    """Names that the model of a study takes."""
+    text, folder = reader.data["model"], reader.path.parent
+    if ":" in text and not text.endswith(".dat"):
+        with contextlib.suppress(TypeError, ValueError):
+            return set(inspect.signature(function_of("model", folder, text)).parameters)
+        return set()
+    # The builder reports a file that is missing.
+    return set(read_spacar(folder / text, numbers=values).parameters) if (folder / text).is_file() else set()
+
+
+def _with_signature(builder: Callable[..., Any], names: tuple[str, ...]) -> Callable[..., Any]:
+    """The builder as a function of these names, which ``fit`` reads from the signature."""
+
+    def build(**parameters: Any) -> Any:
+        return builder(**parameters)
+
+    keywords = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY) for name in names]
+    vars(build)["__signature__"] = inspect.Signature(keywords)
+    return build
+
+
+def _with_fixed(item: Measured, fixed: Mapping[str, float]) -> Measured:
+    """A measurement whose fixed parameters have their values."""
+    known = {name: fixed[name] for name in item.parameters if name in fixed}
+    if not known:
+        return item
+
+    def answer(model: Any, **parameters: Any) -> Any:
+        return item.answer(model, **known, **parameters)
+
+    rest = tuple(name for name in item.parameters if name not in known)
+    return dataclasses.replace(item, answer=answer, parameters=rest)
+
+
+def fit_answer(study: FitStudy, found: Fit, version: str) -> dict[str, Any]:
+    """A fit for JSON."""
+    good = found.result.name == "successful"
+    return {
+        "study": study.name,
+        "flexmb": version,
+        "status": "ok" if good else found.result.name,
+        "message": "" if good else found.result.message,
+        "warnings": study.warnings,
+        "reason": found.reason,
+        "parameters": found.parameters,
+        "start": found.start,
+        "deviation": found.deviation,
+        "level": study.level,
+        "intervals": {name: list(found.interval(name, study.level)) for name in found.labels},
+        "labels": list(found.labels),
+        "covariance": found.covariance,
+        "correlation": found.correlation,
+        "chi_squared": found.chi_squared,
+        "freedom": found.freedom,
+        "probability": found.probability,
+        "noise": found.noise,
+        "undetermined": [
+            {
+                "parameters": list(combination.names),
+                "change": combination.change,
+                "determined": list(combination.determined),
+                "deviation": combination.deviation,
+            }
+            for combination in found.undetermined
+        ],
+        "active": list(found.active),
+        "minima": [{"parameters": values, "chi_squared": cost} for values, cost in found.minima],
+        "evaluations": found.evaluations,
+        "data": {
+            item.name: {
+                "measured": item.values,
+                "deviation": item.deviation,
+                "computed": found.computed[item.name],
+                "residuals": found.residuals[item.name],
+            }
+            for item in found.data
+        },
+    }
+
+
+def fit_arrays(found: Fit) -> dict[str, np.ndarray]:
+    """Arrays of a fit for a file, by name; StudyError if two have one name."""
+    named = [*found.parameters.items(), ("covariance", found.covariance)]
+    named += [(f"deviation_{name}", value) for name, value in found.deviation.items()]
+    for item in found.data:
+        named += [(f"measured_{item.name}", item.values), (f"computed_{item.name}", found.computed[item.name])]
+    arrays = {}
+    for name, value in named:
+        if name in arrays or name == "about":
+            raise StudyError(f"'{clean(name)}' is a name that --save gives to something else: choose another.")
+        arrays[name] = np.asarray(value)
+    return arrays

@@ -1,0 +1,279 @@
+"""The measurements of a study in a TOML file: inline numbers, CSV files and universal files."""
+
+import contextlib
+import csv
+import dataclasses
+import io
+import math
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..control.frequency_response import FrequencyResponse
+from ..control.universal_file import ENDINGS
+from ..design.study_parts import Called, NamedAnswer, function_of
+from ..design.study_values import (
+    Kind,
+    as_flag,
+    as_number,
+    as_numbers,
+    as_positive,
+    as_text,
+    as_whole,
+    checked_table,
+)
+from ..errors import StudyError, clean, first_line
+from ..files import read_whole
+from ..questions.question import Asked
+from .measurement import Measured, measured
+from .mode_pairing import measured_modes
+from .response_data import measured_response
+
+# A table of a million rows.
+LARGEST_TABLE = 64 * 2**20
+SEPARATORS = ";\t,"
+
+
+def _texts(key: str, value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        return (as_text(key, value),)
+    return tuple(as_text(key, entry) for entry in value)
+
+
+def _true_or_numbers(key: str, value: Any) -> list[int] | None:
+    """Numbers of modes, or None for true."""
+    if value is True:
+        return None
+    if not isinstance(value, list) or not value:
+        raise StudyError(f"{key} must be true or a list of numbers of modes, but is {clean(repr(value))}.")
+    return [as_whole()(key, entry) for entry in value]
+
+
+def _true(key: str, value: Any) -> bool:
+    if value is not True:
+        raise StudyError(f"{key} must be true, but is {clean(repr(value))}.")
+    return True
+
+
+def _name_or_number(key: str, value: Any) -> str | float:
+    return as_text(key, value) if isinstance(value, str) else as_number(key, value)
+
+
+def _columns(key: str, value: Any) -> dict[str, str | int]:
+    if not isinstance(value, dict):
+        raise StudyError(f"{key} must be a table of names of columns, but is {clean(repr(value))}.")
+    return {
+        n: as_text(f"{key} {n}", v) if isinstance(v, str) else as_whole()(f"{key} {n}", v) for n, v in value.items()
+    }
+
+
+# Kinds by key: of all measurements, of a file, and of each kind of measurement with the columns that a file may have.
+EVERY: dict[str, Kind] = {"deviation": as_numbers, "relative_deviation": as_positive}
+FILE: dict[str, Kind] = {"file": as_text, "columns": _columns}
+KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
+    "answer": (
+        {"answer": _texts, "values": as_numbers, "covariance": as_numbers, "over": as_numbers, "label": as_text},
+        ("values", "deviation", "over"),
+    ),
+    "modes": (
+        {"modes": _true_or_numbers, "values": as_numbers, "shapes": as_numbers, "at": _texts, "among": as_whole()},
+        ("values", "deviation"),
+    ),
+    "response": (
+        {
+            "response": _true, "hertz": as_numbers, "real": as_numbers, "imaginary": as_numbers,
+            "magnitude": as_numbers, "phase": as_numbers, "output": as_text, "input": as_text,
+            "loss_factor": _name_or_number, "gain": as_text, "delay": as_text, "logarithmic": as_flag,
+        },
+        ("hertz", "real", "imaginary", "magnitude", "phase", "deviation"),
+    ),
+}  # fmt: skip
+
+
+def measurements_of(about: str, folder: Path, data: Mapping[str, Any]) -> list[Measured]:
+    """Measurements of the table [data] of a study; StudyError with the key if one is wrong."""
+    return [
+        _measurement(f"[data] {clean(name)}", about, folder, as_text("[data]", name), given)
+        for name, given in data.items()
+    ]
+
+
+def _measurement(key: str, about: str, folder: Path, name: str, given: Any) -> Measured:
+    kind = next((kind for kind in KINDS if isinstance(given, dict) and kind in given), None)
+    if kind is None:
+        raise StudyError(f"{key} must be a table with one of {', '.join(KINDS)}.")
+    own, columns = KINDS[kind]
+    entry = checked_table(key, given, {**own, **EVERY, **FILE})
+    if "file" in entry:
+        _fill(key, folder, entry, columns, from_universal=kind == "response")
+    elif "columns" in entry:
+        raise StudyError(f"{key}: columns are of a file. Give file, or leave columns out.")
+    with _named(key):
+        if kind == "response":
+            return _response(key, name, entry)
+        values = _needed(key, entry, "values")
+        deviation = _deviation(key, entry, values)
+        if kind == "modes":
+            chosen = {option: entry[option] for option in ("shapes", "at", "among") if option in entry}
+            return measured_modes(values, deviation, numbers_of_modes=entry["modes"], name=name, **chosen)
+        chosen = {option: entry[option] for option in ("covariance", "over", "label") if option in entry}
+        answer, called = _answer(key, about, folder, entry["answer"])
+        made = measured(answer, values, deviation, name=name, **chosen)
+        return made if called is None else dataclasses.replace(made, answer=called)
+
+
+@contextlib.contextmanager
+def _named(key: str) -> Iterator[None]:
+    """Turn faults of a measurement into faults of the study, with the key."""
+    try:
+        yield
+    except StudyError:
+        raise
+    except (ValueError, TypeError, KeyError) as fault:
+        text = str(fault.args[0]) if isinstance(fault, KeyError) and fault.args else first_line(fault)
+        raise StudyError(f"{key}: {clean(text)}") from fault
+
+
+def _needed(key: str, entry: Mapping[str, Any], name: str) -> Any:
+    if name not in entry:
+        raise StudyError(f"{key}: give {name}, or a file with this column.")
+    return np.asarray(entry[name], float)
+
+
+def _deviation(key: str, entry: Mapping[str, Any], values: np.ndarray) -> Any:
+    if "relative_deviation" not in entry:
+        return entry.get("deviation")
+    if "deviation" in entry:
+        raise StudyError(f"{key} has deviation and relative_deviation: give one.")
+    return entry["relative_deviation"] * np.abs(values)
+
+
+def _answer(key: str, about: str, folder: Path, texts: tuple[str, ...]) -> tuple[Any, Callable[..., Any] | None]:
+    """A question, several, or a function with the same function whose faults are named."""
+    if len(texts) == 1 and ":" in texts[0]:
+        function = function_of(f"{key}: answer", folder, texts[0])
+        return function, Called(f"{about}: {key}", texts[0], function, is_answer=True)
+    for text in texts:
+        with _named(f"{key}: answer"):
+            if not Asked(text).question.differentiable:
+                raise StudyError(f"{key}: '{clean(text)}' has no derivatives, which a fit needs.")
+    if len(texts) == 1:
+        return texts[0], NamedAnswer(f"{about}: {key}", Asked(texts[0]))
+    return list(texts), None
+
+
+def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
+    hertz = _needed(key, entry, "hertz")
+    if "magnitude" in entry or "phase" in entry:
+        if "real" in entry or "imaginary" in entry:
+            raise StudyError(f"{key} has real and imaginary parts, and magnitude and phase: give one pair.")
+        size, angle = (_needed(key, entry, part) for part in ("magnitude", "phase"))
+        values = size * np.exp(1j * angle)
+    else:
+        real, imaginary = (_needed(key, entry, part) for part in ("real", "imaginary"))
+        values = real + 1j * imaginary
+    chosen = {
+        option: entry[option]
+        for option in ("output", "input", "loss_factor", "gain", "delay", "logarithmic")
+        if option in entry
+    }
+    return measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
+
+
+def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...], *, from_universal: bool) -> None:
+    """Add the columns of a file to an entry."""
+    path = folder / entry["file"]
+    if path.suffix.lower() in ENDINGS:
+        if not from_universal:
+            raise StudyError(f"{key}: a universal file has frequency responses. Give response = true.")
+        found = _universal(key, path, entry)
+    else:
+        found = _table(key, path, entry.get("columns", {}), columns)
+    for name, values in found.items():
+        if name in entry:
+            raise StudyError(f"{key}: {name} is given, and '{clean(path.name)}' has it too. Leave one out.")
+        entry[name] = values
+
+
+def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Frequencies and response of a universal file, data set 58."""
+    if "columns" in entry:
+        raise StudyError(f"{key}: a universal file has no columns. Leave columns out.")
+    with _named(f"{key}: file"), _readable(key, path):
+        try:
+            found = FrequencyResponse.load(path)
+        except ValueError as fault:
+            raise ValueError(first_line(fault).replace(clean(path), clean(path.name))) from fault
+        several = len(found.outputs) * len(found.inputs) > 1
+        names = (entry.get("output"), entry.get("input")) if several else (None, None)
+        response = np.asarray(found.of(*names))
+    return {"hertz": np.asarray(found.hertz), "real": response.real, "imaginary": response.imag}
+
+
+@contextlib.contextmanager
+def _readable(key: str, path: Path) -> Iterator[None]:
+    """Name a file that cannot be read, or a library that is missing."""
+    try:
+        yield
+    except OSError as fault:
+        why = fault.strerror or first_line(fault)
+        raise StudyError(f"{key}: cannot read '{clean(path)}': {clean(why)}.") from None
+    except ImportError as fault:
+        raise StudyError(f"{key}: {first_line(fault)}") from None
+
+
+def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Columns of a CSV file, chosen by name or number, otherwise those with the names of the quantities."""
+    if strangers := [name for name in chosen if name not in columns]:
+        raise StudyError(f"{key}: there is no '{clean(strangers[0])}' in columns. Known: {', '.join(columns)}.")
+    with _readable(key, path):
+        content = read_whole(path, LARGEST_TABLE)
+    what = f"{key}: '{clean(path.name)}'"
+    try:
+        lines = content.decode("utf-8-sig").splitlines()
+    except ValueError:
+        raise StudyError(f"{what} is no text in UTF-8.") from None
+    rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    if not rows:
+        raise StudyError(f"{what} is empty.")
+    separator = next((letter for letter in SEPARATORS if letter in rows[0][1]), ",")
+    cells = [
+        (i, [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=separator))]) for i, line in rows
+    ]
+    header = [] if all(_is_number(cell) for cell in cells[0][1]) else cells.pop(0)[1]
+    wanted = chosen or {name: name for name in columns if name in header}
+    if not wanted:
+        raise StudyError(f"{what} has no column {' or '.join(columns)}. Name columns, such as {{ {columns[0]} = 2 }}.")
+    places = {name: _place(what, header, column) for name, column in wanted.items()}
+    return {name: np.array([_cell(what, i, row, place, name) for i, row in cells]) for name, place in places.items()}
+
+
+def _place(what: str, header: list[str], column: str | int) -> int:
+    if isinstance(column, int):
+        return column - 1
+    if header.count(column) != 1:
+        many = "several columns" if column in header else "no column"
+        raise StudyError(
+            f"{what} has {many} '{clean(column)}'. Its columns are: {clean(', '.join(header)) or 'not named'}."
+        )
+    return header.index(column)
+
+
+def _cell(what: str, line: int, row: list[str], place: int, name: str) -> float:
+    if place >= len(row):
+        raise StudyError(f"{what}, line {line}: there is no column {place + 1} for {name}.")
+    text = row[place]
+    if not _is_number(text) or not math.isfinite(float(text)):
+        shown = f"is '{clean(text)}'" if text else "is empty"
+        raise StudyError(f"{what}, line {line}: {name} {shown}, which is no finite number. Leave the line out.")
+    return float(text)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
