@@ -56,10 +56,10 @@ STRAINED = ("deformation", "deformation rate", "deformation acceleration", "stre
 class Builder(Description):
     """Describe a mechanism by named nodes and elements.
 
-    A node has a position; its rotation, named "name.rotation", exists once an element needs it. All numbers may be
-    traced, so that a function that builds a model can be differentiated and batched; values are checked only if
-    concrete. Repeated forces, moments, masses and bodies add up. The last value counts for prescribed motions, gravity,
-    prestress, strains, temperatures and start values.
+    A node has a position; its rotation, named "name.rotation", exists once an element needs it. JAX may trace all
+    numbers (``jax.grad``, ``jax.vmap``). flexmb checks values unless they are traced. Repeated forces, moments, masses
+    and bodies add up. For prescribed motions, gravity, prestress, strains, temperatures and start values, the last
+    value replaces the earlier ones.
 
     Example:
         >>> b = Builder()
@@ -104,7 +104,7 @@ class Builder(Description):
 
     @recorded
     def rotation(self, name: str, start: Sequence[float] | None = None) -> str:
-        """Add a rotation of its own, for a second body that is hinged to a position with a rotation.
+        """Add a separate rotation, for a second body that is hinged to a node whose rotation belongs to another body.
 
         Args:
             name: Its name.
@@ -124,10 +124,10 @@ class Builder(Description):
 
     @recorded
     def warping(self, name: str) -> str:
-        """Add a warping of its own, for beams that do not share the warping of their node.
+        """Add a separate warping coordinate, for beams that do not share the warping of their node.
 
         Args:
-            name: Its name, for ``add``, among the nodes of an element that warps.
+            name: Its name. Use it in ``add`` as a node of an element with warping.
 
         Returns:
             The name.
@@ -154,14 +154,14 @@ class Builder(Description):
 
         Args:
             element: Element type, such as ``planar.beam``, or a bare deformation function.
-            nodes: One name for each positional parameter of the element, or one for each end: a node with a position
-                stands for its rotation too if the next parameter is one.
+            nodes: One name for each end, or one name for each positional parameter of the element. The name of an end
+                refers to its position, rotation and warping, as the element needs them.
             name: Its name; by default the type and a number.
             released: Names or numbers (from 1) of the deformations that may change, or "all". The others are FIXED, at
                 zero or at their thermal value. The name of a strain field releases all of its coefficients. By default
-                the element type decides: all of an elastic element, none of a rigid one. Measured ones are always
-                    released.
-                The closure of a spectral beam is released by name only.
+                all deformations of an elastic element are released, and none of a rigid element. Only its name
+                releases the closure of a spectral beam. Deformations that are only measured (turns of gears and belts,
+                warping) are always released.
             properties: Properties of the element type, such as ``section``, and its options, such as ``order``.
 
         Returns:
@@ -204,13 +204,13 @@ class Builder(Description):
 
     @recorded
     def fix(self, node: str, *components: str | int) -> None:
-        """Hold coordinates at their start values.
+        """Fix coordinates at their start values: a support.
 
         Args:
             node: Name of the node.
-            components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all of that part; in space
-                "rx", "ry" or "rz", the angle about this global axis (see :meth:`prescribe`). None: the whole node, with
-                its present or future rotation.
+            components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all coordinates of that part;
+                in space "rx", "ry" or "rz", the angle about this global axis (see :meth:`prescribe`). None: the whole
+                node, also a rotation that a later element adds.
         """
         node, word = str(node), components[0] if len(components) == 1 else None
         if components and not (isinstance(word, str) and word in ("position", "rotation")):
@@ -251,10 +251,10 @@ class Builder(Description):
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
         A rotation is an angle that counts past half and full turns. In space it is the angle about an axis, and the
-        node may turn about other axes. This angle is deformation 1 of a hinge from a FIXED rotation "frame of" the node
-        to the node's own. The hinge is named "turn of" the node, as "turn of c", and for a global axis "turn of c.rx".
-        ``reaction`` and ``force_needed`` of the node return the moment that turns it; the stress resultant of the hinge
-        is the opposite.
+        node may turn about other axes. flexmb adds a hinge for this angle, from a FIXED rotation "frame of c" to the
+        rotation of node "c". The hinge is named "turn of c", and for a global axis "turn of c.rx". Its deformation 1 is
+        the angle. ``reaction`` and ``force_needed`` of the node return the moment that turns the node; the stress
+        resultant of the hinge has the opposite sign.
 
         Args:
             of: Name of a node or an element.
@@ -263,8 +263,8 @@ class Builder(Description):
             value: Displacement, angle or deformation, () [m, rad].
             increment: Whether the value belongs to the incremental loads.
             axis: Axis of "rotation" in space, (3,) along the global axes.
-            tilt: For "rotation" in space: "free" (default) holds the angle about the axis alone, "fixed" allows
-                rotation about the axis only.
+            tilt: For "rotation" in space: with "free" (default) the node may also turn about other axes, with "fixed"
+                it turns about the axis only.
             kind: "node" or "element", if both have the name.
 
         Source:
@@ -286,9 +286,10 @@ class Builder(Description):
     def start(
         self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
     ) -> None:
-        """Set the start value of a degree of freedom in a simulation; without named ones it becomes one.
+        """Set the start value of a degree of freedom in a simulation.
 
-        A driven degree of freedom starts there too, and other coordinates follow.
+        If no degrees of freedom are named, the coordinate or deformation becomes a degree of freedom. A degree of
+        freedom that a trajectory drives starts at this value too. All other coordinates follow.
 
         Args:
             of: Name of a node or an element.
@@ -360,10 +361,10 @@ class Builder(Description):
             center: Centre of mass from the node, along global axes of the undeformed mechanism, (2,) or (3,) [m]; by
                 default the node.
             inertia: About the centre of mass, as for :meth:`mass`, in the plane () [kg m^2]; by default zero.
-            step: Path of a STEP file in any units, whose solids are the body. Its axes are the global ones, in the
-                plane its x and y. Needs build123d: pip install 'flexmb[cad]'.
+            step: Path of a STEP file in any units, whose solids are the body. The axes of the file are the global axes,
+                in the plane x and y. Needs build123d: pip install 'flexmb[cad]'.
             material: With ``step``: a Material with a density, or a density, () [kg/m^3].
-            at: With ``step``: its origin from the node, (2,) or (3,) [m]; by default the node.
+            at: With ``step``: position of the origin of the file from the node, (2,) or (3,) [m]; by default the node.
 
         Raises:
             ModelError: A mass that is not positive, an inertia that no body has, numbers beside a STEP file, a file
@@ -421,8 +422,8 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]; for a rotation, forces dual to its coordinates; for inner
-                coordinates of an element, from the first on.
+            force: Components along the global axes [N]. For a rotation: forces dual to its coordinates. For the own
+                coordinates of an element: forces dual to these coordinates, from the first on.
             increment: Whether the force belongs to the incremental loads.
             follower: Whether the force turns with the node's rotation; it then has no potential.
         """
@@ -482,7 +483,7 @@ class Builder(Description):
 
     @recorded
     def prestress(self, element: str, *values: float, increment: bool = False, **named: float) -> None:
-        """Set constant stress resultants beside elastic ones; a second call replaces the first.
+        """Add constant stress resultants to the elastic stress resultants; a second call replaces the first.
 
         Example:
             >>> b.prestress("wire", elongation=50.0)
@@ -525,8 +526,8 @@ class Builder(Description):
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
         """Change the temperature of an element, which expands and bends away from its warmer side.
 
-        A free element stays without stress. FIXED deformations expand too: a rigid beam gets longer. A second call
-        replaces the first with its gradient.
+        An element that may expand freely has no stress. FIXED deformations expand too: a rigid beam gets longer. A
+        second call replaces temperature and gradient of the first.
 
         Args:
             element: Name of the element; its material, its section or the rigid element itself states ``alpha``, the
@@ -577,24 +578,25 @@ class Builder(Description):
         kind: str | None = None,
         local: bool = False,
     ) -> None:
-        """Name an input: a force, a moment or a stress, or a motion of something held, such as a shaking floor.
+        """Name an input: a force, a moment or a stress resultant, or the motion of a support such as a shaking floor.
 
         Args:
             of: Name of a node or an element.
             component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
                 space "rx", "ry" or "rz", a moment about this global axis at every state, or a motion about it.
-            quantity: By default "force" on a coordinate, "moment" on a rotation in space or "stress" in a deformation
-                that can move: a stress resultant of the element, which acts against its deformation, as in a stretched
-                spring. "displacement", "velocity" or "acceleration" of a FIXED or PRESCRIBED coordinate or deformation,
-                or of a rotation that is fixed as a whole.
+            quantity: By default "force" on a coordinate, "moment" on a rotation in space, or "stress" in a deformation
+                that can change. A "stress" is a stress resultant of the element. A positive one acts against its
+                deformation, as in a stretched spring. "displacement", "velocity" or "acceleration" of a FIXED or
+                PRESCRIBED coordinate or deformation, or of a rotation that is fixed as a whole.
             name: Its label; by default built from the other arguments.
             kind: "node" or "element", if both have the name.
-            local: For a rotation in space: about the axis that turns with the node, which equals the global one where
-                its Euler parameters are (1, 0, 0, 0).
+            local: For a rotation in space: use the axis that turns with the node. It equals the global axis where the
+                Euler parameters of the node are (1, 0, 0, 0).
 
         Raises:
-            ModelError: A node, element or component is unknown or an Euler parameter, the quantity is another, or the
-                label exists. :meth:`build` refuses a force on something held and a motion of something that is not.
+            ModelError: A node, element or component is unknown or an Euler parameter, the quantity does not exist, or
+                the label exists. :meth:`build` refuses a force on a FIXED or PRESCRIBED coordinate, and a motion of
+                any other coordinate.
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
@@ -615,13 +617,14 @@ class Builder(Description):
             of: Name of a node or an element.
             component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
                 space "rx", "ry" or "rz" about this global axis: the rotation, angular velocity, angular acceleration or
-                moment of a support. A linearised rotation is infinitesimal, from the state of linearisation. In a
-                simulation it is the component of the rotation vector from its start, plus the one from the undeformed
-                mechanism to the start; it jumps where it passes a full turn, while a hinge's deformation does not.
-            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation, or "reaction": force or
-                moment of the support on a FIXED or PRESCRIBED one; "deformation", "deformation rate", "deformation
-                acceleration" or "stress" of a deformation, where the stress of a FIXED one is the transmitted force or
-                moment. By default the first.
+                moment of a support. In linearised equations, a rotation is infinitesimal and counts from the state of
+                linearisation. In a simulation, it is a component of a rotation vector: from the undeformed mechanism
+                to the start, plus from the start to the present state. It jumps at a full turn; the angle of a hinge
+                does not.
+            quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation. "reaction" is the force or
+                moment of the support on a FIXED or PRESCRIBED coordinate. "deformation", "deformation rate",
+                "deformation acceleration" or "stress" of a deformation; the stress of a FIXED deformation is the
+                transmitted force or moment. The default is "position" or "deformation".
             name: Its label; by default built from the other arguments.
             kind: "node" or "element", if both have the name.
             local: As for :meth:`input`.
@@ -642,8 +645,8 @@ class Builder(Description):
         Args:
             name: Its label.
             weights: Factor of each part, () [unit of the sensor over unit of the part], differentiable. A part is
-                "node.component", "element.number" or "element.deformation" (its name), after another quantity than the
-                default of :meth:`output`.
+                "node.component", "element.number" or "element.deformation" (its name). Write the quantity first unless
+                it is the default of :meth:`output`.
 
         Raises:
             ModelError: As for :meth:`output`; no parts.
@@ -652,7 +655,7 @@ class Builder(Description):
 
     @recorded
     def actuator(self, name: str, weights: Mapping[str, Any]) -> None:
-        """Name an input that acts on several things at once.
+        """Name an input that acts on several coordinates or deformations at once.
 
         Example:
             >>> b.actuator("push-pull", {"A.x": 1.0, "B.x": -1.0})
@@ -760,25 +763,28 @@ class Builder(Description):
         """Return the checked model.
 
         Args:
-            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named ones, and adds only
-                coefficients of spectral beams that these leave undetermined. Or a list of names, as in
+            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom, and adds
+                only coefficients of spectral beams that they leave undetermined. Or a list of names, as in
                 ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
-            release: "auto" releases elastic deformations, else those of joints and supports, until no over-constraint
-                remains; needs ``check=True`` and places of nodes that are not traced.
-            check: Whether to check counts and rank of the constraints, on concrete numbers.
+            release: "auto" releases deformations until no over-constraint remains: of elastic elements, otherwise of
+                joints and supports. It needs ``check=True`` and positions of nodes that are not traced.
+            check: Whether to check the number and the rank of the constraints; traced numbers are not checked.
 
         Returns:
             Model.
 
         Raises:
-            ModelError: Nothing to analyse; an input that acts on something FIXED or PRESCRIBED, or moves something that
-                is not; a reaction of something that is not; deformations that are not zero in the undeformed mechanism.
-            MechanismError: Over- or under-constrained, counts that do not agree, or degrees of freedom that cannot
-                move or do not determine the rest; too_large, if the mechanism is too large to be checked.
+            ModelError: There are no elements; a force input acts on a FIXED or PRESCRIBED coordinate; a motion input or
+                a reaction belongs to a coordinate that is neither; deformations are not zero in the undeformed
+                mechanism.
+            MechanismError: The mechanism is over- or under-constrained; the number of degrees of freedom does not agree
+                with the constraints; named degrees of freedom cannot move or do not determine the position; too_large:
+                the mechanism is too large to be checked.
 
         Warns:
-            FlexmbWarning: Prestress, strain or damping of held deformations; rigidities or dampers that an element does
-                not use, while its free deformations lack others; an automatic release that loses rank along the motion.
+            FlexmbWarning: FIXED or PRESCRIBED deformations have a prestress, strain or damping without effect; an
+                element has rigidities that it does not use, and lacks a rigidity that it needs; an automatic release
+                has no effect at some position of the mechanism.
             BeamTheoryWarning: Plain beams neglect shear or restrained warping of more than 1 % of a stiffness.
         """
         if not isinstance(dofs, str):

@@ -12,8 +12,8 @@ from .designs import numbers
 class Curve:
     """Target values of an answer along an axis, for ``fm.tune``.
 
-    Differences count relative to the largest value of the curve. In a target that is an array each difference counts
-    relative to its own value: a force near zero would weigh most.
+    Differences are relative to the largest value of the curve. In a target that is an array, each difference is
+    relative to its own target value. Forces near zero would then have the largest weight.
 
     Attributes:
         over: Places: strokes, times, load factors, (n,) [their unit].

@@ -140,16 +140,17 @@ def lean(
 ) -> Lean:
     """The smallest model that answers a question within a tolerance, and its error.
 
-    Each leaf spring has as few beams as possible. Deformations that are negligible in the band are FIXED. The others
-    are tied to the kept motions as in the full model: natural modes of the band, and as far as necessary static
-    responses to the inputs and at the given nodes. Every candidate is compared with the full model.
+    Each leaf spring has as few beams as possible. flexmb fixes deformations that are negligible in the band.
+    Constraints between the other deformations ("ties") leave only the natural modes of the band. Where necessary they
+    also leave the static responses to the inputs and to forces at the given nodes. flexmb compares every candidate with
+    the full model.
 
     Args:
-        model: Full model; or a function that builds it from numbers of beams of leaf springs.
+        model: Full model; or a function of the number of beams of each leaf spring that builds it.
         bandwidth: Highest frequency of the question [Hz].
         tolerance: Relative error of natural frequencies, stiffness and frequency responses.
         nodes: Nodes whose compliance in all directions matters, beside the model's inputs and outputs.
-        increments: Factors of the incremental loads, the strokes of the question.
+        increments: Factors of the incremental loads at which flexmb compares the models, such as strokes.
         finest: Number of beams of a leaf spring in the full model, if ``model`` is a function.
 
     Returns:

@@ -95,8 +95,8 @@ def sensitivities(
     """Derivatives of answers by the dimensions of a mechanism.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. Degrees of freedom without a name are found
-            once, at these dimensions.
+        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
+            chooses them once, at these dimensions.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
             dictionary by name.
         dimensions: Numbers or arrays by name, n in all [SI].
@@ -279,8 +279,8 @@ def tolerances(
 
     Warns:
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or its deviation,
-            such as near two coinciding frequencies. It is computed one deviation to both sides of the twenty
-            dimensions with the largest shares.
+            for example where two frequencies nearly coincide. flexmb computes it from designs at plus and minus one
+            deviation of the twenty dimensions with the largest shares.
 
     Source:
         First-order propagation of variance: sum of (da/dp s)^2. Second order, H = d2a/dp2 and independent normal

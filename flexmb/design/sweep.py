@@ -45,14 +45,14 @@ def sweep(
     progress: Callable[[int, int], None] | bool = False,
     units: Mapping[str, str] | None = None,
 ) -> Sweep:
-    """Answers of many designs.
+    """Return the answers of many designs.
 
-    The kernel is compiled once and runs on all cores over ``chunk`` designs at a time, which limits the memory.
-    Checkpoints and progress come after each chunk.
+    flexmb compiles the analysis once and runs it on all cores over ``chunk`` designs at a time, which limits the
+    memory. After each chunk it writes the checkpoint and reports the progress.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. Degrees of freedom without a name are found
-            once, at the first design that can be built.
+        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
+            chooses them once, at the first design that can be built.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
             dictionary by name.
         designs: Dimensions by name with the designs along the first axis, (designs, ...) [SI]: :func:`grid`,
@@ -63,21 +63,25 @@ def sweep(
         together: Number of designs computed at once. More than one is faster on a GPU (on a CPU only for small models:
             many LAPACK calls at once may hang).
         executor: Object with ``submit`` of ``concurrent.futures``, such as a pool or
-            ``dask.distributed.Client(..).get_executor()``. Chunks are its tasks. Each worker compiles for itself, with
-            the folder of ``fm.enable_cache`` if it can be used. Processes must not be forks:
+            ``dask.distributed.Client(..).get_executor()``. Each task computes a chunk. Each worker compiles the
+            analysis, and uses the folder of ``fm.enable_cache`` if possible. Processes must not be forks:
             ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``.
-        checkpoint: Path of a file that grows by every chunk, from which an interrupted sweep continues. It must belong
-            to this sweep: the designs, the names, ``compiled``, the model of the first design that can be built with
-            all its numbers, and ``build`` and the answers (their code, defaults, captured values, and numbers, texts
-            and arrays that they name in their module) are compared. Also one chunk of its designs (eight with
-            ``compiled=False``) is computed again and must agree to 1e-6 of the largest value of an answer.
+        checkpoint: Path of a file to which flexmb adds every chunk. An interrupted sweep continues from this file. The
+            file must belong to this sweep. flexmb compares:
+
+            - the designs, the names and ``compiled``;
+            - the model of the first design that can be built, with all its numbers;
+            - ``build`` and the answers: their code, defaults, captured values, and the numbers, texts and arrays of
+              their module that they use;
+            - the answers of one chunk (eight designs with ``compiled=False``), which it computes again. They must agree
+              to 1e-6 of the largest value of an answer.
         progress: True for a bar, or a function called with the number of designs done and of all.
         units: Units by name, for labels.
 
     Returns:
         Sweep with answers (designs, ...), and codes (designs,) of RESULTS. A failed design stops no other. A design
         that a concrete build refuses has the code impossible_design. A design at an unstable equilibrium has answers
-        and the code unstable_state. Designs with other clamps on leaf springs are compiled by themselves.
+        and the code unstable_state. Designs whose leaf springs are clamped differently are compiled separately.
 
     Raises:
         ValueError: ``build`` does not accept a dimension or lacks one; numbers of designs differ; names collide; a pool

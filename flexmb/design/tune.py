@@ -71,8 +71,8 @@ def tune(
     """Find dimensions within bounds that meet targets and keep limits.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. Degrees of freedom without a name are found
-            once, at the start.
+        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
+            chooses them once, at the start.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
             dictionary by name.
         dimensions: Start, numbers or arrays by name [SI].
@@ -80,25 +80,26 @@ def tune(
         minimize: Name of the answer to minimise.
         maximize: Name of the answer to maximise.
         choices: Arguments of ``build`` with a few values each, by name: a list, or a dictionary of values by label.
-            Values may be any Python values, also such that change the structure of the model: whole numbers,
-            materials, element types. ``tune`` searches every combination, which takes seconds to compile, and returns
-            the best feasible design with a table of all. ``dimensions`` may be empty then.
+            Values may be any Python values, also values that change the structure of the model: whole numbers,
+            materials, element types. ``tune`` searches every combination, and each takes seconds to compile. It returns
+            the best feasible design with a table of all. With choices, ``dimensions`` may be empty.
         targets: Values to approach, by name of the answer: least squares of the relative differences. A target is
-            missed beyond 100 tolerances, or beyond a tenth if there are more targets than dimensions. Beside
-            `minimize` or `maximize` half the sum of the squares is added to the answer over its value at the start,
-            and ``reason`` names missed targets. A curve, such as the forces along a stroke from ``fm.equilibria``, is
-            a :class:`flexmb.design.Curve`: its differences count relative to its largest value.
+            missed if its relative difference exceeds 100 times ``tolerance``, or a tenth if there are more targets than
+            dimensions. With `minimize` or `maximize` the objective is this answer over its value at the start, plus
+            half the sum of the squares; ``reason`` names missed targets. For a curve, such as the forces along a stroke
+            from ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its largest value.
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
         optimizer: Optimiser of optax, whose steps are projected onto the bounds; or for targets alone a least-squares
             solver of optimistix. By default scipy's L-BFGS-B, and for targets alone its trust-region reflective
             method, which keep bounds exactly.
-        starts: Number of starts: the given one, and others spread over the bounds. The best design is returned.
+        starts: Number of starts: ``dimensions``, and others spread over the bounds. The best design is returned.
         together: Number of starts searched at the same time, with their designs in one call by ``jax.vmap``. This is
             faster for small models, and for large models on a GPU (many LAPACK calls at once may hang on a CPU).
         seed: Seed of the other starts.
-        tolerance: Relative violation of an equality that counts as none. Limits are kept from inside by as much.
+        tolerance: Relative violation of an equality that flexmb accepts. The search aims at designs that are inside
+            each limit by this margin.
         max_evaluations: Number of evaluations of answers and derivatives for each start.
         progress: True for a line on the terminal, or a function called with the number of evaluations, the objective
             and the violation.
@@ -115,8 +116,8 @@ def tune(
         AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails.
 
     Warns:
-        FlexmbWarning: The design is at an unstable equilibrium; or designs were left out whose leaf springs are clamped
-            otherwise than at the start.
+        FlexmbWarning: The design is at an unstable equilibrium; or the search left out designs whose leaf springs are
+            clamped differently from the start.
 
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.

@@ -46,23 +46,23 @@ def verdict(
 ) -> Verdict:
     """Properties of a mechanism over its stroke, its first limit, and the dimensions that move this limit.
 
-    A drive holds the coordinate at each stroke under the constant loads. Frequencies and buckling belong to the
-    mechanism that is released there under the force of the drive.
+    A drive prescribes the coordinate at each stroke, under the constant loads. For frequencies and buckling, the drive
+    is replaced by its force, so that the coordinate is free.
 
     Args:
-        model: Mechanism; or a function of ``dimensions`` that returns one.
+        model: Mechanism; or a function of ``dimensions`` that returns a mechanism.
         stroke: Stroke to both sides, or its two ends about zero, [m or rad]; with the name of the driven coordinate if
             the model does not determine it: {"top.x": 5e-3}, or in space {"top.rx": 0.1} for the angle about a global
             axis. A coordinate that is prescribed with an increment, the one input, and the one degree of freedom need
             no name.
         dimensions: Numbers by name, as for ``flexmb.sensitivities`` [SI].
-        limits: Limits by the name of a curve, in its unit: the least "frequency 1", "stiffness y" and "buckling", the
-            largest size of any other curve; or (lower, upper) with None for no limit. They add to the default ones, 1
-            for "yield", "fatigue" and "buckling". A limit may also name another question of a state, such as "stress
-            leaf".
+        limits: Limits by the name of a curve, in its unit. A number is the least value of "frequency 1", "stiffness y"
+            and "buckling", and the largest size of any other curve. Or (lower, upper), with None for no limit. Default
+            limits of 1 for "yield", "fatigue" and "buckling" apply too. A limit may also name another quantity of a
+            state, such as "stress leaf".
         node: Node of support stiffness and parasitic motion; by default the driven node.
-        steps: Number of strokes to each side. If one of them has no equilibrium, that side ends at the last stroke with
-            one, found to a hundredth of the stroke.
+        steps: Number of strokes to each side. If a stroke has no equilibrium, this side ends at the largest stroke with
+            an equilibrium, found to a hundredth of the stroke.
         count: Number of frequencies.
         progress: True for a bar, or a function called with the number of strokes done and of all.
 

@@ -161,9 +161,9 @@ Properties: section (without a section the beam is rigid and has no mass), dampi
 
 Options: second_order (default True), whether the elongation includes the shortening by bending.
 
-Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, in any number of pieces. Use a spectral
-beam for strains beyond 1 %. The beam includes shear if its section has a shear stiffness. A model warns where shear is
-left out and would change a stiffness by more than 1 %.
+Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, whatever the number of beams. Use a
+spectral beam for strains beyond 1 %. The beam includes shear if its section has a shear stiffness. ``build`` warns if
+neglected shear would change a stiffness by more than 1 %.
 """
 
 
@@ -189,8 +189,8 @@ def _rigid_thermal(
 rigid_beam = Element(
     _rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
 )
-"""Point q rigidly attached to the body at p: e1, e2 offset in body axes [m], FIXED. The rotation at q is free, so that
-parts joined at q are hinged. ``planar.rigid_body`` is clamped at both ends.
+"""Point q rigidly attached to the body at p: e1, e2 displacement of q from its place on the body, in body axes [m],
+FIXED. The rotation at q is free, so that parts joined at q are hinged. ``planar.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
 material).
@@ -198,7 +198,7 @@ material).
 
 
 pin_body = rigid_beam
-"""The predecessor's name of ``rigid_beam``. Its two ends may lie in one place."""
+"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may lie in one place."""
 
 
 def _hinge(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
@@ -292,8 +292,8 @@ spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_le
 force pulls the points together. The element constrains nothing. Its properties are the keyword-only parameters of the
 law.
 
-Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Each function makes an element type of
-its own, ``spring_damper(law)``, so define the function once.
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. ``spring_damper(law)`` makes a new
+element type for each function object, so define the function once and use it for all such springs.
 """
 
 

@@ -202,16 +202,17 @@ Deformations:
 Properties:
     section: Without a section the beam is rigid and has no mass.
     damping: Viscous damping of the section.
-    y: Vector, (3,), that fixes the local axes. Local x runs from p to q. Local y is the part of y across the beam,
-        along the width of a rectangle. Local z, along the thickness, completes the right-handed axes, so that e3 and e4
-        are the soft bending of a leaf spring. Default: the global axis along which the beam has its smallest component.
+    y: Vector, (3,), that determines the local axes. Local x points from p to q. Local y is the direction of the
+        component of y perpendicular to the beam, along the width of a rectangle. Local z is along the thickness, so
+        that e3 and e4 are the soft bending of a leaf spring. Default: the global axis most nearly perpendicular to the
+        beam.
 
 Options: second_order (default True), whether the deformations include the second-order terms of bending and torsion.
 
-Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, in any number of pieces. Use a spectral
-beam for strains beyond 1 %. The beam includes shear and restrained warping if its section does. A model warns where
-these are left out and would change a stiffness by more than 1 %. ``spatial.leaf_spring`` includes them, and the effect
-of clamps on a plate.
+Limits: A beam stretched by a strain bends with EI (1 + strain)^2 instead of EI, whatever the number of beams. Use a
+spectral beam for strains beyond 1 %. The beam includes shear and restrained warping if its section does. ``build``
+warns if neglected shear or warping would change a stiffness by more than 1 %. ``spatial.leaf_spring`` includes both,
+and bending as a plate near clamps.
 """
 
 
@@ -303,14 +304,14 @@ warping_beam = Element(
 """Flexible beam with a warping coordinate at each end: e1 to e6 as in ``spatial.beam``, e7 and e8 twist rates of the
 ends times length [rad]. Warping beams and leaf springs that meet in a node share its warping coordinate.
 
-Warping is zero at a clamped end and free elsewhere. An end is clamped where the rotation is held, or where a rigid
-part, a hinge, a body or a part at least three times as thick is joined. The builder finds this, as for
-``spatial.leaf_spring``. Torsion is exact for a constant torque, so that one warping beam is enough for a leaf spring
-that is only twisted. Do not use the element for strains beyond 1 %: see ``spatial.beam``.
+Warping is zero at a clamped end and free elsewhere. An end is clamped if its rotation is FIXED or PRESCRIBED. A rigid
+part, a hinge, a body or a part at least three times as thick clamps it too. The builder finds the clamped ends, as for
+``spatial.leaf_spring``. Torsion is exact for a constant torque, so that one warping beam is enough for a leaf
+spring that is only twisted. Do not use the element for strains beyond 1 %: see ``spatial.beam``.
 
 Properties: section (with EIw: a :class:`flexmb.Rectangle` or a :class:`flexmb.Rigidity`), damping, y (vector that fixes
-local y), clamped (whether warping is restrained at the first end and at the last, such as (True, False); default: as
-the builder finds).
+local y), clamped (whether warping is restrained at the first end and at the last, such as (True, False); by default
+the builder finds the clamped ends).
 
 Options: second_order, see ``spatial.beam``.
 
@@ -351,8 +352,8 @@ rigid_beam = Element(
     released=(),
     names=("offset_x", "offset_y", "offset_z"),
 )
-"""Point q rigidly attached to the body at p: e1 to e3 offset in body axes [m], FIXED. The rotation at q is free.
-``spatial.rigid_body`` is clamped at both ends.
+"""Point q rigidly attached to the body at p: e1 to e3 displacement of q from its place on the body, in body axes [m],
+FIXED. The rotation at q is free. ``spatial.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
 material), y (vector that fixes local y, for a temperature gradient).
@@ -360,7 +361,7 @@ material), y (vector that fixes local y, for a temperature gradient).
 
 
 pin_body = rigid_beam
-"""The predecessor's name of ``rigid_beam``. Its two ends may lie in one place."""
+"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may lie in one place."""
 
 
 def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "6"]:
@@ -414,8 +415,8 @@ spring_damper = Element(_spring_damper, law=characteristic, check=beams.check_le
 force pulls the points together. The element constrains nothing. Its properties are the keyword-only parameters of the
 law.
 
-Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. Each function makes an element type of
-its own, ``spring_damper(law)``, so define the function once.
+Options: law, a function ``f(e, ed, **properties) -> ()`` of e1 and its rate [N]. ``spring_damper(law)`` makes a new
+element type for each function object, so define the function once and use it for all such springs.
 """
 
 
@@ -467,7 +468,10 @@ def _moment(rot: Rotation3, *, ref: Reference, moment: Float[Array, "3"]) -> Flo
 
 
 moment = Element(_nothing_on, force=_moment)
-"""Moment about fixed axes. It has no potential, and its tangent is not symmetric. Properties: moment (global) [N m]."""
+"""Moment about fixed axes. It has no potential, so that the tangent stiffness is not symmetric.
+
+Properties: moment (global) [N m].
+"""
 
 
 def _nothing_between(p: Point3, rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:

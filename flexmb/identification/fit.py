@@ -44,35 +44,35 @@ def fit(
         data: Measurements, as :func:`flexmb.measured`, :func:`flexmb.measured_modes` and
             :func:`flexmb.measured_response` make them; or a dictionary of pairs of value and standard deviation by
             question, such as ``{"frequency 1": (41.2, 0.1)}``.
-        parameters: Where to start, numbers or arrays by name [SI]. ``build`` takes them by name, and so do measurements
-            with parameters of their own, such as the offset of a sensor.
-        bounds: Lower and upper value of each by name [SI].
+        parameters: Start values, numbers or arrays by name [SI]: the arguments of ``build``, and parameters of
+            measurements such as the offset of a sensor.
+        bounds: Lower and upper value of each parameter by name [SI].
         priors: Mean and standard deviation of parameters that are known roughly, by name [SI].
         scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
-        loss: "linear" for least squares; "huber", "soft_l1" or "cauchy" for less weight of outliers, beyond one
-            standard deviation.
-        starts: Number of starts: the given one, and others spread over the bounds. The lowest minimum is returned.
-        seed: Of their places.
-        max_evaluations: Of the model and its derivatives, for each start.
+        loss: "linear" for least squares. "huber", "soft_l1" or "cauchy" reduce the weight of values that differ by more
+            than one standard deviation.
+        starts: Number of starts: ``parameters``, and others spread over the bounds. The lowest minimum is returned.
+        seed: Seed of the other starts.
+        max_evaluations: Largest number of evaluations of the model and its derivatives, for each start.
         throw: Raise if the search does not converge; otherwise the code is in ``result``.
 
     Returns:
         Fit with parameters, standard deviations, confidence intervals, and combinations that are not determined.
 
     Raises:
-        ValueError: More parameters than values and priors, an unknown name, values whose unit is mistaken, a measured
-            mode without partner, or a parameter on which no value depends.
+        ValueError: There are more parameters than values and priors. A name is unknown. Values probably have a wrong
+            unit. No mode of the model matches a measured mode. No value depends on a parameter.
         AnalysisError: The start has no answer, no start converged (not_optimal), or no mechanism has the fitted
             parameters (impossible_design).
 
     Warns:
-        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit), other parameters fit as well, a
-            parameter is at a bound, the data do not determine a combination of parameters, a measured mode has lost
-            its partner, or the fitted equilibrium is not stable.
+        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit). Other parameters fit as well. A
+            parameter is at a bound. The data do not determine a combination of parameters. No mode of the fitted model
+            matches a measured mode. The fitted equilibrium is not stable.
 
     Source:
-        Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, with the
-        slopes J of the differences in standard deviations.
+        Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, where J
+        contains the derivatives of the differences over standard deviations.
     """
     for name, given in (("parameters", parameters), ("bounds", bounds), ("priors", priors or {})):
         check_by_name(name, given)

@@ -22,22 +22,25 @@ class Fit(Result):
     """Fitted parameters of a mechanism.
 
     Attributes:
-        parameters: By name [SI].
-        start: Where the search began, by name [SI].
-        deviation: Standard deviation of each, by name [SI]; infinite where the data do not determine it.
-        covariance: Of all parameters in the order of ``labels``, (n, n) [SI]; of the determined directions alone.
+        parameters: Fitted parameters by name [SI].
+        start: Parameters at the start of the search, by name [SI].
+        deviation: Standard deviation of each parameter, by name [SI]; infinite if the data do not determine it.
+        covariance: Covariance of the parameters in the order of ``labels``, (n, n) [SI]. It leaves out combinations
+            that the data do not determine.
         labels: Names of all parameters, "height[3]" for an entry of an array.
         computed: Values of each measurement by the fitted model, by name.
         residuals: Differences computed less measured in standard deviations, decorrelated, by name.
-        chi_squared: Their sum of squares, with those of the priors [-]; NaN if the scatter is not known.
-        freedom: Number of values and priors less number of determined parameters.
-        probability: Of a chi-squared as large by scatter alone [-]; NaN if the scatter is not known.
-        noise: Factor of the standard deviations: 1, or the common deviation of the values if it was not given.
+        chi_squared: Sum of the squares of the residuals, and of the priors [-]; NaN if the scatter is not known.
+        freedom: Number of values and priors minus number of determined parameters.
+        probability: Probability that scatter alone causes a chi-squared at least as large [-]; NaN if the scatter is
+            not known.
+        noise: Factor of the standard deviations: 1, or the estimated standard deviation of the values if none was
+            given.
         undetermined: Combinations of parameters that the data do not determine.
         active: Parameters at a bound.
         minima: Parameters and chi-squared of each different minimum that the starts found, the lowest first.
         result: Code of RESULTS: successful, not_optimal, poor_fit.
-        reason: In words.
+        reason: The result in words.
         evaluations: Number of computed designs.
         data: The measurements.
         problem: The least-squares problem, from which predictions follow.
@@ -80,8 +83,8 @@ class Fit(Result):
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter, lower and upper end [SI].
 
-        It is symmetric in the logarithm of a parameter with a logarithmic scale. It rests on slopes at the fit;
-        :meth:`profile` does not.
+        The interval is symmetric, for a logarithmic scale in the logarithm of the parameter. It uses the linearised
+        model at the fit; :meth:`profile` does not.
 
         Args:
             name: Of a parameter; "height[3]" for an entry of an array.
@@ -212,17 +215,17 @@ class Fit(Result):
     def next_measurement(
         self, candidates: Any, *, narrow: str | Sequence[str] | None = None
     ) -> "list[tuple[str, float]]":
-        """Which measurement would tell most, if it were made in addition.
+        """Return which additional measurement would reduce the standard deviations most.
 
         Args:
-            candidates: Measurements as of :func:`flexmb.fit`, with their expected deviations; their values do not
-                count.
-            narrow: Parameter or parameters, whose standard deviations are to become small (A-optimal); by default the
-                volume of the confidence region of all parameters (D-optimal).
+            candidates: Measurements as for :func:`flexmb.fit`, with expected standard deviations. flexmb ignores their
+                values.
+            narrow: Parameter or parameters whose standard deviations shall become small (A-optimal). By default the
+                volume of the confidence region of all parameters shall become small (D-optimal).
 
         Returns:
-            Names of the candidates and the remaining share of the standard deviation, the best first [-]; of several
-            parameters the root of the mean square of their shares, of the volume its n-th root.
+            Name of each candidate and the remaining fraction of the standard deviation, the best first [-]. For several
+            parameters: root mean square of their fractions. For the volume: the n-th root of its fraction.
 
         Raises:
             ValueError: The data leave a parameter undetermined, which has no standard deviation to compare with.
@@ -260,10 +263,10 @@ class Fit(Result):
         return sorted(shares, key=lambda pair: pair[1])
 
     def again(self, values: Any) -> "Refitted":
-        """Fit other measured values of the same quantities, each set from the present fit on.
+        """Fit other measured values of the same quantities. Each search starts from this fit.
 
         Args:
-            values: Sets of values, each as the measurements have them end to end, (sets, m).
+            values: Sets of values, (sets, m). Each set has the values of all measurements in their order.
 
         Returns:
             Refitted, with the parameters of each set.

@@ -105,12 +105,14 @@ def measured(
     """Measured values of an answer, with their scatter.
 
     Args:
-        answer: A question such as "frequency 1", several questions, or a function ``answer(model)`` that returns one
-            number or an array. Further arguments of the function are fitted parameters, by name: with
-            ``lambda model, offset: reading(model) + offset`` the offset of a sensor is fitted too.
+        answer: A quantity by name such as "frequency 1" (a question, see :meth:`flexmb.paths.Path.along`), several
+            questions, or a function ``answer(model)`` that returns one number or an array. Further arguments of the
+            function are fitted parameters, by name: ``lambda model, offset: reading(model) + offset`` fits the offset
+            of a sensor too.
         values: As measured, one number or (m,) [unit of the answer].
-        deviation: Standard deviation of the values, one number or (m,) [unit of the answer]. Leave it out if it is not
-            known: one common deviation then follows from the misfit, which takes a single measurement of one unit.
+        deviation: Standard deviation of the values, one number or (m,) [unit of the answer]. Omit it if it is not
+            known. A fit then estimates one standard deviation for all values from the differences. It accepts this for
+            a single measurement, whose values have one unit.
         covariance: Covariance of correlated values, (m, m), in place of ``deviation``.
         name: For tables and messages; by default the text of the question or the name of the function.
         over: Places of the values on the axis of a picture, (m,).
@@ -120,8 +122,8 @@ def measured(
         Measured.
 
     Raises:
-        ValueError: A value that is not finite, a deviation that is not positive, or a covariance that is not positive
-            definite; names the measurement.
+        ValueError: A value is not finite, a deviation is not positive, or a covariance is not positive definite. The
+            message names the measurement.
         KeyError: No such question.
         TypeError: The answer is neither a question nor a function.
     """

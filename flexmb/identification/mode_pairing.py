@@ -37,16 +37,17 @@ def measured_modes(
         hertz: Frequencies, (m,) [Hz].
         deviation: Standard deviation, one number or (m,) [Hz].
         numbers_of_modes: Numbers of the modes, from 1, (m,); by default 1 to m.
-        shapes: Measured shapes, one a column, in any scale, (sensors, m). They serve for pairing alone.
+        shapes: Measured shapes, one shape for each column, in any scale, (sensors, m). flexmb uses them for pairing
+            only.
         at: Coordinates that the sensors measure, such as "tip.y", (sensors,).
-        among: Number of modes of the model among which partners are looked for; by default twice m.
+        among: Number of modes of the model that flexmb compares with the measured shapes; by default twice m.
         name: For tables and messages.
 
     Returns:
         Measured. Its check raises ValueError for a measured mode without partner.
 
     Raises:
-        ValueError: Numbers that are not one for each frequency, shapes without sensors or of another number.
+        ValueError: There is not one number or one shape for each frequency, or shapes have no sensors.
 
     Source:
         Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).

@@ -48,13 +48,13 @@ from .spectrum import is_real
 class Buckling(Shapes, Labelled, Record):
     """Load multipliers and buckling modes, by magnitude.
 
-    Asked by name, as ``buckled.position("top")``, it returns values of the state that the multipliers refer to;
-    ``buckled.shape("top")`` is the motion of a node in each mode.
+    ``buckled.position("top")`` returns values of the state to which the multipliers refer. ``buckled.shape("top")``
+    returns the motion of a node in each mode.
 
     Attributes:
-        multipliers: Lambda of det(K0 + N0 + lambda G0) = 0, sign kept, (n,) [-].
-        shapes: Buckling modes in the coordinates, the largest entry of each 1, (n_x, n).
-        lin: Linearization about the state that the multipliers refer to.
+        multipliers: Solutions lambda of det(K0 + N0 + lambda G0) = 0, with sign, (n,) [-].
+        shapes: Buckling modes in the coordinates, scaled to a largest entry of 1, (n_x, n).
+        lin: Linearization about the state to which the multipliers refer.
     """
 
     multipliers: Float[Array, "n"]
@@ -340,30 +340,31 @@ def buckling_loads(
     """Return the load multipliers of linear buckling.
 
     Args:
-        model: Mechanism with loads; differentiable in ``model.parameters``. Incremental loads are scaled, and the
-            others are a constant preload. Without incremental loads, all loads are scaled about the equilibrium under
-            them; if they bend the mechanism, multipliers other than one depend on their size.
+        model: Mechanism with loads; differentiable in ``model.parameters``. The multiplier scales the incremental
+            loads, and the other loads are a constant preload. Without incremental loads it scales all loads, about the
+            equilibrium under these loads. If these loads bend the mechanism, a multiplier other than one depends on
+            their size.
         count: Number of multipliers of smallest size; all by default.
-        sparse: Use sparse factors, with ``count``, for a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. By default chosen by size, if ``count`` is given and no stiffness is negative.
-            Multipliers by sparse factors can be differentiated once.
+        sparse: Use sparse matrices; needs ``count``, but no degrees of freedom. See :func:`flexmb.equilibrium`. By
+            default the size of the model decides, if ``count`` is given and no stiffness is negative. Multipliers by
+            sparse matrices have first derivatives only.
         solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
-        throw: Raise if the equilibrium fails or is unstable; sparse factors always raise.
-        at: Path of the model; the multipliers are about one of its states instead of an equilibrium.
+        throw: Raise if the equilibrium fails or is unstable; sparse matrices always raise.
+        at: Path of the model. The multipliers then refer to one of its states instead of an equilibrium.
         step: Number of the state of the path, from 0; -1 for the last.
         increment: Factor of the incremental loads in the initial state, () [-]; zero by default.
 
     Returns:
-        (n_q,) or (count,) [-], by magnitude, sign kept; infinite if the load does not act except by round-off.
+        (n_q,) or (count,) [-], sorted by magnitude, with sign; infinite if the load has no effect beyond round-off.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
-        NotImplementedError: A second derivative with sparse factors.
+        NotImplementedError: A second derivative with sparse matrices.
 
     Warns:
-        FlexmbWarning: Loads or laws without a potential act, and multipliers of smaller size are complex; or the loads
-            move the mechanism far, before it buckles or with factor one.
+        FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex; or the loads
+            deflect the mechanism far before it buckles, or at the load factor one.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
@@ -444,11 +445,11 @@ def buckling(
         count, sparse, solver, throw, at, step, increment: As for :func:`buckling_loads`.
 
     Returns:
-        Buckling with multipliers (n,) [-] and shapes (n_x, n), without unbounded ones.
+        Buckling with multipliers (n,) [-] and shapes (n_x, n), without infinite multipliers.
 
     Raises:
         AnalysisError: See :func:`buckling_loads`.
-        TypeError: Called under a trace; use :func:`buckling_loads`.
+        TypeError: Numbers are traced; use :func:`buckling_loads`.
 
     Source:
         See :func:`buckling_loads`.

@@ -55,10 +55,10 @@ def compliance(
 
     Args:
         model: Mechanism, or its linearisation.
-        node: Name of the node. A position with a rotation "name.rotation" includes both.
+        node: Name of the node. The compliance includes its position and, if the node has one, its rotation.
         local: Use axes that turn with the node instead of global axes; the node needs a rotation.
-        sparse: Use sparse matrices in all coordinates, for a model that needs no degrees of freedom; see
-            :func:`flexmb.equilibrium`. By default chosen by size.
+        sparse: Use sparse matrices in all coordinates; the model needs no degrees of freedom. See
+            :func:`flexmb.equilibrium`. By default the size of the model decides.
         solver: "sparse", "dense", or a LinearSolver in place of sparse factors, as for :func:`flexmb.frequencies`.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
@@ -69,11 +69,11 @@ def compliance(
     Raises:
         KeyError: Unknown node.
         ValueError: ``local`` for a node without a rotation.
-        AnalysisError: singular_stiffness if the node takes part in a motion without stiffness. Other nodes still have a
-            compliance, but not with ``sparse``.
+        AnalysisError: singular_stiffness if the node moves in a motion without stiffness. With dense matrices, other
+            nodes still have a compliance.
 
     Warns:
-        FlexmbWarning: The state is not stable, and forces on the node show it.
+        FlexmbWarning: The state is not stable, and forces on the node excite an unstable motion.
 
     Source:
         THEORY.md 7, eq. (7.5): (K0 + N0 + G0)^-1 through DFx; rotations by omega = 2 Lbar d(lambda)/dt.

@@ -40,10 +40,10 @@ def damped(
 ) -> Linearization:
     """Return the linearised mechanism with damping of the whole model, for poles, state spaces and Bode plots.
 
-    Give one or several of ``ratio``, ``rayleigh`` and ``loss_factor``: their damping matrices are added, by default
-    also to the damping of the elements. Motions that do not vibrate (rigid, unstable or massless) have no damping
-    ratio, and ``ratio`` and ``loss_factor`` do not damp them. :func:`flexmb.simulate` does not use this damping: there,
-    elements are damped by a time constant of their material or by dampers.
+    Use one or several of ``ratio``, ``rayleigh`` and ``loss_factor``. flexmb adds their damping matrices, by default
+    also the damping of the elements. ``ratio`` and ``loss_factor`` do not damp motions without vibration (rigid,
+    unstable or massless). :func:`flexmb.simulate` does not use this damping: use a time constant of the material, or
+    dampers.
 
     Args:
         model: Mechanism, or its linearisation. Differentiable in its parameters, also for repeated frequencies, and in
@@ -55,16 +55,15 @@ def damped(
             ratio alpha/(2 w) + beta w/2. For the ratio zeta at two frequencies f and g [Hz] use alpha = 4 pi zeta f
             g/(f + g) and beta = zeta/(pi (f + g)).
         loss_factor: Loss factor eta of the elastic elements [-]: one for all, or by name of an element, with "*" and
-            "?" for any characters, or by Material. If several fit an element the last counts; others have none.
-            Structural damping does not depend on the frequency, which real differential equations cannot state. Used is
-            the viscous damping that dissipates equally in each mode: ratio eta/2, weighted by the elements' share of
-            strain energy.
+            "?" for any characters, or by Material. If several fit an element, the last one applies; other elements have
+            none. Structural damping does not depend on the frequency, and no real differential equation describes it.
+            flexmb therefore uses an equivalent viscous damping in each mode: the ratio eta/2, weighted by the elements'
+            share of strain energy.
         elements: Whether to keep the damping of the elements.
 
     Returns:
         Linearization with another D0, (n_q, n_q) [N s/m, N m s/rad]. With ``elements=False`` its S_d is zero too.
-            Stress
-        outputs do not include the added damping.
+        Stress outputs do not include the added damping.
 
     Raises:
         ValueError: Nothing is given, a number is negative or not finite, more ratios than modes, frequencies that do

@@ -252,9 +252,9 @@ class Linearization(ByName, AboutState, Result, Record):
 
     @property
     def condition(self) -> float:
-        """Condition number of the stiffness, in units that make each freedom's own stiffness one; infinite if singular.
+        """Condition number of the stiffness, scaled to a diagonal of ones; infinite if singular.
 
-        Derivatives of the equilibrium, and of all that follows from it, lose its number of digits.
+        A condition number of 10^n costs n digits in the derivatives of the equilibrium and of all later results.
 
         Source:
             Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
@@ -489,11 +489,11 @@ def linearize(
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero by default.
         throw: Raise if the equilibrium fails; otherwise the code is in ``result``.
-        sparse: Return equations in all coordinates, element by element, for a mechanism of thousands of elements, which
-            needs no degrees of freedom; see :func:`flexmb.equilibrium`. Modes, compliance, stress, responses and a
-            state space of few modes accept them.
-        solver: "sparse" or a :class:`flexmb.math.linear_solver.LinearSolver` for the same, used by these questions;
-            "dense" for the equations in the degrees of freedom.
+        sparse: Return equations in all coordinates, element by element, for a mechanism of thousands of elements. The
+            model needs no degrees of freedom; see :func:`flexmb.equilibrium`. Modes, compliance, stress, responses and
+            a state space of few modes accept these equations.
+        solver: "sparse" or a :class:`flexmb.math.linear_solver.LinearSolver` for these equations and for the analyses
+            that use them; "dense" for the equations in the degrees of freedom.
 
     Returns:
         Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
@@ -505,7 +505,7 @@ def linearize(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given.
-        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
+        CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:
         THEORY.md 6, eq. (6.2) and (6.3); K0 = DFe^T S DFe, G0 from the Hessian of the Lagrangian projected with DFx.

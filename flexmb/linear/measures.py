@@ -25,8 +25,8 @@ from .spectrum import spectrum, to_frequency
 def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[Array, ""]:
     """Return the lower estimate (sum of v^-p)^(-1/p) of the minimum of positive values, smooth where several are equal.
 
-    It lies between n^(-1/p) times the minimum and the minimum. As a symmetric function of eigenvalues or loads, it has
-    a first derivative where they are repeated.
+    The estimate lies between n^(-1/p) times the minimum and the minimum. It is a symmetric function of the values, and
+    therefore has a first derivative where eigenvalues or load multipliers are repeated.
 
     Args:
         values: Positive, infinite ones allowed, (n,).
@@ -156,13 +156,14 @@ def frequency_like(
 ) -> Float[Array, ""]:
     """Return the frequency of the mode most like a given one, through crossings.
 
-    If other modes have the same frequency, the mode is the shape's part in their common space. The derivative is that
-    of the mode that continues this shape, of first order only.
+    If other modes have the same frequency, flexmb projects the shape onto the common space of these modes. The
+    derivative belongs to the mode that continues this shape. Only the first derivative is right.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        shape: Modes of a design such as ``fm.modes(start)``, in any degrees of freedom; or one shape in those of the
-            model, (n_q,). Name degrees of freedom for the latter: found ones may differ in another design.
+        shape: Modes of a design such as ``fm.modes(start)``, in any degrees of freedom; or one shape in the degrees of
+            freedom of the model, (n_q,). In this case name the degrees of freedom: flexmb may choose others in another
+            design.
         number: Number of the mode, from 0, if Modes are given.
         throw: Raise if the equilibrium or the eigenproblem fails.
 

@@ -44,17 +44,17 @@ from .traced_poles import poles_of_elements, traced_poles
 class Modes(Shapes, Labelled, Record):
     """Natural frequencies and mode shapes, by ascending eigenvalue, without massless motions.
 
-    Asked by name, as ``modes.position("top")``, it returns values of the state that the modes are about;
-    ``modes.shape("top")`` is the motion of a node in each mode.
+    ``modes.position("top")`` returns values of the state about which the mechanism vibrates. ``modes.shape("top")``
+    returns the motion of a node in each mode.
 
     Attributes:
-        eigenvalues: Of (K0 + N0 + G0, M0), negative if unstable, (n,) [rad^2/s^2].
-        frequencies: Square root over 2 pi with the sign of the eigenvalue, (n,) [Hz].
-        shapes: Mass-normalised mode shapes in the coordinates, one a column, (n_x, n) [1/sqrt(kg) ..].
-        q_shapes: The same in the degrees of freedom, (n_q, n).
-        massless: Number of motions without mass; by sparse matrices 0 if all modes wanted have mass.
+        eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), negative if unstable, (n,) [rad^2/s^2].
+        frequencies: Square root of the size of each eigenvalue over 2 pi, with the sign of the eigenvalue, (n,) [Hz].
+        shapes: Mass-normalised mode shapes in the coordinates, one mode for each column, (n_x, n) [1/sqrt(kg) ..].
+        q_shapes: Mode shapes in the degrees of freedom, (n_q, n).
+        massless: Number of motions without mass. With sparse matrices 0 if all computed modes have mass.
         stable: Whether the stiffness is positive definite.
-        lin: Linearization they belong to.
+        lin: Linearization of the state.
     """
 
     eigenvalues: Float[Array, "n"]
@@ -143,13 +143,13 @@ def frequencies(
 ) -> Float[Array, "n"]:
     """Return the natural frequencies about the static equilibrium under the constant loads.
 
-    Prescribed coordinates are held: the motion of a drive is no mode.
+    PRESCRIBED coordinates do not vibrate: a drive is rigid in all modes.
 
     Args:
-        model: Mechanism, differentiable in ``model.parameters``, or its linearisation, such as that at a stroke.
-        count: Number of the lowest frequencies; all by default. A few of many are computed much faster.
-        sparse: Compute ``count`` frequencies by sparse matrices in all coordinates, for a model that needs no degrees
-            of freedom; see :func:`flexmb.equilibrium`. By default chosen by size, if ``count`` is given.
+        model: Mechanism, differentiable in ``model.parameters``, or a linearisation of it, such as at a stroke.
+        count: Number of the lowest frequencies; all by default. For a large model, a few frequencies are much faster.
+        sparse: Compute ``count`` frequencies by sparse matrices in all coordinates; the model needs no degrees of
+            freedom. See :func:`flexmb.equilibrium`. By default the size of the model decides, if ``count`` is given.
         solver: "sparse", "dense", or a :class:`flexmb.math.linear_solver.LinearSolver` in place of sparse factors.
         throw: Raise if the equilibrium or the eigenproblem fails.
         at: Equilibrium, Path, Motion or Linearization of the model, whose state replaces the equilibrium.
@@ -158,8 +158,9 @@ def frequencies(
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.
 
     Returns:
-        (n_q,) or (count,) [Hz], ascending; negative if the motion grows, infinite for motions without mass. About a
-            state of motion: of K0 + N0 + G0 and M0 alone, of concrete numbers, NaN if complex; see :func:`poles`.
+        (n_q,) or (count,) [Hz], ascending; negative if the state is unstable in this motion, infinite for motions
+            without mass. About a state of motion the frequencies include K0 + N0 + G0 and M0, but not C0 and D0. They
+            are NaN if complex, and cannot be traced; see :func:`poles`.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
@@ -235,8 +236,8 @@ def modes(
     Args:
         model: Mechanism, or its linearisation.
         count: Number of the lowest modes; all by default.
-        sparse, solver: As for :func:`frequencies`. Sparse modes are differentiable in the parameters: eigenvalues
-            always, shapes if no eigenvalue is repeated.
+        sparse, solver: As for :func:`frequencies`. Modes by sparse matrices are differentiable in the parameters: their
+            eigenvalues always, their shapes if no eigenvalue is repeated.
         throw: Raise if the equilibrium or the eigenproblem fails.
         at, step, time, increment: State, as for :func:`frequencies`.
 
@@ -245,7 +246,7 @@ def modes(
 
     Raises:
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
-        TypeError: Called under a trace; use :func:`frequencies`.
+        TypeError: Numbers are traced, and the matrices are dense; use :func:`frequencies`.
 
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
@@ -308,19 +309,19 @@ def poles(
 
     Args:
         model: Mechanism, or its linearisation.
-        count: Number of poles nearest to zero, one more if the last is one of a complex pair; all by default. Needed
-            under ``jax.grad`` and ``jax.jit``, which return this number.
+        count: Number of poles nearest to zero; all by default. One pole more is returned if this completes a complex
+            pair. ``jax.grad`` and ``jax.jit`` need ``count``, and return exactly this number.
         sparse, solver: Compute ``count`` poles by sparse matrices, as for :func:`frequencies`.
         at, step, time, increment: State, as for :func:`frequencies`.
 
     Returns:
-        (n,) [rad/s], without those at infinity, of motions without mass. Differentiable in ``model.parameters``, except
-        where two poles meet, as in critical damping or of a free motion: derivatives are NaN there.
+        (n,) [rad/s], without the infinite poles of motions without mass. Differentiable in ``model.parameters``, except
+        where two poles coincide, as at critical damping or for a free motion: derivatives are NaN there.
 
     Raises:
-        AnalysisError: The equilibrium was not found, or a motion has a negative mass; singular_stiffness: a motion has
-            neither mass, stiffness nor damping, with sparse matrices neither mass nor stiffness; with these also
-            not_converged.
+        AnalysisError: The equilibrium was not found, or a motion has a negative mass. singular_stiffness: a motion has
+            neither mass, stiffness nor damping; with sparse matrices, neither mass nor stiffness. not_converged: the
+            sparse solver did not converge.
         ValueError: ``count`` is not positive, or missing with sparse matrices, or too large.
         TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing.
 

@@ -40,8 +40,8 @@ RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bendi
 class SectionResultants(Labelled, Record):
     """Force and moment in the cross-sections of every flexible element with a section.
 
-    They act from the part of the element beyond a place on the part before it, in axes of the section: a positive
-    normal force pulls, positive moments turn about the axes.
+    At each place, the part of the element towards end q acts on the part towards end p, in axes of the section. A
+    positive normal force is tension. Positive moments turn about the positive axes.
 
     Attributes:
         values: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], in this
@@ -113,8 +113,8 @@ class Location(NamedTuple):
 class Stress(Labelled, Record):
     """Stress at points on the surface of every flexible element with a section.
 
-    For a path or a motion, states are the first axis of all arrays except ``strength`` and ``fatigue``: ``maximum`` is
-    that of each state, ``where`` is in the worst state.
+    For a path or a motion, states are the first axis of all arrays except ``strength`` and ``fatigue``. ``maximum``
+    contains the largest stress of each state, and ``where`` is the place in the worst state.
 
     Attributes:
         sigma_x: Stress along the element, (elements, places, 8) [Pa], at the points of the section's ``stress``:
@@ -122,8 +122,8 @@ class Stress(Labelled, Record):
         tau: Shear stress along the surface, counter-clockwise about x, (elements, places, 8) [Pa].
         von_mises: Equivalent stress, sqrt(sigma_x^2 - sigma_x across + across^2 + 3 tau^2), (elements, places, 8) [Pa].
         resultants: Force and moment in the sections.
-        strength: Strength of the material, (elements, places) [Pa]; infinite if it states none, None if no material
-            does.
+        strength: Strength of the material, (elements, places) [Pa]; infinite for a material without a strength, None if
+            no material has a strength.
         fatigue: Fatigue limit, likewise.
         across: Normal stress along the surface across the element, as in leaf springs near clamps, (elements, places,
             8) [Pa]; None if no element has any.
@@ -207,7 +207,8 @@ class Stress(Labelled, Record):
     def utilisation(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element over the strength of its material, (elements,) [-].
 
-        Above one it yields or breaks. Zero if the material states no strength; ModelError if no material does.
+        Above one the element yields or breaks. Zero for a material without a strength; ModelError if no material has a
+        strength.
         """
         return jnp.max(self._over("strength"), axis=-1)
 
@@ -215,7 +216,7 @@ class Stress(Labelled, Record):
     def fatigue_utilisation(self) -> Float[Array, "elements"]:
         """Largest von Mises stress of each element over the fatigue limit of its material, (elements,) [-].
 
-        For a motion that reverses fully between this state and one with the opposite stress.
+        The value assumes a motion between this state and a state with the opposite stress.
         """
         return jnp.max(self._over("fatigue"), axis=-1)
 
@@ -531,23 +532,24 @@ def section_resultants(
 ) -> SectionResultants:
     """Return normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They are exact statics of the forces at the ends of an element, for a spectral beam also in between. For a beam they
-    are linear, plus the effect of its weight on its straight chord. Inertia of a moving beam's mass counts as weight;
-    rotary inertia acts on its ends. A truss has a normal force alone: half of each transverse load acts on each end.
+    They follow exactly from the equilibrium of the forces at the ends of an element, for a spectral beam at all places.
+    Along a cubic beam they are linear, plus the effect of the weight along its straight chord. The inertia of a moving
+    beam acts like a weight; its rotary inertia acts on its ends. A truss has a normal force only: half of each
+    transverse load acts on each end.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points: Places along each element, both ends included; by default 5, or 33 with strain series. Both sides of
-            breaks of sections that vary, and the middle of each piece, are added; without ``points``, 64/sqrt(n) parts
-            of each of n pieces.
-        at: Equilibrium or linearisation of this model, or its path or motion: all states of that, as first axis of the
-            arrays, or one. By default the equilibrium under the loads is solved.
+        points: Number of places along each element, both ends included; by default 5, or 33 with strain series. For a
+            section that jumps, flexmb adds both sides of each jump and the middle of each of the n segments. Without
+            ``points`` it divides each segment into 64/sqrt(n) parts.
+        at: Equilibrium or linearisation of this model, or its path or motion. A path or a motion gives all of its
+            states, as first axis of the arrays, or one of them. Default: the equilibrium under the loads.
         step, time: Number or time [s] of one state of a path or a motion, as for :func:`flexmb.frequencies`.
-        load_factor: Factor of the loads of that equilibrium, () [-].
-        increment: Factor of its incremental loads, () [-]; zero by default.
-        sparse: Whether to solve that equilibrium by sparse factors; see :func:`flexmb.equilibrium`. By default chosen
-            by size.
-        throw: Raise if it fails; otherwise the code is in ``result``.
+        load_factor: Factor of the loads of the equilibrium, () [-].
+        increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.
+        sparse: Whether to solve the equilibrium by sparse matrices; see :func:`flexmb.equilibrium`. By default the size
+            of the model decides.
+        throw: Raise if the equilibrium fails; otherwise the code is in ``result``.
 
     Returns:
         SectionResultants with values (elements, places, 6) [N, N m].
@@ -581,7 +583,7 @@ def stress(
 ) -> Stress:
     """Return the stress on the surface of every flexible element with a section.
 
-    Elements whose section is given by its rigidities have none and are left out, with a warning.
+    An element whose section is given by its rigidities has no stress. flexmb leaves it out and warns.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.

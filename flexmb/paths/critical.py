@@ -40,9 +40,10 @@ class CriticalPoint(NamedTuple):
         load_factor: Load factor, () [-].
         kind: "limit": the load turns back; "bifurcation": another branch crosses.
         x: Nodal coordinates, (n_x,) [m, rad, -].
-        phi: Motion without stiffness, in the coordinates, its largest entry 1 (extents, radians), (n_x,).
-        uncertainty: Largest error of the load factor, () [-]: zero if the state itself was found; otherwise half of its
-            change between the nearest states found on either side.
+        phi: Motion without stiffness, in the coordinates, (n_x,). Its largest entry is one extent of the mechanism, or
+            one radian.
+        uncertainty: Largest error of the load factor, () [-]. Zero if flexmb found the state itself; otherwise half of
+            the change between the nearest states on either side.
     """
 
     load_factor: float

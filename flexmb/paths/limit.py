@@ -241,23 +241,25 @@ def limit_load(
 ) -> Float[Array, ""]:
     """Return the load factor at the first limit point of the path from the unloaded mechanism.
 
-    The path is followed through bifurcations, also beyond factor 1; ``path`` shows which critical points come before.
+    The path continues through bifurcations without a change of branch, also beyond factor 1. ``path`` shows the
+    critical points before the limit point.
 
     Args:
         model: Mechanism with loads; differentiable once in ``model.parameters``.
         step: First step of the load factor, () [-].
         max_steps: Largest number of steps.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
-        solver: "sparse" for sparse factors in all coordinates, for a model that needs no degrees of freedom, or
-            "dense"; None: by size.
+        solver: "sparse" for sparse matrices in all coordinates; the model needs no degrees of freedom. "dense" for
+            dense matrices. None: the size of the model decides.
         throw: Raise if no limit point is found; otherwise the result is NaN.
 
     Returns:
-        () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda), finite where that of the displacement is not.
+        () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda). It is finite; the derivative of the displacement is
+        infinite there.
 
     Raises:
-        AnalysisError: max_steps, no limit point within the steps; not_converged or singular_configuration;
-            singular_stiffness, no stiffness at the begin.
+        AnalysisError: max_steps: no limit point within the steps; not_converged or singular_configuration;
+            singular_stiffness: no stiffness at the start.
         NotImplementedError: A second derivative.
         ValueError: ``sparse`` contradicts ``solver``.
 

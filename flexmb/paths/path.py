@@ -58,14 +58,14 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         load_factor: Load factor, (steps,) [-].
         matrices: Coordinates ``x`` (steps, n_x), deformations ``e`` and stress resultants ``sigma`` (steps, n_e),
             ``reactions`` (steps, n_x), and the linearisation M0, C0, D0, K0, N0, G0 (steps, n_q, n_q) at each step.
-        eigenvalues: Of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts of complex ones; infinite for
-            a motion without mass.
-        multipliers: Load multipliers of linear buckling about each step, by magnitude, sign kept, infinite if
-            unbounded, (steps, n_q) [-]: of all loads at that step, or of additional incremental loads.
-        stable: Whether all eigenvalues are positive, and without a potential real, or with damping too no pole grows,
-            (steps,).
-        critical_points: Limit and bifurcation points in the order of the path, with an uncertainty if the state itself
-            was not found.
+        eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; of complex eigenvalues the
+            real parts; infinite for a motion without mass.
+        multipliers: Load multipliers of linear buckling about each step, sorted by magnitude, with sign, (steps, n_q)
+            [-]. They scale all loads at that step, or additional incremental loads. Infinite if the load has no effect.
+        stable: Whether each step is stable, (steps,): all eigenvalues are positive. For loads without a potential they
+            must also be real; with damping, no pole may have a positive real part.
+        critical_points: Limit and bifurcation points in the order of the path. Their uncertainty is not zero if flexmb
+            did not find the state itself.
         result: Code of RESULTS.
         model: The mechanism, with its imperfections.
         stopped_by: Name of the condition of ``stop`` that ended the path at its last step, or None.
@@ -209,51 +209,58 @@ def path(
 ) -> Path | SparsePath:
     """Return the equilibrium path over the load factor from 0 to 1, past limit points.
 
-    The factor multiplies the incremental loads while the others stay; without incremental loads it multiplies all. Each
-    step is one Newton solve in a plane across the path instead of at a given load, so that the load may turn back.
+    The factor multiplies the incremental loads; the other loads are constant. Without incremental loads it multiplies
+    all loads. Each step is a Newton solve in a plane across the path instead of at a given load. The load may therefore
+    decrease along the path.
 
     Args:
         model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
         max_steps: Largest number of steps.
         step: Largest change of the load factor in a step, () [-].
-        stop: Conditions that end the path, the first one met: ``{"tip.y": -5e-3}`` a displacement from the undeformed
-            mechanism [m, rad], ``{"stress": 300e6}`` the largest von Mises stress of ``fm.stress`` [Pa],
-            ``{"critical_points": 2}`` their number, ``{"load_factor": 2.0}`` a load factor [-]: one above 1 makes the
-            path longer, any other ends it there, such as 0 on its way back. Any other question of a state ends it where
-            the answer passes the value, as ``{"frequency 1": 5.0}`` [Hz]; see :meth:`Path.along`.
-        switch: Bifurcations at which to change the branch, by their number on the way from 1, and the side: 1 along
-            phi, -1 against it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the
-            path came along phi, the other branch follows the load: 1 with a rising load factor, -1 with a falling one.
-        imperfection: Bend of the undeformed mechanism, free of stress: the largest displacement [m] of each buckling
-            mode, by its number from 1, as ``{1: 1e-6}``. The modes are those of ``fm.buckling`` about the state in
-            which the path begins, for the growing loads. With a positive one the position grows that moves most. A
-            motion of ``path.model`` starts in that shape, and start values are counted from it; with sparse factors and
-            without start values give ``initial``.
+        stop: Conditions that end the path. The path ends at the first condition that is met:
+
+            - ``{"tip.y": -5e-3}``: a displacement from the undeformed mechanism [m, rad].
+            - ``{"stress": 300e6}``: the largest von Mises stress of ``fm.stress`` [Pa].
+            - ``{"critical_points": 2}``: the number of critical points.
+            - ``{"load_factor": 2.0}``: a load factor [-]. A factor above 1 makes the path longer. Another factor ends
+              the path there, such as 0 after the load has turned back.
+            - ``{"frequency 1": 5.0}`` [Hz] and any other quantity of :meth:`Path.along`: the path ends where the
+              quantity passes the value.
+        switch: Bifurcations at which the path changes to the other branch, by their number along the path from 1, and
+            the direction: 1 along the motion phi of the point, -1 against it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True
+            or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the path came along phi, 1 selects the direction of rising load
+            factor on the other branch, and -1 the direction of falling load factor.
+        imperfection: Imperfection of the undeformed mechanism, free of stress: the largest displacement [m] of each
+            buckling mode, by its number from 1, as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about the
+            first state of the path, for the increasing loads. A positive imperfection increases the coordinate with the
+            largest displacement. A motion of ``path.model`` starts in this shape, and its start values count from it;
+            with sparse matrices and without start values, use ``initial``.
         progress: True for a progress bar, or a function of the number of states and the load factor, called before each
             step. A keyboard interruption then ends the path with the states found so far and ``result`` stopped.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
-        solver: "sparse" for sparse factors in all coordinates, for a model that needs no degrees of freedom, or
-            "dense"; None: by size. Sparse factors give a SparsePath, without matrices and with few eigenvalues, nearest
-            to zero. It answers questions about its states as a Path does.
+        solver: "sparse" for sparse matrices in all coordinates; the model needs no degrees of freedom. "dense" for
+            dense matrices. None: the size of the model decides. With sparse matrices the result is a SparsePath. It has
+            no matrices, and only the few eigenvalues nearest to zero. :meth:`Path.along` and the methods by name work
+            as for a Path.
         throw: Raise if the path does not reach its end; otherwise the code is in ``result``.
 
     Returns:
         Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
-            load
-        multipliers at each step, and the critical points. ``stopped_by`` is the condition of ``stop`` that the last
-            step
-        meets: a coordinate and a load factor to round-off, a stress to 1e-9 of it. Displacements and load factors are
-        compared at the ends of steps and where they turn back in between, other answers at the ends of steps alone.
+        load multipliers at each step, and the critical points. ``stopped_by`` is the condition of ``stop`` that the
+        last step meets: a coordinate and a load factor to round-off, a stress to 1e-9 of its value. flexmb checks
+        displacements and load factors at the ends of steps and at extremes between them. It checks other quantities at
+        the ends of steps only.
 
     Warns:
         FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
-        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
+        CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Raises:
-        AnalysisError: max_steps; closed_path: it returns to a state that it passed before; not_converged or
+        AnalysisError: max_steps; closed_path: the path returns to a state that it passed before; not_converged or
             singular_configuration; neutral_branch: a round bar may buckle to any side; singular_mass: a motion has a
-            negative mass. Each says what to try, and all but the last have the path so far as ``error.path``.
-        ValueError: max_steps or step is not positive; the stress is not below its limit at the begin; there is no such
+            negative mass. Each message states what to try. ``error.path`` contains the computed part of the path,
+            except after singular_mass.
+        ValueError: max_steps or step is not positive; the stress is not below its limit at the start; there is no such
             buckling mode.
         KeyError: Unknown coordinate.
         ModelError: A stress condition, but no element has a section with a shape.

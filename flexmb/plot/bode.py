@@ -39,18 +39,18 @@ def bode(
 ) -> Any:
     """Bode plot of the linearised mechanism, each pair of panels titled by its input and output.
 
-    Phases begin between -180 and 180 degrees at the lowest frequency and have no jumps of 360 degrees from there; those
-    of an undamped mechanism turn as with very little damping. What does not respond is said in words.
+    Phases begin between -180 and 180 degrees at the lowest frequency and have no jumps of 360 degrees after it. The
+    phase of an undamped mechanism is drawn as with very little damping. The picture names outputs without a response.
 
     Args:
         found: Model or Linearization with inputs and outputs, such as ``fm.damped(model, ratio=0.01)``, or a
-            control.StateSpace; or the FrequencyResponse of :func:`flexmb.frequency_response`, drawn as it is at its
-            frequencies, of which 0 Hz and those with an infinite response have no place.
-        outputs: Names of outputs as the state-space model has them; those that respond unless given.
-        inputs: Names of inputs likewise; those that something responds to unless given.
-        hertz: Frequencies, (n,) [Hz], between which others are put where a phase turns quickly; unless given from a
-            tenth of the lowest pole to ten times the highest; of poles of a model that are far above its lowest it is
-            only said that they are there.
+            control.StateSpace; or the FrequencyResponse of :func:`flexmb.frequency_response`, drawn at its own
+            frequencies, without 0 Hz and without frequencies of infinite response.
+        outputs: Names of outputs of the state-space model; by default all outputs with a response.
+        inputs: Names of inputs likewise; by default all inputs with an effect.
+        hertz: Frequencies, (n,) [Hz]. flexmb adds frequencies between them where a phase changes quickly. Default: from
+            a tenth of the lowest pole to ten times the highest. The picture does not extend to poles of a model far
+            above its lowest pole; a note states that they exist.
 
     Returns:
         matplotlib Figure: magnitude and phase over frequency in hertz.

@@ -25,12 +25,12 @@ def history(
 
     Args:
         found: Motion.
-        of: Coordinates such as "mass.x", or energies: "kinetic", "elastic", "potential", "energy" (their sum), or what
-            else :meth:`flexmb.motion.Motion.along` takes, of one unit: "force mass.x", "reaction foot.x",
-            "deformation leaf.2", "stress", "stress leaf". The coordinate that moves most unless given.
-        velocity: Velocities of the coordinates in their place.
-        x: Quantity to draw ``y`` over, such as "displacement mass.x"; the time unless given.
-        y: One quantity to draw, in place of ``of``.
+        of: Coordinates such as "mass.x", energies ("kinetic", "elastic", "potential", "energy" as their sum), or other
+            quantities of :meth:`flexmb.motion.Motion.along` with one unit: "force mass.x", "reaction foot.x",
+            "deformation leaf.2", "stress", "stress leaf". By default the coordinate that moves most.
+        velocity: Draw the velocities of the coordinates instead.
+        x: Quantity of the horizontal axis, such as "displacement mass.x"; by default the time.
+        y: One quantity of the vertical axis, instead of ``of``.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:

@@ -28,26 +28,26 @@ def mechanism(
     sections: bool = True,
     ax: Any = None,
 ) -> Any:
-    """Draw a mechanism, undeformed or where a result says that it is.
+    """Draw a mechanism, undeformed or in the state of a result.
 
-    Beams are drawn by the cubic of their ends, spectral beams by their own strains, rigid elements thick, springs with
-    a law as zigzags, belts and gears with their circles, hinges and lumped masses as markers. An element of your own is
-    drawn by its ``shape`` companion, or else by its points and rotations.
+    flexmb draws beams as cubic curves between their ends, spectral beams by their strains, and rigid elements thick. It
+    draws springs with a law as zigzags, belts and gears with their circles, hinges and lumped masses as markers. It
+    draws an element of your own by its function ``shape``, otherwise by its points and rotations.
 
     Args:
         shown: Model, Linearization, Path or Motion.
         at: With a Model: equilibrium, configuration or linearisation of it; the undeformed state unless given.
-        step: Which step of a path or output time of a motion; the last unless given.
-        time: Time of a motion; the output time nearest to it is drawn [s].
+        step: Number of the step of a path or of the output time of a motion; by default the last.
+        time: Time of a motion [s]. flexmb draws the nearest output time.
         scale: Factor of the displacements from the undeformed state.
-        ghost: Draw the undeformed mechanism too; unless given, where something has moved.
-        supports: Mark what is fixed (triangle: position, square: rotation too) and what is prescribed (diamond).
+        ghost: Draw the undeformed mechanism too; by default if the state is deformed.
+        supports: Mark FIXED nodes (triangle: position, square: rotation too) and PRESCRIBED nodes (diamond).
         dofs: Arrows and names of the degrees of freedom that are coordinates.
         loads: Arrows of all nodal forces, incremental ones added, and moments, each with its size. The longest arrow is
             the largest.
         names: Names of nodes and elements.
-        sections: Beams as wide as their sections are in space, as thick as they are in the plane, where the section has
-            an outline: not for given rigidities.
+        sections: Draw beams with the width of their sections in space, and with the thickness in the plane. Sections
+            given by rigidities have no outline.
         ax: matplotlib Axes to draw in, in space with ``projection="3d"``; new ones unless given.
 
     Returns:

@@ -28,11 +28,11 @@ def path(
 
     Args:
         found: Path.
-        of: Coordinate such as "tip.y" to draw the load factor over; the one that moves most unless given.
-        x: Quantity to draw over in its place, as :meth:`flexmb.paths.Path.along` takes it: "top.x", "displacement
-            top.x", "force top.x", "reaction foot.x", "deformation leaf.2", "stress", "frequency 1", "stiffness top.y",
-            "multiplier 1", "load factor".
-        y: Quantity to draw, likewise; the load factor unless given.
+        of: Coordinate of the horizontal axis, such as "tip.y"; by default the coordinate that moves most.
+        x: Quantity of the horizontal axis instead of ``of``, as for :meth:`flexmb.paths.Path.along`: "top.x",
+            "displacement top.x", "force top.x", "reaction foot.x", "deformation leaf.2", "stress", "frequency 1",
+            "stiffness top.y", "multiplier 1", "load factor".
+        y: Quantity of the vertical axis, likewise; by default the load factor.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:

@@ -17,15 +17,15 @@ LABELS, FEW = (3, 1), 4
 
 
 def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
-    """Colour every element by its part in a state of self-stress, and say what to release.
+    """Colour every element by its stress in a state of self-stress, and name the deformation to release.
 
-    An element's part is its largest stress resultant, where the largest of all is 1. The largest three of its
-    resultants are written beside it, the largest alone where more than four elements take part; ``found.report()`` has
-    all of them.
+    The colour of an element is its largest stress resultant, scaled to 1 for the largest of all elements. A text beside
+    the element lists its three largest resultants, or one if more than four elements are stressed. ``found.report()``
+    lists all of them.
 
     Args:
         found: Over-constraints of a mechanism.
-        state: Which state of self-stress, from 0.
+        state: Number of the state of self-stress, from 0.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:

@@ -9,7 +9,7 @@ from .canvas import plain_axes
 
 
 def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
-    """Bars of what a percent of each dimension makes of each answer, or of its share in an answer's variance.
+    """Draw bars: the change of each answer for one percent of each dimension, or shares in the variance.
 
     Args:
         found: Of ``fm.sensitivities``, or of ``fm.tolerances``.

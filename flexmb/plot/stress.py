@@ -33,17 +33,17 @@ def stress(
     """Colour every flexible element by its stress, or by a force or moment in its sections, with a scale.
 
     The largest value is marked, with the element and the node, or the place from 0 to 1 along the element, where it is.
-    In space, sections with sides are drawn with their width. The undeformed mechanism is drawn pale where something has
-    moved. Of the points of a section's surface the one with the largest stress counts, its sign kept; between the
-    places that the stress was asked at, values are interpolated.
+    In space, flexmb draws rectangular sections with their width. It draws the undeformed mechanism pale if the state is
+    deformed. The colour is the stress at the point of the surface with the largest stress, with sign. Between the
+    places of the stress, flexmb interpolates.
 
     Args:
         found: Stress or section resultants.
-        shown: What it is the stress of: Equilibrium, Linearization, Model (drawn undeformed), or Path with ``step``.
-        quantity: "von Mises", "sigma_x" or "tau" of a Stress, "across" of one with leaf springs, "utilisation" of one
-            whose materials state their strength; "normal force", "shear force y", "shear force z", "torque",
-            "bending moment y" or "bending moment z" of both. Von Mises or bending moment y unless given.
-        step: Which step of a path; the last unless given.
+        shown: State of the stress: Equilibrium, Linearization, Model (drawn undeformed), or Path with ``step``.
+        quantity: Of a Stress: "von Mises", "sigma_x" or "tau"; with leaf springs "across"; with materials of known
+            strength "utilisation". Of both: "normal force", "shear force y", "shear force z", "torque", "bending moment
+            y" or "bending moment z". Default: von Mises, or bending moment y.
+        step: Number of the step of a path; by default the last.
         scale: Factor of the displacements.
         ax: matplotlib Axes to draw in; new ones unless given.
 

@@ -25,19 +25,19 @@ def sweep(
 ) -> Any:
     """An answer over one dimension as a curve, over two as a map, or an answer over another with the Pareto front.
 
-    Of a grid with more axes than are shown, the others are held at their middle value, which the title says. Other
-    designs are points, coloured by the answer where two dimensions are shown. More than 2000 of them are hexagons: over
-    two dimensions in the colour of the mean answer within, otherwise of the number of designs there. Designs that
-    failed are grey where they have a place, and counted in the title.
+    If a grid has more axes than the picture, the other dimensions have their middle value, and the title states it.
+    Designs without a grid are points, over two dimensions coloured by the answer. More than 2000 points become
+    hexagons. Over two dimensions their colour is the mean answer, otherwise the number of designs. Failed designs are
+    grey if they have a position, and the title states their number.
 
     Args:
-        found: Of ``fm.sweep``, or its front by ``pareto``, whose designs are marked.
-        answer: Name of the answer, or of an entry as "frequencies[0]"; each answer of one number in Axes of its own
-            unless given.
-        over: One dimension or two; the first that vary unless given, at most two.
-        x: What to draw ``y`` over, in place of ``answer`` and ``over``: an answer, a dimension or an entry. Of a front
-            the first of its criteria unless given.
-        y: What to draw over it; of a front the second criterion unless given.
+        found: Result of ``fm.sweep``, or its front by ``pareto``, whose designs are marked.
+        answer: Name of the answer, or of an entry as "frequencies[0]"; by default each answer of one number, in
+            separate Axes.
+        over: One dimension or two; by default the first two that vary.
+        x: Quantity of the horizontal axis, instead of ``answer`` and ``over``: an answer, a dimension or an entry. For
+            a front by default its first criterion.
+        y: Quantity of the vertical axis; for a front by default its second criterion.
         ax: matplotlib Axes to draw in; new ones unless given.
 
     Returns:

@@ -44,12 +44,12 @@ class Equilibrium(ByName, Result, Record):
     Attributes:
         x: Nodal coordinates, (n_x,) [m, rad, -].
         e: Deformations, (n_e,) [m, rad].
-        sigma: Stress resultants; for FIXED deformations the multiplier, (n_e,) [N, N m].
-        felt: Gravity, which acts along the elements.
-        reactions: Force of the supports on the mechanism, dual to x, zero where nothing is held, (n_x,) [N, N m].
+        sigma: Stress resultants; for FIXED deformations the constraint force, (n_e,) [N, N m].
+        felt: Gravity as a load along the elements.
+        reactions: Force of the supports on the mechanism, dual to x, (n_x,) [N, N m]; zero without a support.
         external: Loads except weight, plus reactions, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
-        result: Code of RESULTS; critical_state is no failure: the state is correct, its derivative is not.
+        result: Code of RESULTS. After critical_state the state is correct, but its derivative is not.
         labels: Names.
     """
 
@@ -73,10 +73,10 @@ class Equilibrium(ByName, Result, Record):
         return {name: value for name, value in vars(self).items() if name not in ("asked_of", "factors")}
 
     def states(self) -> States | None:
-        """Return the equilibrium as a state of its model; None if it does not know its model.
+        """Return the equilibrium as a state of its model; None if the model is not stored in it.
 
         Raises:
-            AnalysisError: It was not found.
+            AnalysisError: The equilibrium was not found.
         """
         if self.asked_of is None:
             return None
@@ -161,19 +161,20 @@ def equilibrium(
 ) -> Equilibrium:
     """Return the static equilibrium under the constant loads.
 
-    Newton's method moves among configurations that the constraints allow. Multipliers of the constraints are estimated
-    before the first step, so that a hanging body has its stiffness from the start. Beyond a buckling load the result
-    may be an unstable state, with a warning; :func:`flexmb.path` follows the path to a stable one.
+    Newton's method iterates over configurations that satisfy the constraints. flexmb estimates the constraint forces
+    before the first step, since a hanging body has its stiffness from these forces. Beyond a buckling load the result
+    may be an unstable state, with a warning. :func:`flexmb.path` follows the path to a stable state.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
         load_factor: Factor of the loads, () [-].
         increment: Factor of the incremental loads, () [-]; zero by default.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
-        solver: "sparse" for sparse factors in all coordinates, which need no degrees of freedom
-            (``Builder.build(check=False)``), "dense" for dense matrices, or a
-            :class:`flexmb.math.linear_solver.LinearSolver`; None: sparse for a large mechanism, or a long chain.
-        throw: Raise if the solve fails; otherwise the code is in ``result``. A critical state is no failure: check
+        solver: "sparse" for sparse matrices in all coordinates. They need no degrees of freedom
+            (``Builder.build(check=False)``). "dense" for dense matrices, or a
+            :class:`flexmb.math.linear_solver.LinearSolver`. None: sparse for a large mechanism or a long chain,
+            otherwise dense.
+        throw: Raise if the solve fails; otherwise the code is in ``result``. A critical state does not raise: check
             ``result`` before using a derivative.
 
     Returns:
@@ -184,9 +185,9 @@ def equilibrium(
         ValueError: A factor is not finite, there are no incremental loads, or ``sparse`` contradicts ``solver``.
 
     Warns:
-        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable (for
-            traced numbers check the signs of :func:`flexmb.frequencies`).
-        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
+        FlexmbWarning: There are incremental loads, and ``increment`` is not given; or the state is not stable. (For
+            traced numbers there is no warning: check the signs of :func:`flexmb.frequencies`.)
+        CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:
         THEORY.md 4, 5 and 7, eq. (5.1) and (7.1).

@@ -139,19 +139,18 @@ def equilibria(
     load_factor: Float[Array, "states"] | float = 1.0,
     throw: bool = True,
 ) -> Equilibria:
-    """Return static equilibria along a stroke or a load, each begun from the one before it.
+    """Return static equilibria along a stroke or a load. Each search starts from the previous equilibrium.
 
-    One compiled program solves all of them, with few Newton iterations for close states. They are the states that the
-    mechanism passes as the factors change, so that their order matters if there are several equilibria. A stroke is a
-    displacement that is prescribed with ``increment=True``: of 1 m it makes the factors lengths in metres, and
-    ``reactions`` has the force that it needs.
+    One compiled program solves all of them, with few Newton iterations for close states. If several equilibria exist,
+    the order of the factors determines which of them are found. For a stroke, prescribe a displacement of 1 m with
+    ``increment=True``. The factors are then strokes in metres, and ``reactions`` contains the drive force.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``, forward and reverse.
         increment: Factors of the incremental loads, (states,) [-]; zero by default.
         load_factor: Factors of the loads, (states,) or one for all, () [-].
-        throw: Raise if a solve fails; otherwise the codes are in ``result``, and states after a failure start from the
-            last one found.
+        throw: Raise if a solve fails; otherwise the codes are in ``result``. After a failure, the next search starts
+            from the last equilibrium that was found.
 
     Returns:
         Equilibria with x (states, n_x) [m, rad, -], e and sigma (states, n_e), reactions (states, n_x) [N, N m].
@@ -164,10 +163,10 @@ def equilibria(
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some states are not stable.
-        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
+        CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:
-        As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives are those of the equations at each state, THEORY.md 10,
+        As ``equilibrium``; THEORY.md 4, 5 and 7. Derivatives follow from the equations at each state, THEORY.md 10,
         eq. (10.1).
     """
     as_determined(model, "equilibria")
