@@ -1,4 +1,4 @@
-"""Checks of arguments of public functions: an error names the argument and says what is right."""
+"""Checks of arguments of public functions: an error names the argument and states what is right."""
 
 import contextlib
 import functools

@@ -95,7 +95,7 @@ class Quantities(NamedTuple):
 
     Attributes:
         rows: Names of the axes that all quantities have in front, which make the rows of a table.
-        coordinates: What stands along axes: times, frequencies, names.
+        coordinates: Values along axes: times, frequencies, names.
         quantities: The numbers themselves.
     """
 

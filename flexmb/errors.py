@@ -1,4 +1,4 @@
-"""Exceptions and warnings of flexmb. Each message names the culprit and says what is right."""
+"""Exceptions and warnings of flexmb. Each message names the culprit and states what is right."""
 
 import contextlib
 import contextvars

@@ -1,6 +1,6 @@
 """Tolerances, each with its reason: what counts as zero, equal, small or reached.
 
-Values are relative unless a unit stands beside them. Tolerances of integrators and of user options stay with them.
+Values are relative unless a unit is given. Tolerances of integrators and of user options are in their own modules.
 """
 
 # --- root -----------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from .errors import AnalysisError
 
 
 class RESULTS(enum.IntEnum):
-    """Outcome of an analysis; ``message`` says what to try."""
+    """Outcome of an analysis; ``message`` states what to try."""
 
     message: str
 

@@ -114,7 +114,7 @@ def assemble(builder: Description) -> Model:
             return Signal(s.name, s.quantity, -1, parts=tuple(signal(part) for part in s.parts))
         axis, key = s.axis, s.key
         if axis is not None and not s.local and any(role not in HELD for role in builder.nodes[key[1]].roles):
-            # A hinge turns or holds a rotation about an axis, and its frame has the moment.
+            # A hinge prescribes or fixes a rotation about an axis. The moment acts on the frame of the hinge.
             turn = turn_about(builder, key[1], axis)
             hinge = builder.members.get(turn[1])
             if s.quantity in MOTIONS and hinge is not None and hinge.roles[0] in HELD:
@@ -196,7 +196,7 @@ def _stacked(weights: list[Any]) -> Any:
 
 
 class _Piece(NamedTuple):
-    """A member on its way into a block."""
+    """An element of a Builder with its indices, before it is stacked into a block."""
 
     name: str
     x: list[int]
@@ -250,13 +250,13 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
 
 
 def _source(companion: str, properties: dict[str, Any]) -> str:
-    """Companion that another one is computed from: damping by the material from the stiffness."""
+    """Companion that computes another companion: the stiffness computes the damping of a material."""
     by_material = companion == "damping" and isinstance(properties.get("damping"), MaterialDamping)
     return "stiffness" if by_material else companion
 
 
 def _structure(properties: dict[str, Any]) -> Any:
-    """Everything but numbers and kinds of section that elements must share to be stacked.
+    """Everything that stacked elements must have in common, without their numbers and kinds of section.
 
     Varying sections are stacked only with sections of the same function, and sections of leaf springs only with their
     kind, since the deformations depend on the sides.

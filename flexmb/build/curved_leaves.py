@@ -21,12 +21,12 @@ SHARP = 0.15
 STEEPEST = np.radians(20.0)
 # Slope of the width up to which stiffnesses are compared with solid elements.
 SLANT = 0.75
-# A stiffness that changes by less is not told of.
+# Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 
 
 def warn_of_curved_leaves(builder: Description) -> None:
-    """Warn of leaf springs that are sharply curved, and of straight pieces that stand for a curved leaf spring.
+    """Warn of leaf springs that are sharply curved, and of straight pieces that approximate a curved leaf spring.
 
     Source:
         Winkler's curved bars of rectangular section: the inner stress is h/(3 R) higher. Flattening of a curved strip:

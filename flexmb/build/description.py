@@ -273,7 +273,7 @@ class Description:
         return f"{node.removesuffix('.rotation').removesuffix('.warping')}.warping"
 
     def _part_kind(self, node: str, kind: NodeKind) -> str | None:
-        """Whether a name can stand for a node of this kind."""
+        """Whether a name can refer to a node of this kind."""
         if node not in self.nodes:
             parts = {".rotation": ("rotation", "warping"), ".warping": ("warping",)}
             allowed = next((parts[end] for end in parts if node.endswith(end)), ())

@@ -59,7 +59,7 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
 
     Args:
         model: Mechanism with its final roles.
-        builder: Builder of the model, for its roles if those of the model are traced.
+        builder: Builder of the model. Its roles are used if the roles of the model are traced.
     """
     labels = model.labels
     if not labels.inputs and not labels.outputs:

@@ -25,7 +25,7 @@ RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
 def warn_of_idle(builder: Description) -> None:
-    """Warn of stress, strain, damping and laws that act on held deformations alone, and of unused numbers."""
+    """Warn of stress, strain, damping and laws that act only on held deformations, and of unused numbers."""
     _warn_of_other_numbers(builder)
     for what in ("prestress", "strain"):
         for sets in builder.loads.values():
@@ -63,7 +63,7 @@ def warn_of_idle(builder: Description) -> None:
 
 
 def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:
-    """Deformations among some that the stiffness of an element leaves without stress; none if unknown."""
+    """The given deformations that the stiffness of an element does not resist; empty if this is unknown."""
     element = member.element
     arguments: Any = element.arguments(element.stiffness, member.properties)
     starts = [builder.nodes[node].start for node in member.nodes]
@@ -78,7 +78,7 @@ def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int
 
 
 def _warn_of_other_numbers(builder: Description) -> None:
-    """Warn of elements with rigidities or dampers that they do not use, while they lack others."""
+    """Warn of elements whose section or damping has unused numbers and lacks needed numbers."""
     used: dict[Any, set[str]] = {}
     resisted: dict[Any, Any] = {}
     told: set[Any] = set()
@@ -186,7 +186,7 @@ def _resisted(
     places = [np.asarray(start, float) for start in starts]
     own = {one: getattr(member.properties[key], one) for one in RESISTING}
     every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
-    # Everything but arrays selects code.
+    # Properties other than arrays select code.
     arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
     return np.asarray(_diagonals(member.element, kind, key, every, arguments, places))
 

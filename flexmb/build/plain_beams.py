@@ -1,4 +1,4 @@
-"""What plain beams leave out of a leaf spring, told where it would change a stiffness."""
+"""Warnings of leaf springs made of plain beams, if missing shear or warping changes a stiffness."""
 
 import dataclasses
 import math
@@ -20,11 +20,11 @@ from .clamps import THICK, End, axes_of, elements_at, is_clamped, parts_of
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
-# A stiffness that changes by less is not told of.
+# Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
 IN_LINE = np.radians(15.0)
-# From this width over thickness on a rectangle warps as a thin strip.
+# A rectangle with at least this ratio of width to thickness warps as a thin strip.
 STRIP = 3.0
 # Places in each smooth piece of a section that varies.
 SAMPLES = 12
@@ -41,18 +41,18 @@ class _Chain(NamedTuple):
 def warn_of_plain_beams(builder: Description) -> None:
     """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
 
-    Only sections whose sizes are known are looked at: rectangles and circles, and such that vary.
+    Only rectangles and circles with known sizes are checked, also sections that vary along the beam.
 
     Source:
-        Of a beam guided at its end, shear adds 12 EI/(GAk L^2) to its compliance, and where its section varies what the
-        integrals of both compliances say; warping as :func:`flexmb.sections.warping_factor` has it.
+        Shear increases the compliance of a beam with a guided end by the factor 1 + 12 EI/(GAk L^2). If the section
+        varies, both compliances are integrated along the beam. Warping: :func:`flexmb.sections.warping_factor`.
     """
     found: dict[str, tuple[float, str, str]] = {}
-    # A section that many beams have is looked at once.
+    # Beams that share a section evaluate it once.
     known: dict[int, Any] = {}
     joined = elements_at(builder)
     for chain in _chains(builder, joined):
-        # Where a build is traced, what follows from known sizes is still a number.
+        # Results from known sizes stay known numbers, also in a traced build.
         with jax.ensure_compile_time_eval():
             left_out = _left_out(builder, chain, joined, known)
         for what, share in left_out.items():
@@ -73,11 +73,11 @@ def warn_of_plain_beams(builder: Description) -> None:
 
 
 def _remedy(builder: Description, worst: dict[str, Member]) -> str:
-    """What counts the things that are left out, by these and of the beam that lacks most of each."""
+    """Sentence on how to include the missing effects; ``worst``: for each effect the beam with the largest change."""
     sheared = any("shear" in what for what in worst)
     ways = ["shear by shear=True of the section (and of a spectral_beam)"] * sheared
     if twisted := [member for what, member in worst.items() if "warping" in what]:
-        # A warping_length is that of one section along the whole.
+        # A `warping_length` needs the same section along the whole beam.
         varies = any(member.properties["section"].varies for member in twisted)
         row = "a row of spatial.warping_beam along it, each with the section there"
         ways.append(f"warping by {row if varies else 'warping_length= of the section'}")
@@ -99,7 +99,7 @@ def _may_be_leaf(member: Member) -> bool:
 def _left_out(
     builder: Description, chain: _Chain, joined: dict[str, list[str]], known: dict[int, Any]
 ) -> dict[str, float]:
-    """By which share a stiffness changes with what is left out, by what.
+    """Relative change of a stiffness by each missing effect.
 
     Args:
         builder: Builder of the mechanism.
@@ -127,7 +127,7 @@ def _left_out(
     for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):
         if not first.shear and _is_free(member, field):
             stiff, shear = (np.array([float(getattr(one, name)) for one in counted]) for name in names)
-            # About the place where a force turns nothing.
+            # Relative to the place where a force causes no rotation.
             bends = weights / stiff
             away = places - (bends @ places) / bends.sum()
             added = (weights * shear / stiff).sum() / (bends @ away**2) / chain.length**2
@@ -136,7 +136,7 @@ def _left_out(
         stiff = np.array([float(one.GIt) for one in counted])
         neck = int(np.argmin(stiff))
         if sections[neck].width >= STRIP * sections[neck].thickness:
-            # So long is a beam of its thinnest section that twists as much; much thicker parts hold its warping.
+            # Length of a beam of the thinnest section with equal twist. Much thicker parts prevent its warping.
             length = chain.length * (weights * stiff[neck] / stiff).sum()
             notched = max(one.thickness for one in sections) >= THICK * sections[neck].thickness
             count = 2 if notched else sum(_is_restrained(builder, end, joined) for end in chain.ends)
@@ -146,7 +146,7 @@ def _left_out(
 
 
 def _is_free(member: Member, field: int) -> bool:
-    """Whether some deformation of a field may change: elongation, twist, bending along z and y; in the plane two."""
+    """Whether a field has a free deformation: elongation, twist, bending along z, y; planar: elongation, bending."""
     cubic = ((1,), (2,), (3, 4), (5, 6)) if member.element.usual == spatial.beam else ((1,), (2, 3))
     numbers = (member.element.fields or cubic)[field]
     return any(member.roles[number - 1] not in HELD for number in numbers)
@@ -160,7 +160,7 @@ def _is_restrained(builder: Description, end: End, joined: dict[str, list[str]])
 
 
 def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
-    """Plain beams of stated sections, those in line and of one section together."""
+    """Plain beams with a section. Beams in line with the same section form one chain."""
     names = [name for name, member in builder.members.items() if _is_plain(builder, member)]
     at: dict[str, list[End]] = {}
     for name in names:
@@ -200,7 +200,7 @@ def _is_plain(builder: Description, member: Member) -> bool:
 def _continues(
     builder: Description, along: dict[str, np.ndarray], joined: dict[str, list[str]], one: End, other: End
 ) -> bool:
-    """Whether two beams that share a rotation are in line and of one section, and nothing holds them there."""
+    """Whether two beams with a common rotation are in line, have equal sections, and no clamp between them."""
     first, second = (builder.members[end.leaf].properties["section"] for end in (one, other))
     if one.leaf == other.leaf or first.varies or jax.tree.structure(first) != jax.tree.structure(second):
         return False

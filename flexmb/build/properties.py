@@ -1,4 +1,4 @@
-"""Properties of an element: completed by their defaults, of the kind that the element asks for, none forgotten."""
+"""Properties of an element: filled in with defaults, and checked for kind, shape and completeness."""
 
 import dataclasses
 import inspect
@@ -23,17 +23,17 @@ from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
 
 EMPTY = inspect.Parameter.empty
-# Annotation of what is true or not of each end.
+# Annotation of a property with one truth value for each end.
 ENDS = tuple[bool, bool]
-# Companions whose shapes follow from no property: those of the package are right.
+# Companions whose shapes depend on no property. Companions of this package are not checked.
 SURE = ("inertia", "force", "resultants", "surface", "thermal")
 
 
 def element_type(given: Any) -> Element:
-    """An element type, of a bare deformation function one without companions.
+    """Return an element type. A plain deformation function becomes an element type without companions.
 
     Raises:
-        ModelError: It is something else, or its signature does not say which nodes it joins.
+        ModelError: The argument is neither, or its signature names no nodes.
     """
     function = given.deformation if isinstance(given, Element) else given
     if not inspect.isfunction(function):
@@ -55,10 +55,10 @@ def element_type(given: Any) -> Element:
 
 
 def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[Element, dict[str, Any]]:
-    """An element type with the options among what a caller gives, and the rest: its properties.
+    """Return the element type with the given options, and the other given values: its properties.
 
     Raises:
-        ModelError: An option of the wrong kind, one that cannot be hashed, one that is needed and missing.
+        ModelError: An option has the wrong kind, is not hashable, or is missing.
     """
     own = {key: value for key, value in given.items() if key in element.option_names and value is not None}
     try:
@@ -75,7 +75,7 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
     """Properties of an element with defaults filled in.
 
     Raises:
-        ModelError: An unknown property, one of the wrong kind, one that is needed and missing.
+        ModelError: A property is unknown, has the wrong kind, or is missing.
     """
     known = element.properties
     for key in given:
@@ -97,7 +97,7 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
 
 
 def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[str, Any]:
-    """Properties of an element with the damping of its material, where it is elastic and none is given."""
+    """Properties of an element. An elastic element without damping gets the damping of its material."""
     section = properties.get("section")
     if not isinstance(section, Section) or properties.get("damping") is not None:
         return properties
@@ -105,12 +105,12 @@ def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[
         return properties
     if element.arguments(element.stiffness, properties) is not None:
         return {**properties, "damping": found}
-    # Belts state an energy instead, whose damper takes rigidities.
+    # A belt has an energy instead of a stiffness. Its damper needs rigidities.
     return {**properties, "damping": found.rigidities(section)} if "damping" in properties else properties
 
 
 def _check_whole(element: Element, name: str, given: set[str], found: dict[str, Any], needed: set[str]) -> None:
-    """Refuse some but not all properties of a companion, which would be left out for want of the others."""
+    """Raise if only some properties of a companion are given. flexmb would not call this companion."""
     for kind in (*COMPANIONS, "shape"):
         companion = getattr(element, kind)
         if companion is None:
@@ -133,7 +133,7 @@ def _listed(names: list[str]) -> str:
 
 
 def _checked(element: Element, name: str, key: str, value: Any) -> Any:
-    """A property as it is kept: sequences of numbers as arrays."""
+    """Return a property as flexmb stores it. Sequences of numbers become arrays."""
     what = f"Property '{key}' of element '{name}'"
     hints = alternatives_of(element.hint(key))
     records = [h for h in hints if inspect.isclass(h) and issubclass(h, Record)]
@@ -160,7 +160,7 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     leaves = jax.tree.leaves(value)
     if len(leaves) == 1 and leaves[0] is value:
         shape = next((s for s in map(_shape, hints) if s is not None), None)
-        # One number stands for several that are equal, such as a stiffness of each deformation.
+        # One number replaces several equal numbers, such as the stiffnesses of all deformations.
         check_numbers(what, value, () if float in hints and np.ndim(value) == 0 else shape, fault=ModelError)
     else:
         for leaf in leaves:
@@ -169,7 +169,7 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
 
 
 def _of_ends(what: str, value: Any) -> np.ndarray:
-    """What is true of the two ends of an element, as numbers: one word for both, or one for each."""
+    """Truth values of the two ends of an element as numbers, from one value for both ends or one for each."""
     flags = [value] * 2 if isinstance(value, bool) else list(value) if isinstance(value, list | tuple) else []
     if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
         raise ModelError(f"{what} must be True or False, or two of them, one for each end, not {shown(value)}.")
@@ -177,13 +177,13 @@ def _of_ends(what: str, value: Any) -> np.ndarray:
 
 
 def _kind(record: type) -> str:
-    """A kind of record as a message names it."""
+    """Name of a kind of record in a message."""
     example = {Section: ", such as Rectangle(..)", Damping: ", such as Damping(EA=..)"}.get(record, "")
     return f"a {record.__name__}{example}"
 
 
 def alternatives_of(hint: Any) -> tuple:
-    """Kinds that an annotation allows, None left out."""
+    """Types that an annotation allows, without None."""
     if isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union:
         return tuple(h for h in typing.get_args(hint) if h is not type(None))
     return () if hint is None else (hint,)
@@ -194,7 +194,7 @@ def _is_number(hints: tuple) -> bool:
 
 
 def _shape(hint: Any) -> tuple[int, ...] | None:
-    """Shape that an annotation of jaxtyping gives in numbers."""
+    """Shape in an annotation of jaxtyping; None if an axis has a name instead of a number."""
     words = getattr(hint, "dim_str", "any").split()
     return tuple(int(w) for w in words) if all(w.isdecimal() for w in words) else None
 
@@ -203,7 +203,7 @@ def check_record(of: str, value: Record) -> None:
     """Refuse a section, a damping or a material with wrong entries, before an element has it.
 
     Raises:
-        ModelError: An entry of the wrong kind, no finite number, or one that cannot be.
+        ModelError: An entry has the wrong kind, is not finite, or is physically impossible.
     """
     _check_record(f"The {of}", of, value)
     if isinstance(value, Material) and is_concrete(value):
@@ -212,7 +212,7 @@ def check_record(of: str, value: Record) -> None:
 
 
 def _check_record(what: str, of: str, value: Record) -> None:
-    """Refuse a section or damping with wrong entries; one that many elements share is looked at once."""
+    """Raise for a section or damping with wrong entries. Elements that share a record check it once."""
     if value in _CHECKED:
         return
     _check_fields(of, value)
@@ -266,10 +266,10 @@ def _is_scalar(value: Any) -> bool:
 
 
 def number_of_deformations(element: Element, name: str, properties: dict[str, Any]) -> int:
-    """Length of what a deformation function returns, found without computing it; shapes of companions are checked.
+    """Return the number of deformations of an element, and check the shapes that its companions return.
 
     Raises:
-        ModelError: One of the element's functions fails, or returns what it should not.
+        ModelError: A function of the element fails, or returns a wrong shape.
     """
     options = {k: v for k, v in properties.items() if is_option(v)}
     leaves, structure = jax.tree.flatten({k: v for k, v in properties.items() if not is_option(v)})
@@ -281,7 +281,7 @@ def number_of_deformations(element: Element, name: str, properties: dict[str, An
 
 
 class _WrongFunction(Exception):
-    """What is wrong with one of an element's functions."""
+    """A function of an element is wrong."""
 
 
 @remembered
@@ -335,7 +335,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
 
 
 def _check_names(element: Element, n: int) -> None:
-    """Refuse names that are not one for each of n deformations, or that are no keywords of ``Builder.prestress``."""
+    """Raise unless each of n deformations has one name that can be a keyword of ``Builder.prestress``."""
     names = element.deformation_names
     if element.names and len(names) != n:
         raise _WrongFunction(f"`names` must name {n} deformations, but names {len(names)}: {', '.join(element.names)}.")
@@ -349,7 +349,7 @@ def _vector(size: int) -> jax.ShapeDtypeStruct:
 
 
 def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dict[str, Any]]]:
-    """What companions of an element of n deformations take in place of its nodes, and what by name beside."""
+    """Shapes of arguments of companions for n deformations: positional ones instead of nodes, and keywords."""
     taken = {
         "thermal": [_vector(size) for size in heat_sizes(element)],
         "stiffness": [],
@@ -367,7 +367,7 @@ def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dic
 
 
 def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:
-    """Refuse what a companion of an element of n deformations returns, where it has another shape than it must."""
+    """Raise if a companion of an element with n deformations returns a wrong shape."""
     wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
     wanted |= {"force": (sum(node.size for node in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
     shapes = [getattr(part, "shape", ()) for part in answer] if isinstance(answer, tuple) else []

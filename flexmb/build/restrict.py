@@ -1,4 +1,4 @@
-"""Models with fewer degrees of freedom, by deformations that are FIXED or tied to each other, or with more."""
+"""Changes of a checked model: deformations are FIXED, tied to each other, measured or released."""
 
 import dataclasses
 from typing import Any
@@ -88,7 +88,7 @@ def _longer_loads(given: Loads | None, more_x: int, more_e: int) -> Loads | None
 def with_turn(model: Model, name: str) -> Model:
     """A model with a hinge that measures the rotation of a node in space about a global axis.
 
-    Unchanged if it has the hinge, or if the name means no such rotation.
+    The model is unchanged if it already has this hinge, or if ``name`` names no such rotation.
     """
     labels, top, own = model.labels, model.topology, model.parameters
     turned = labels.rotation_of(name)
@@ -140,7 +140,7 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     held = {*np.asarray(top.e.fixed).tolist(), *fixed}
     for i, block in enumerate(blocks):
         if held.issuperset(np.asarray(block.e).ravel().tolist()):
-            # As in a model built so: FIXED deformations need no stiffness.
+            # As in a model that is built with these roles: FIXED deformations need no stiffness.
             rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
             blocks[i] = dataclasses.replace(block, companions=rest)
     entries = model.labels.e
@@ -189,7 +189,7 @@ def released(model: Model, indices: list[int]) -> Model:
 
 
 def with_dofs(restricted: Model, model: Model) -> Topology:
-    """Structure with degrees of freedom of ``model``, and others for motions that these leave undetermined.
+    """Structure with the degrees of freedom of ``model``, and further ones for motions that they do not determine.
 
     ``restricted`` has other constraints and no degrees of freedom yet.
     """

@@ -1,4 +1,4 @@
-"""States in which an element type is tested, and the answers of its functions there with derivatives."""
+"""Test states of an element type, and the values and derivatives of its functions in these states."""
 
 import functools
 from typing import Any, NamedTuple
@@ -19,14 +19,14 @@ STEP = float(np.cbrt(np.finfo(float).eps))
 
 
 class ElementState(NamedTuple):
-    """Coordinates of an element, and those of the undeformed mechanism, node by node."""
+    """Coordinates of an element in a state and in the undeformed mechanism, node by node."""
 
     x: list[np.ndarray]
     ref: list[np.ndarray]
 
 
 def abs_or_one(numbers: np.ndarray) -> np.ndarray:
-    """Sizes of numbers; for a zero the largest of the others, or 1 if all are zero."""
+    """Absolute values. The largest of them replaces a zero, or 1 if all are zero."""
     sizes = np.abs(numbers)
     return np.where(sizes > 0, sizes, np.max(sizes, initial=0.0) or 1.0)
 
@@ -95,7 +95,7 @@ def rigidly(
 
 @functools.cache
 def compiled(element: Element, count: int, options: tuple, structure: Any, shapes: tuple) -> Any:
-    """Answers of an element with derivatives, for many points and directions; and the place of each answer."""
+    """Compiled values and derivatives of an element's functions at many points, and the slice of each function."""
     _, unravel = ravel_pytree(jax.tree.unflatten(structure, [np.zeros(shape) for shape in shapes]))
 
     def chosen(companion: Any, numbers: dict[str, Any]) -> dict[str, Any] | None:

@@ -19,7 +19,7 @@ from ..model.model import Entry, Model, Signal, as_known
 from ..numerical_limits import LOCKED_INPUT, NOT_VANISHING, SAME_SHARE, SMALLEST_SHARE
 from .releases import Release, one_by_one, proposals
 
-# How far along its motions a mechanism is looked at for locked inputs [extents, rad].
+# Distance along motions at which a mechanism is checked for locked inputs [extents, rad].
 SHIFT = 1e-2
 
 
@@ -49,8 +49,9 @@ class Mobility(Result):
         underconstraints: Number of independent motions that no constraint and no DOF holds.
         self_stress: One state of self-stress a column, in the order of e, (n_e, overconstraints) [N, N m].
         motion: One motion a column, in the order of x, (n_x, underconstraints) [m, rad, -].
-        candidates: For each over-constraint what may be released, once those before it are: elastic deformations, or
-            where none takes part those of joints and single supports; the smallest self-stress that is left first.
+        candidates: For each over-constraint the possible releases, after release of the over-constraints before it:
+            elastic deformations, otherwise deformations of joints and single supports. The first candidate leaves the
+            smallest self-stress.
         model: The mechanism.
     """
 
@@ -168,7 +169,7 @@ class Constraints:
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
-    """Columns whose largest entry is 1, the first of several that only round-off tells apart."""
+    """Columns scaled to a largest entry of 1: the first of the entries that are equal but for round-off."""
     if not columns.size:
         return columns
     sizes = np.abs(columns)
@@ -217,7 +218,7 @@ def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int
 def locked_inputs(model: Model) -> list[Signal]:
     """Inputs that no motion moves, in the undeformed mechanism and in one built a little further along its motions.
 
-    The second mechanism tells an input that is locked from one at a dead point.
+    The second mechanism distinguishes a locked input from an input at a dead point.
     """
     locked = list(model.labels.inputs)
     motions, _ = motions_of(model)

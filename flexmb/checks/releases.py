@@ -16,9 +16,9 @@ from ..numerical_limits import CLOSED_LOOP, SAME_RANGE, SELF_STRESS, TAKES_NO_PA
 
 # Steps of the motion to either side, and their largest size [extents, rad]: together half a turn.
 STEPS, STEP = 20, 0.2
-# Larger mechanisms are looked at undeformed only: each step takes singular value decompositions.
+# Larger mechanisms are only checked undeformed: each step needs singular value decompositions.
 MOST_FOLLOWED = 150
-# Newton's method closes what is FIXED in so many iterations.
+# Number of Newton iterations that satisfy the FIXED deformations.
 ITERATIONS = 8
 
 
@@ -160,8 +160,8 @@ def one_by_one(model: Model, rows: Sequence[int], stress: np.ndarray) -> Iterato
 def _in_turn(parts: np.ndarray, start: int) -> Iterator[list[tuple[int, float, float | None]]]:
     """Constraints that remove one over-constraint after the other: index, smallest part, nearest place of lost rank.
 
-    ``parts`` are those of each constraint in each self-stress, in states along the motion, (k, m, n). Each constraint
-    takes part at ``start``. The best constraint is released before the next over-constraint is looked at.
+    ``parts``: shares of each constraint in each self-stress, in states along the motion, (k, m, n). Each constraint
+    takes part at ``start``. The best constraint is released before the next over-constraint.
     """
     count, taken, rest = parts.shape[2], [], parts
     while len(taken) < count:

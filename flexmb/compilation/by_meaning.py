@@ -1,4 +1,4 @@
-"""Compiled code shared by functions that do the same with different numbers."""
+"""Compiled code that functions with the same operations and different numbers share."""
 
 import dataclasses
 import functools
@@ -14,7 +14,7 @@ from ..arguments import is_concrete
 from . import compile
 from .program import Captured, Code, captured
 
-# Numbers of formulas rather than designs, which let the compiler leave out operations.
+# Numbers of formulas, not of designs. They stay in the program, so that the compiler can omit operations.
 FORMAL = frozenset((0.0, 0.5, 1.0, 2.0))
 NUMBERS = (bool, int, float, complex, np.ndarray, np.generic, jax.Array)
 
@@ -23,8 +23,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of pytrees of arrays, quickly if it is called with concrete numbers.
 
     Two things differ from ``jax.jit``. Compiler options favour a quick compilation, or a quick run if compiled code is
-    kept on disk (see :func:`flexmb.enable_cache`). A function that is defined again, as by running a cell of a notebook
-    again, is compiled again only if it does something else: designs and models that differ in numbers share code.
+    kept on disk (see :func:`flexmb.enable_cache`). A function that is defined again, such as in a cell of a
+    notebook, is compiled again only if its operations differ. Designs and models that differ in numbers share code.
 
     JAX accepts compiler options only at the outermost call. Under a trace the function is compiled with its caller.
 

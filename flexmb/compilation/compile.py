@@ -18,8 +18,8 @@ from .threads import one_thread
 P = ParamSpec("P")
 T = TypeVar("T")
 
-# An analysis is many small products around a few calls of LAPACK. Optimising their code costs twice to six times the
-# compile time and halves the time of a run (benchmarks/first_impression.py): worth it where compiled code is kept.
+# An analysis is many small products around a few calls of LAPACK. Thorough optimisation takes two to six times the
+# compile time and halves the time of a run (benchmarks/first_impression.py). It pays off if compiled code is on disk.
 QUICK = {
     "xla_backend_optimization_level": 0,
     # Passes of loop-invariant code take a twentieth to an eighth of the compile time and move little out of our loops.

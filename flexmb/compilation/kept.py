@@ -180,7 +180,7 @@ def _text() -> str:
 
 
 def described(thing: Any) -> Any:
-    """A thing as nested text, equal for equal things in all processes; TypeError if a part cannot be known."""
+    """Return an object as nested text. Equal objects have equal text in all processes; TypeError for unknown parts."""
     kind: Any = type(thing)
     if kind in PLAIN or thing is type(None):
         return kind.__name__, repr(thing)

@@ -1,4 +1,4 @@
-"""Traced functions as programs: split by what varies, compared by meaning, with a user's numbers as arguments."""
+"""Programs of traced functions: split by the varying arguments, compared by operations, with numbers as arguments."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Code:
 
 
 class Captured(Record):
-    """A user's function as a program, with the numbers that it captures or that stand in its text.
+    """A user's function as a program, with the numbers that it captures or that its text contains.
 
     Functions that differ in numbers alone share compiled code. Numbers may be traced, for a derivative.
     """

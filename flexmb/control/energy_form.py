@@ -1,4 +1,4 @@
-"""State space in modal amplitudes scaled by their energy, which makes slow and fast motions alike in size."""
+"""State space in modal amplitudes scaled by their energy, so that slow and fast motions have similar size."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -32,8 +32,8 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
 
     The states are z = (w, sqrt(mu) w') of the amplitudes w of modes scaled to a stiffness of one, with masses mu. For
     an input p that moves held coordinates, such as a floor, they are relative to the motion at rest. Motions without
-    mass follow at once without their damping; their states decay, and nothing moves or measures them (THEORY.md 14, eq.
-    (14.34)).
+    mass follow the inputs immediately, and their damping is left out. Their states decay; no input acts on them and no
+    output depends on them (THEORY.md 14, eq. (14.34)).
     """
     symmetric = (system.K + system.K.T) / 2
     shift, _, _ = shift_to_definite(symmetric, system.M)
@@ -60,7 +60,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
         b, d, adrift, noted = _beside_what_follows(b, c, d, (stiffness, damping, mass), orders, sizes)
     else:
         adrift, noted = jnp.zeros(d.shape[1:], bool), jnp.sum(jnp.abs(d), axis=0)
-    # Motions without mass follow the others, and forces, at once.
+    # Motions without mass follow the other motions and the forces immediately.
     rigid = factorise(absent[:, None] * stiffness * absent + jnp.diag(there))
 
     def follows(right: Float[Array, "n k"], solve: Callable[..., Any]):
@@ -107,8 +107,9 @@ def _beside_what_follows(
     """Effects on the motion beside the motion at rest, for inputs that are rates, by powers of the rate.
 
     q = q' + r p with K r = B0: B1 - C r and B2 - M r remain, and outputs include C0 r + D0 and so on. If a floor moves
-    everything as one body, B1 - C r and C0 r + D0 are zero but for round-off. It is bounded by ``sizes`` of the terms
-    of (K, C, M), b and c in the degrees of freedom; that of r by K r - B0 times the inverse of K, here one.
+    everything as one body, B1 - C r and C0 r + D0 are zero but for round-off. The round-off is bounded by
+    ``sizes`` of the terms of (K, C, M), b and c in the degrees of freedom. The round-off of r is bounded by K r - B0
+    times the inverse of K, here one.
 
     Returns b and d by u and its rates, whether outputs drift, and sizes of their terms.
     """

@@ -135,7 +135,7 @@ def closed(
 ) -> EnergyForm:
     """State space from noise at inputs and of sensors to all outputs of the closed loop (THEORY.md 14, eq. (14.35)).
 
-    Inputs are those of ``us``, then sensors of the outputs ``sensed``; states of the controller are last.
+    Inputs are the inputs of ``us``, then sensors of the outputs ``sensed``. States of the controller are last.
     """
     a, b, c, d, rough = plant
     w = np.asarray(us, int)

@@ -35,7 +35,7 @@ class FrequencyResponse(Labelled, Record):
 
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
-        response: H, (n_f, n_y, n_u) [unit of the output over that of the input].
+        response: H, (n_f, n_y, n_u) [unit of the output / unit of the input].
         outputs: Names of the outputs.
         inputs: Names of the inputs.
         output_ports, input_ports: Node, axis, quantity and unit of each; empty where they are not known.
@@ -50,7 +50,7 @@ class FrequencyResponse(Labelled, Record):
     one_axis = "hertz"
 
     def of(self, output: str | None = None, input: str | None = None) -> Complex[Array, "n_f"]:
-        """Return the response of one output to one input, (n_f,) [unit of the output over that of the input].
+        """Return the response of one output to one input, (n_f,) [unit of the output / unit of the input].
 
         Args:
             output: Name of the output; optional if there is one.
@@ -63,7 +63,7 @@ class FrequencyResponse(Labelled, Record):
         return self.response[..., i, j]
 
     def magnitude(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Return the amplitude of one output by one input, (n_f,) [unit of the output over that of the input].
+        """Return the amplitude of one output by one input, (n_f,) [unit of the output / unit of the input].
 
         Args:
             output, input: As for :meth:`of`.
@@ -208,9 +208,9 @@ def frequency_response(
 ) -> FrequencyResponse:
     """Return the response of the outputs to harmonic inputs, at thousands of frequencies at once.
 
-    Damping is that of the elements, or of :func:`flexmb.damped`, and structural damping, which only a response by
-    frequency can include exactly. Motions without mass follow at once, with their damping. About a state of motion the
-    equations are constant.
+    The response includes the damping of the elements or of :func:`flexmb.damped`, and structural damping. Only a
+    response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with
+    their damping. About a state of motion the equations are constant.
 
     Args:
         model: Mechanism, or its linearisation; differentiable in its parameters, also for repeated frequencies.
@@ -230,9 +230,8 @@ def frequency_response(
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        FrequencyResponse with the complex response (n_f, n_y, n_u) [SI]. Infinite at an undamped resonance, such as
-            that
-        of a free body at 0 Hz.
+        FrequencyResponse with the complex response (n_f, n_y, n_u) [SI]. It is infinite at an undamped resonance, such
+            as the resonance of a free body at 0 Hz.
 
     Raises:
         KeyError: Unknown input or output.

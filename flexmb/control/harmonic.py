@@ -345,7 +345,7 @@ def solutions(
     *,
     only_responses: bool = False,
 ) -> Any:
-    """Z^-1 B and Z^-T C^T at each frequency, of what moves and multipliers, or C Z^-1 B alone, which costs less.
+    """Z^-1 B and Z^-T C^T at each frequency, of free coordinates and multipliers; or only C Z^-1 B, in less time.
 
     ``b`` and ``c`` are complex, by powers of i w. Returns (n_f, n + h, n_u + n_y), zero at an undamped resonance; or
     (n_f, n_y, n_u), infinite there.

@@ -1,4 +1,4 @@
-"""Held coordinates as freedoms: effects of their motion on linearised equations, and forces that hold them."""
+"""Motion of held coordinates: its effects on the linearised equations, and the forces that hold the coordinates."""
 
 import dataclasses
 from typing import Any, NamedTuple
@@ -88,7 +88,7 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
         loads = loads + weight_stiffness(topology, parameters, x, m.felt.gravity)
     if m.turning is not None:
         loads = loads + m.turning
-    # The force on held deformations is their total stress resultant, which includes that of their stiffness.
+    # The force on held deformations is their total stress resultant, which includes the stress of their stiffness.
     stiffness, damping = (put(matrix, topology.e.held, 0.0) for matrix in (m.S, m.S_d))
     moving, velocity, dynamic = None, jnp.zeros((z.shape[1],) * 2), jnp.zeros((z.shape[1],) * 2)
     curvature = deformation_curvature(topology, parameters, x, near, m.sigma)
@@ -184,7 +184,7 @@ def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
 def _beside_elements(
     m: Matrices, added: Float[Array, "n_q n_q"], by_held: Float[Array, "n_q k"], of_held: Float[Array, "k n_q"]
 ) -> Float[Array, "w w"]:
-    """Damping ``added`` beside that of the elements, for motion beyond the motion at rest.
+    """Damping ``added`` to the damping of the elements, for motion beyond the motion at rest.
 
     ``by_held`` and ``of_held`` are the stiffness between the degrees of freedom and held coordinates.
     """

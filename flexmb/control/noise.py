@@ -148,9 +148,8 @@ def noise_budget(
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        NoiseBudget. A root mean square is infinite if white noise passes at once, as from a force to an acceleration,
-            or
-        makes an output drift; under a trace also if the loop is not stable.
+        NoiseBudget. A root mean square is infinite in three cases: white noise passes at once, as from a force to an
+            acceleration; it makes an output drift; or, under a trace, the loop is not stable.
 
     Raises:
         AnalysisError: unstable: the mechanism, or the loop, does not come to rest, or has an undamped resonance within
@@ -278,9 +277,9 @@ class _Frequencies(NamedTuple):
 def _frequencies(
     lin: Linearization, loop: Controller | None, entering: _Entering, hertz: Any, band: tuple[float, float] | None
 ) -> _Frequencies:
-    """The given frequencies, or those that the poles require."""
+    """The given frequencies, or the frequencies that the poles require."""
     entries, exact = entering.entries, hertz is None and band is None
-    # A controller function has no known poles: those of the mechanism show its resonances.
+    # A controller function has no known poles. The poles of the mechanism show its resonances.
     by_states = loop is None or loop.matrices is not None
     refuse_without_anything(lin)
     system, orders = plain(second_order(lin))
@@ -404,8 +403,8 @@ def _loop(
 ):
     """State space from noise to outputs, its poles, whether it settles, or does not grow, and frequencies.
 
-    Frequencies move with the poles, also in derivatives: on a fixed grid the error of a derivative would be that of the
-    sum times the sharpness of a resonance.
+    Frequencies move with the poles, also in derivatives. On a fixed grid, the error of a derivative would be the
+    error of the sum times the sharpness of a resonance.
     """
     whole = closed(energy_form(system, orders), matrices, places, *entries)
     poles, _, _ = general_eigen(whole.A)

@@ -26,8 +26,8 @@ from ..statics.equilibrium import warn_of_increment
 if TYPE_CHECKING:
     import control
 
-# Degrees of freedom move from the last evaluation in steps of at most STEP extents, metres (of deformations) or
-# radians, so that turns are counted, in at most FARTHEST steps; after a failure FINER times in four times as many.
+# Degrees of freedom move from the last evaluation in at most FARTHEST steps of at most STEP extents, metres (of
+# deformations) or radians, so that turns are counted. After a failure, four times as many steps are tried, FINER times.
 STEP, FARTHEST, FINER = 1.0, 20_000, 4
 
 
@@ -97,7 +97,7 @@ def to_nonlinear_system(
 
     States are the degrees of freedom, from the undeformed mechanism, and their rates. Inputs and outputs are those
     named in the builder; rotations in space are measured from the undeformed mechanism. Each evaluation computes the
-    other coordinates from those of the last one, in steps if that is far away.
+    other coordinates from the coordinates of the last evaluation, in steps if the change is large.
 
     Args:
         model: Mechanism with named inputs and outputs.

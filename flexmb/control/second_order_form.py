@@ -137,9 +137,8 @@ def second_order(lin: Linearization) -> SecondOrder:
         SecondOrder.
 
     Source:
-        THEORY.md 14, eq. (14.1) to (14.4): held coordinates are freedoms in the equations about the state, with
-            constraint
-        forces in their stiffness; columns of moved ones go to the right-hand side.
+        THEORY.md 14, eq. (14.1) to (14.4). Held coordinates are freedoms in the equations about the state, whose
+            stiffness includes constraint forces. Columns of moved coordinates go to the right-hand side.
     """
     model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
@@ -320,7 +319,7 @@ def lossy_elements(lin: Linearization, losses: Float[Array, "n_e"]) -> ElementMa
 def large_second_order(lin: Linearization, lossy: ElementMatrices | None = None) -> LargeSecondOrder:
     """Second-order form of a large mechanism; ModelError for an input that moves nothing.
 
-    With ``lossy``, from :func:`lossy_elements`, B, C and D are those of the losses. THEORY.md 7, eq. (7.18), in place
+    With ``lossy``, from :func:`lossy_elements`, B, C and D belong to the losses. THEORY.md 7, eq. (7.18), in place
     of 14, eq. (14.2) and (14.3).
     """
     return by_library(_large_second_order, lin, lossy)
@@ -410,7 +409,7 @@ def _carried(
 
 
 def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
-    """Whether forces on what moves, (n, k), do more than load constraints."""
+    """Whether forces on the free coordinates, (n, k), do more than load constraints."""
     elements, n_x = lin.elements, lin.x.shape[0]
     n, h = elements.unknowns
     largest = np.max(np.abs(forces), axis=0, initial=0.0)

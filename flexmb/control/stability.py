@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 # Uncertainty of a pole over precision, norm of the matrix and its own condition; undamped poles are off the axis by
 # less than once this.
 UNSURE = 10
-# Number of frequencies of the open loop in all or per decade, from a hundredth of the slowest pole or zero, also of the
-# closed loop, to ten times the fastest; and beside each of them at these half widths, but never at an undamped one,
-# which has no response.
+# Number of frequencies of the open loop in all, or per decade. They range from a hundredth of the slowest pole or zero,
+# also of the closed loop, to ten times the fastest. More frequencies lie beside each pole and zero at these half
+# widths, but none at an undamped pole or zero, which has no response.
 POINTS, A_DECADE = 1200, 150
 BESIDE = np.linspace(-8.0, 8.0, 32)
 # Number of smallest dips that are searched, number of searches, and shares of the interval in each.
@@ -55,7 +55,7 @@ class Margins:
     Attributes:
         input: Input at which it is opened.
         gain: Factor of the gain that makes it unstable, the nearest to one, above or below [-].
-        gain_hertz: Frequency of it; infinite for what passes at once [Hz].
+        gain_hertz: Frequency of this instability [Hz]; infinite for a direct feedthrough.
         phase: Phase that may be lost at the crossover [degrees].
         crossover: Frequency at which the gain of the open loop is one [Hz].
         modulus: Smallest distance of the open loop from -1 [-].
@@ -79,7 +79,7 @@ class ClosedLoop(Result):
         system: From the reference of every output to the outputs, ``control.StateSpace`` with the names of the model;
             sampled if the controller is.
         opened: From the controller's error to the outputs, the loop opened at the mechanism's outputs.
-        poles: Poles, the slowest to decay first, (n,) [rad/s]; for a sampled loop those of the continuous one with the
+        poles: Poles, the slowest to decay first, (n,) [rad/s]; for a sampled loop, poles of a continuous loop with the
             same values at the samples.
         margins: One for each input of the mechanism.
         uncertainty: Round-off of each pole, (n,) [rad/s], at most 1e-9 of the fastest; coinciding poles may exceed it.
@@ -312,14 +312,14 @@ class _Opened:
         return pairs
 
     def at_origin(self) -> np.ndarray:
-        """Whether each pole is that of an integrator, but for round-off, which splits a double pole by its root."""
+        """Whether each pole belongs to an integrator. Round-off splits a double pole by its square root."""
         poles = self.poles()
         return np.abs(poles) <= POLE_AT_ORIGIN * max(
             np.max(np.abs(poles), initial=0.0), np.pi / (self.period or np.inf)
         )
 
     def poles(self) -> np.ndarray:
-        """Poles, of a sampled loop those of the continuous one [rad/s]."""
+        """Poles [rad/s]; of a sampled loop, poles of a continuous loop with the same values at the samples."""
         return _continuous(np.diag(self._triangle).astype(complex), self.period)
 
 
@@ -415,7 +415,7 @@ def _frequencies(opened: _Opened, closed: np.ndarray) -> np.ndarray:
 
 
 def _continuous(roots: np.ndarray, period: float | None) -> np.ndarray:
-    """Rates of roots of a loop, from those of samples if it has a period [rad/s]."""
+    """Poles of a loop [rad/s], from the roots of the sampled loop if it has a period."""
     return np.log(roots[roots != 0]) / period if period else roots
 
 

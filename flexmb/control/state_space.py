@@ -60,7 +60,7 @@ class _Realised(NamedTuple):
 
     Attributes:
         late: Rate of an input that an output needs and no state space has; 0 for none.
-        shifted: Whether states of degrees of freedom, and of their rates, exclude what the inputs move at once.
+        shifted: Whether states of degrees of freedom, and of their rates, exclude immediate motions by the inputs.
     """
 
     matrices: StateMatrices
@@ -142,7 +142,7 @@ def _first_order(
     once, twice = np.flatnonzero(orders > 0), np.flatnonzero(orders == 2)
 
     def level(powers: list[Array], rate: int):
-        """Effect of a rate (negative: an integral) of the inputs, from those of their displacements."""
+        """Effect of a rate (negative: an integral) of the inputs, from the effects of their displacements."""
         nothing = jnp.zeros(powers[0].shape[0])
         return jnp.stack(
             [powers[k + rate][:, j] if 0 <= k + rate < 3 else nothing for j, k in enumerate(orders)], axis=1
@@ -213,10 +213,10 @@ def state_matrices(
     Motions without mass are condensed statically, without their damping: states are the degrees of freedom that carry
     mass. If everything is held there are none, and D relates outputs to inputs.
 
-    An input that is the displacement of a held coordinate adds no states: they are the degrees of freedom minus what
-    the input moves at once by its inertia, and are named "shifted". A velocity adds its integral to the states, an
-    acceleration both integrals, named "moved by" the input. An output that needs a rate of an input, such as the
-    acceleration of a mass for the displacement of a damper's end, raises with the quantity to use.
+    An input that is the displacement of a held coordinate adds no states. The states are then the degrees of freedom
+    minus their immediate motion by the inertia of the input, and are named "shifted". A velocity adds its integral to
+    the states, an acceleration both integrals, named "moved by" the input. An output that needs a rate of an input
+    raises with the quantity to use. An example is the acceleration of a mass for the displacement of a damper's end.
 
     Args:
         model: Mechanism, or its linearisation, also along a motion: times are then the first axis of the matrices.
@@ -467,11 +467,9 @@ def to_statespace(
         control.StateSpace with the matrices of :func:`state_matrices`. With kept modes it has an attribute
         ``truncation_error``, (n_y, n_u) [-]: largest error of the response of each output to each input, up to
         ``bandwidth`` or the highest mode kept. It is measured against all modes at 120 frequencies over two decades and
-        beside each mode; with sparse matrices at 40 frequencies and at two beside each mode. It is the difference over
-            the
-        larger of the full response there and its median within half an octave to both sides, so that an antiresonance
-            does
-        not count.
+        beside each mode; with sparse matrices at 40 frequencies and at two beside each mode. The
+            difference is divided by the larger of two numbers: the full response at the frequency, and its median
+            within half an octave to both sides. An antiresonance therefore does not count.
 
     Raises:
         ModelError: The model names no inputs or no outputs, an output needs a rate of an input, or an input moves

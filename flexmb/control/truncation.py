@@ -117,7 +117,7 @@ def numbered(modes: Any, count: int) -> tuple[int, ...]:
 def truncated(
     k: Float[Array, "n_q n_q"], m: Float[Array, "n_q n_q"], kept: tuple[int, ...]
 ) -> tuple[Float[Array, "n_q k"], Callable[[Float[Array, "n_q f"]], Float[Array, "n_q f"]]]:
-    """Mass-normalised shapes that are kept, and the function by which all other motions follow forces at once.
+    """Mass-normalised kept shapes, and the function that returns the static response of all other motions to forces.
 
     THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move kept modes, plus what s takes from the others.
     """
@@ -268,7 +268,7 @@ def _told_error(
     errors = np.where(np.max(size, axis=0) <= least, 0.0, difference / np.where(usual > 0, usual, 1.0))
     error = np.max(errors, axis=0, initial=0.0)
     if np.max(error, initial=0.0) > TRUNCATION_ERROR:
-        # The first of those that are equal but for round-off, as velocity and acceleration are.
+        # The first of several values that are equal but for round-off, such as of velocity and acceleration.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
         warn(

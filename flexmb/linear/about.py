@@ -1,4 +1,4 @@
-"""What a question is about: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
+"""The state of an analysis: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
 
 import dataclasses
 from typing import Any, NamedTuple

@@ -88,7 +88,7 @@ def curvature_of_increment(
     wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
     shift = wanted_x - parameters.reference
     extra = stress_of_loads(topology, unloaded, scaled_loads(unloaded, no_preload), at.S)
-    # Constraints balance what an element adds to a held deformation.
+    # Constraints balance the stress that an element adds at a held deformation.
     extra = jnp.zeros(topology.n_e) if extra is None else put(extra, topology.e.held, 0.0)
     excess = at.jacobian @ shift - wanted_e
     dx, _ = linear_response(topology, at, excess, shift, at.jacobian.T @ extra - force)
@@ -314,7 +314,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
 
 
 def _about(model: Model, where: Where, function: str) -> tuple[Linearization | None, LoadFactors]:
-    """State of a path and its load factors, or None and those of the equilibrium to find."""
+    """State of a path and its load factors; or None and the load factors of the equilibrium to compute."""
     where.refuse(function)
     at = where.at
     if at is None:

@@ -1,4 +1,4 @@
-"""Eigenvalues by Lanczos iterations with sparse factors, with all copies of repeated ones."""
+"""Eigenvalues by Lanczos iterations with sparse factors, including all copies of repeated eigenvalues."""
 
 import contextlib
 from collections.abc import Callable, Iterator

@@ -139,11 +139,11 @@ T = TypeVar("T")
 
 
 class _Of(Generic[T]):
-    """An attribute of ``matrices``, offered by the same name on the result that has them."""
+    """Descriptor of a result: an attribute of its ``matrices`` under the same name."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
-        # ``help`` shows the description of the matrix.
+        # ``help`` prints the description of the matrix.
         told = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
         self.__doc__ = " ".join(told.group(1).split()) if told else None
 
@@ -219,9 +219,8 @@ class Linearization(ByName, AboutState, Result, Record):
         """Return SciPy's sparse matrices of M v'' + C v' + K v + D^T m = f, D v = 0, for the coordinates v that move.
 
         Returns:
-            K, C, M, (n, n), and the constraints D, (h, n) [SI]. The coordinates are ``lin.elements.free``; the
-                multipliers m
-            are changes of the stress resultants ``lin.elements.held``.
+            K, C, M, (n, n), and the constraints D, (h, n) [SI]. The coordinates are ``lin.elements.free``. The
+                multipliers m are changes of the stress resultants ``lin.elements.held``.
 
         Raises:
             TypeError: Under a trace, or for a linearisation in degrees of freedom.
@@ -455,7 +454,7 @@ def linearized_about(model: Model, at: Equilibrium, function: str, solver: Linea
 
     Raises:
         AnalysisError: It was not found.
-        TypeError: It does not know its loads, or its numbers are not those that the model is differentiated by.
+        TypeError: The equilibrium does not know its loads, or the numbers of the model are traced.
     """
     if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
         raise TypeError(
@@ -497,7 +496,7 @@ def linearize(
 
     Returns:
         Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
-        transfer functions DFx (n_x, n_q) and DFe (n_e, n_q); with ``sparse``, in place of these, ``sparse()``.
+        transfer functions DFx (n_x, n_q) and DFe (n_e, n_q); with ``sparse`` it has ``sparse()`` instead.
 
     Raises:
         AnalysisError: The equilibrium was not found or the configuration is singular.

@@ -28,7 +28,7 @@ TINY = np.finfo(float).tiny
 
 
 def named(model: Model, motions: np.ndarray) -> str:
-    """Names of what moves most in each motion, one a column, (n_x, k)."""
+    """Names of the coordinates that move most in each motion, one motion a column, (n_x, k)."""
     names = []
     for motion in motions.T:
         largest = shares(motion / np.max(np.abs(motion), initial=np.finfo(float).tiny), model.labels.x)[:4]
@@ -37,7 +37,7 @@ def named(model: Model, motions: np.ndarray) -> str:
 
 
 def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Inverse of K on what is not free, free motions (n_q, k), and forces of springs that hold each alone, (n_q, k).
+    """Inverse of K on the other motions, free motions (n_q, k), and forces of springs that each hold one, (n_q, k).
 
     By singular values of K, with each degree of freedom scaled by the stiffnesses at it.
     """

@@ -197,7 +197,7 @@ def modal_frequencies(lin: Linearization) -> tuple[Float[Array, "n"], Int[Array,
 
 
 def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
-    """:func:`flexmb.results.check`, with the names of what moves if mass or stiffness is at fault."""
+    """:func:`flexmb.results.check`, with names of moving coordinates if mass or stiffness is at fault."""
     about, model, known = "", undifferentiated(model), undifferentiated(result)
     if throw and is_concrete((model, known)):
         code = int(known)

@@ -47,7 +47,7 @@ def second_transfer(
         lin: Linearization.
 
     Returns:
-        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [their units over those of q twice].
+        D2Fx, (n_x, n_q, n_q), and D2Fe, (n_e, n_q, n_q) [unit of x or e / (unit of q)^2].
 
     Raises:
         TypeError: `lin` is no Linearization.

@@ -38,8 +38,7 @@ class Shapes(ByName, AboutState):
             component: One component: "x", "y", "z", "phi", "rx", "ry" or "rz".
 
         Returns:
-            Displacements, then rotations about global axes if the node has one, (modes, n), or (modes,) for one
-                component; of
-            vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
+            Displacements, then rotations about global axes if the node has a rotation, (modes, n), or (modes,) for one
+                component. Modes of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
         """
         return node_motions(self.labels, self.lin.x, self.shapes, node, component)

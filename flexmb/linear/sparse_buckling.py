@@ -208,7 +208,7 @@ def moved_by_loads(
 ) -> Float[Array, ""]:
     """Largest motion of the mechanism by the scaled loads at a multiplier of one [extents, rad].
 
-    ``grown`` is what the incremental loads add to the coordinates, or None if all loads are scaled.
+    ``grown`` is the change of the coordinates by the incremental loads, or None if all loads are scaled.
     """
     if grown is None and (topology.x.prescribed.shape[0] or topology.e.prescribed.shape[0]):
         # A stroke is no load.
@@ -230,7 +230,7 @@ def _quotients(
     growth: _Growth | None,
     modes: Buckled,
 ) -> Array:
-    """Second variations of the Lagrangian along modes, whose changes are those of the multipliers."""
+    """Second variations of the Lagrangian along modes. Their changes equal the changes of the multipliers."""
     free, _, held = unknowns(topology)
     loads = scaled_loads(parameters, factors)
     strained = deformations(topology, parameters, at.x, near)

@@ -137,7 +137,7 @@ def lowest(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE)
 
 
 def _possible(elements: ElementMatrices, count: int) -> int:
-    """Number of motions, at most those that constraints leave."""
+    """Number of motions, at most the number of motions that the constraints allow."""
     n, h = elements.unknowns
     return min(count, n - h)
 
@@ -244,7 +244,7 @@ def _finite(values: Float[Array, "count"]) -> Float[Array, "count"]:
 
 
 def lowest_values(elements: ElementMatrices, count: int, solver: LinearSolver = SPARSE) -> Float[Array, "count"]:
-    """Lowest eigenvalues as in :func:`lowest`; derivatives are those of Rayleigh's quotient, without a solution."""
+    """Lowest eigenvalues as in :func:`lowest`. Rayleigh's quotient yields their derivatives, without a solution."""
     return _lowest_values(elements, np.zeros(_possible(elements, count)), solver)
 
 

@@ -1,4 +1,4 @@
-"""The one place that solves stiffness and mass: natural frequencies, poles, and motions that carry no mass.
+"""Eigenvalues of dense stiffness and mass: natural frequencies, poles, and motions without mass.
 
 M v = mu K v is solved, with omega^2 = 1/mu: the lowest omega^2 have full relative accuracy, and motions without mass
 have mu = 0, while K v = omega^2 M v has no solution for them. If K alone is not definite, K + s M replaces it, with
@@ -113,7 +113,7 @@ def _eigenvalues(
     mu: Float[Array, "k"],
     w: Float[Array, "n k"],
 ) -> tuple[Any, Any, Any]:
-    """Eigenvalues, infinite without mass, their vectors, and their round-off, that of the terms of v^T (K + s M) v."""
+    """Eigenvalues, infinite without mass, their vectors, and their round-off from the terms of v^T (K + s M) v."""
     massive = mu > MASSLESS_SHARE * k.shape[0] * jnp.max(mu, initial=0.0)
     positive = jnp.where(massive, mu, 1.0)
     values = jnp.where(massive, 1 / positive - shift, jnp.inf)
@@ -124,7 +124,7 @@ def _eigenvalues(
 
 
 def is_lost(values: Any, doubt: Any) -> Any:
-    """Whether round-off hides an eigenvalue that is not zero beside the lowest of those that are known well."""
+    """Whether round-off hides an eigenvalue that is not negligible beside the lowest accurate eigenvalue."""
     values = jnp.where(jnp.isfinite(values), values, 0.0)
     lowest = jnp.min(jnp.where(LOST_EIGENVALUE * values > doubt, values, jnp.inf), initial=jnp.inf)
     return jnp.any((doubt > LOST_EIGENVALUE * jnp.abs(values)) & (doubt > FAINT * lowest))
@@ -144,10 +144,8 @@ def spectrum(
 
     Returns:
         omega^2 ascending, infinite for massless motions, (n,) [rad^2/s^2]; vectors, zero for these, (n, n); whether K
-            is
-        positive definite; code of RESULTS: singular_mass if M has a negative eigenvalue, lost_in_round_off if
-            stiffnesses
-        are too far apart.
+            is positive definite; code of RESULTS: singular_mass if M has a negative eigenvalue, lost_in_round_off if
+            stiffnesses are too far apart.
     """
     shift, stable, found, lost = _shift(k, m)
     n = k.shape[0]
@@ -284,8 +282,8 @@ def slowest(poles: Any, count: int | None) -> Complex[np.ndarray, "n"]:
 def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) -> np.ndarray:
     """Poles whose slower half, by orders of size, is solved again from the stiffness side.
 
-    The QZ method is accurate to round-off of the fastest pole; the eigenvalues 1/lambda of K^-1 M and K^-1 C, to that
-    of the slowest.
+    The QZ method is accurate to round-off of the fastest pole. The eigenvalues 1/lambda of K^-1 M and K^-1 C are
+    accurate to round-off of the slowest pole.
     """
     scale = 1 / np.sqrt(np.where(np.diag(k) > 0, np.diag(k), 1.0))
     k, c, m = (of * scale[:, None] * scale for of in (k, c, m))

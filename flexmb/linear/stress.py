@@ -191,7 +191,7 @@ class Stress(Labelled, Record):
 
     @property
     def maximum(self) -> Float[Array, ""]:
-        """Largest von Mises stress, () [Pa], of several states that of each; its derivative jumps with its place."""
+        """Largest von Mises stress, () or (states,) [Pa]; its derivative jumps where its place jumps."""
         return jnp.max(self.von_mises, axis=(-3, -2, -1))
 
     @property
@@ -283,7 +283,7 @@ class Stress(Labelled, Record):
 
 
 def _rows(labels: Labels) -> tuple[tuple[str, ...], np.ndarray]:
-    """Names of the stressed elements in the order of the model, and the row of each among those of all blocks."""
+    """Names of the stressed elements in the order of the model, and their rows among the elements of all blocks."""
     blocks = [names for names in labels.stressed if any(names)]
     rows = {name: row for row, name in enumerate(name for names in blocks for name in names)}
     names = tuple(name for name, *_ in labels.elements if name in rows)

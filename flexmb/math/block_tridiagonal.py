@@ -1,4 +1,4 @@
-"""Block tridiagonal matrices: parts of a chain are eliminated in parallel, block after block, then their joints."""
+"""Factors of block tridiagonal matrices. Parts of a chain are eliminated in parallel, then the joints between them."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ MOST_PARTS = 10
 
 
 def parts_of(count: int) -> tuple[int, int]:
-    """Number of parts for so many blocks, and of blocks in each; the last part is padded."""
+    """Number of parts for a number of blocks, and number of blocks in each part; the last part is padded."""
     parts = min(MOST_PARTS, max(1, round(count**0.5)))
     return parts, -(-count // parts)
 

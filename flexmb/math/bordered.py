@@ -1,4 +1,4 @@
-"""Sparse systems with one row and one column more, regular where the matrix alone is not."""
+"""Sparse systems with one additional row and column. They can be regular although the matrix alone is singular."""
 
 from typing import Any
 

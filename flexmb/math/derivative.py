@@ -130,7 +130,7 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], 
     """As :func:`jit_beside_options`, for a function that is differentiated in reverse mode alone.
 
     JAX compiles the backward pass of ``jax.grad`` without our compiler options, which takes twice as long. Here the
-    backward pass is a program of its own with these options.
+    backward pass is a separate program with these options.
 
     Args:
         function: Also takes ``known``: None, or what ``ahead`` found.

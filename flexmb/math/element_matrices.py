@@ -1,4 +1,4 @@
-"""Element matrices with their places in the matrix of the mechanism; products without that matrix, and its factors."""
+"""Element matrices with row and column indices: their products with vectors, their sparse sum, and its factors."""
 
 import hashlib
 from collections import OrderedDict

@@ -1,7 +1,7 @@
 """Truncated polynomials (jets): a function's rates along a motion and their derivatives, in one pass.
 
-Nested differentiation writes each rate and each derivative as operations of its own, some fifteen times as many. A jet
-is one array of all of them, so that a linear operation stays one operation and a product becomes a few.
+Nested differentiation computes each rate and each derivative by separate operations, some fifteen times as many. A jet
+stores all of them in one array. A linear operation then stays one operation, and a product becomes a few operations.
 """
 
 from __future__ import annotations

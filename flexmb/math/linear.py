@@ -17,7 +17,7 @@ from ..numerical_limits import (
 )
 from .indices import TRUSTED, put
 
-# Products of matrices with fewer multiplications than a call of BLAS costs are fused sums.
+# Products with at most this number of multiplications are fused sums, which take less time than a call of BLAS.
 SMALL = 700
 
 
@@ -65,8 +65,8 @@ def factorise(matrix: Float[Array, "n n"]) -> Factors:
 def _solution(factors: Factors, right: Float[Array, "n *k"], transposed: bool) -> Float[Array, "n *k"]:
     """Solution with a matrix or its transpose; derivatives cost a solve and no new factors.
 
-    ``custom_linear_solve`` keeps the dependence on the matrix, so that a tangent that is solved for in a rule of
-    derivatives can be differentiated again.
+    ``custom_linear_solve`` keeps the dependence on the matrix. A derivative rule that solves for a tangent can
+    therefore be differentiated again.
     """
     own = factors.matrix.T if transposed else factors.matrix
 
@@ -130,8 +130,8 @@ def is_positive_semidefinite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
 def pencil(a: Float[Array, "n n"], b: Float[Array, "n n"]) -> tuple[Float[Array, "n"], Float[Array, "n n"]]:
     """Eigenvalues mu, ascending, and vectors W of A w = mu B w, with A symmetric and W^T B W = I.
 
-    NaN if B is not positive definite. Derivatives are those of simple eigenvalues and vectors. They leave out pairs of
-    close eigenvalues, so that they stay finite; sums over a cluster of equal eigenvalues are right to first order.
+    NaN if B is not positive definite. Derivatives hold for simple eigenvalues and vectors. They omit the coupling of
+    close eigenvalues, so that they stay finite. For sums over equal eigenvalues, first derivatives are correct.
 
     Source:
         Reduction by the Cholesky factor of B; Nelson (1976) for derivatives of simple eigenvalues.
@@ -159,8 +159,9 @@ def general_eigen(
 ) -> tuple[Complex[Array, "n"], Complex[Array, "n n"], Float[Array, "n"]]:
     """Eigenvalues, vectors and condition numbers of a matrix that need not be symmetric.
 
-    Eigenvalues have the derivatives of simple ones, or zero if vectors are not separable. Vectors, as columns, have no
-    derivatives. The condition of an eigenvalue is the norm of its left times its right vector over their product.
+    Derivatives of eigenvalues hold for simple eigenvalues; they are zero if vectors are not separable. Vectors, as
+    columns, have no derivatives. The condition of an eigenvalue is the product of the norms of its left and right
+    vector over the product of these vectors.
     """
     still = jax.lax.stop_gradient(a)
     values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
@@ -171,7 +172,7 @@ def general_eigen(
     return values + jnp.sum(moved * vectors.T, axis=1), vectors, conditions
 
 
-# At least so many vectors are iterated beyond the wanted ones, so that the last wanted one converges too.
+# Least number of additional vectors in the iteration, so that the last wanted vector converges too.
 MORE = 6
 MOST_ITERATIONS = 40
 
@@ -208,7 +209,7 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
         order = np.arange(block)[::-1]
         x, z, values = (x @ vectors)[:, order], (z @ vectors)[:, order], values[order]
         off = jnp.sqrt(jnp.sum((z - x * values)[:, :count] ** 2, axis=0))
-        # Beside round-off of the largest eigenvalue.
+        # The error of the wanted digits, plus round-off of the largest eigenvalue.
         allowed = EIGENVECTOR_DIGITS * jnp.abs(values[:count]) + 10 * jnp.finfo(a.dtype).eps * jnp.abs(values[0])
         found = (values[:count], x[:, :count])
         return jnp.linalg.qr(z)[0], found, jnp.max(off / allowed), tries + 1

@@ -1,6 +1,6 @@
-"""Linear equations of a mechanism: the interface of a solver (factors with a shift, solutions, inertia), two solvers.
+"""Solvers of the linear equations of a mechanism: the interface (factors, solutions, inertia), and two solvers.
 
-A new solver is one class with the methods of :class:`LinearSolver`; a question takes it by ``solver=``.
+A new solver is one class with the method of :class:`LinearSolver`. Pass it as ``solver=`` to a public function.
 """
 
 import dataclasses

@@ -13,8 +13,8 @@ from ..results import RESULTS
 from .dissection import dissected
 from .linear import uneven
 
-# Without `sparse`, mechanisms of so many coordinates are solved by sparse factors. Static loads on a rack take as
-# long by dense matrices at 170 coordinates, four times as long at 270, twenty-five times at 500.
+# Mechanisms with at least this number of coordinates use sparse factors by default. For static loads on a rack, dense
+# matrices take equal time at 170 coordinates, four times as long at 270, and 25 times as long at 500.
 LARGE = 300
 # Stiffness of the springs that replace constraints, over the largest other stiffness: critical values change by the
 # inverse.
@@ -85,7 +85,7 @@ class SparsePattern:
         return scipy.sparse.csc_array((self.entries(pieces), self.rows, self.columns), shape=self.size)
 
     def factors(self, matrix: Any) -> "SparseFactors":
-        """Factors of a square matrix of this pattern; the last ones are kept, as derivatives ask for them again."""
+        """Factors of a square matrix of this pattern. The last factors are stored, since derivatives use them again."""
         last, data = self._last, matrix.data
         # Complex matrices of equal numbers differ: they solve for complex right-hand sides.
         if last is None or last[0].dtype != data.dtype or not np.array_equal(last[0], data):

@@ -13,7 +13,7 @@ from ..numerical_limits import EQUAL_ROWS, RANK_TOLERANCE, REPROJECTED
 from .linear import uneven
 from .sparse import SparseFactors
 
-# Rows are projected for so many directions at once.
+# Number of directions that are removed from all rows in one product.
 DIRECTIONS_AT_ONCE = 32
 # Most rows or columns in a connected part of a sparse matrix: singular values of 3000 take a minute.
 MOST_CONNECTED = 3000
@@ -58,7 +58,7 @@ def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.n
 
 @one_thread()
 def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[list[int], Any]:
-    """Indices of the most independent rows, by pivoted Gram-Schmidt, and the projector onto what they do not span.
+    """Indices of the most independent rows, by pivoted Gram-Schmidt, and the projector onto their complement.
 
     Raises MechanismError: too_large: too many rows of sparse candidates are connected.
     """
@@ -98,7 +98,7 @@ def _pivoted(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[lis
             rest[chosen] = 0.0
             first, squares = len(chosen), np.sum(rest**2, axis=1)
             before = largest = np.max(squares)
-        # The first among equals, so that round-off does not decide.
+        # Of equal rows choose the first, so that round-off does not decide.
         best = int(np.argmax(squares > EQUAL_ROWS**2 * largest))
         own = directions[first : len(chosen)]
         direction = rest[best] - (rest[best] @ own.T) @ own

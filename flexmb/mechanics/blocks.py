@@ -1,4 +1,4 @@
-"""Call element functions on all elements of a block, and scatter what they return."""
+"""Calls of element functions on all elements of a block, and sums of their results over the mechanism."""
 
 import dataclasses
 import functools
@@ -48,8 +48,8 @@ class Prepared(Record):
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """As :func:`flexmb.jit`, for a function of a topology, its parameters, and more.
 
-    What elements with strain series compute from reference and properties alone, such as the quadrature along a varying
-    section, is computed once. A kernel calls it in many places and would compile each.
+    Elements with strain series compute some numbers only from reference and properties, such as the quadrature along a
+    varying section. These numbers are computed once, since a kernel uses them in many places and would compile each.
     """
 
     @functools.wraps(function)

@@ -90,7 +90,7 @@ def fall(
     ref: Float[Array, "elements c"],
     properties: Any,
 ) -> Any:
-    """Free fall less acceleration of the vectors s of each element, (elements, k, d) [m/s^2]; None without both.
+    """Free fall minus acceleration of the vectors s of each element, (elements, k, d) [m/s^2]; None without both.
 
     Gravity acts as a uniform acceleration; s_ddot = J a + (dJ/dt) v.
     """

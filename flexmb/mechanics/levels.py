@@ -1,4 +1,4 @@
-"""Levels of a chain: groups of unknowns such that each element joins one level or two neighbouring ones."""
+"""Levels of a chain: groups of unknowns. Each element joins unknowns of one level or of two neighbouring levels."""
 
 import functools
 from collections import deque
@@ -14,8 +14,8 @@ from ..math.block_tridiagonal import BlockFactors, factorise_blocks, parts_of
 from ..model.topology import Block, Topology
 from .blocks import scatter_vector
 
-# Most unknowns in a level for the default form of chains: up to here the first motion takes no longer with compiling
-# (benchmarks/chains.py).
+# Largest number of unknowns in a level for which chains use this form by default. Up to this number, the first motion
+# takes no longer, with compilation (benchmarks/chains.py).
 WIDE = 16
 # Least numbers of coordinates and of levels from which sparse matrices solve an equilibrium of a chain faster than
 # dense.
@@ -27,7 +27,7 @@ class Levels(Record):
 
     Attributes:
         place: Number of the unknown at each place of each level; one past the last for none.
-        back: Place of each unknown among those of ``place``, flattened.
+        back: Index of each unknown in the flattened ``place``.
         table: Entries of the element matrices, in sequence, that make up each entry of the lower, diagonal and upper
             blocks; one past the last for none.
         empty: Ones on the diagonal of places without an unknown.

@@ -95,7 +95,7 @@ def iterate(
     strained: Float[Array, "n_e"],
     wanted: tuple[Float[Array, "n_x"], Float[Array, "n_e"]],
 ) -> tuple[State, Float[Array, "n_x"], Float[Array, "n_q"]]:
-    """State of an iterate with deformations of its own, its change of x onto the constraints, and the residual.
+    """State of an iterate with independent deformations, the change of x onto the constraints, and the residual.
 
     A step that bends a leaf spring is straight in x and causes a false elongation, second order in the step. The stress
     of this elongation and its constraint forces would spoil the tangent. So Newton's method takes x and e as unknowns

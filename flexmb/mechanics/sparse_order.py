@@ -19,7 +19,7 @@ from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
 from ..model.topology import Topology
 from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
 
-# Factors that are kept: two of a step, and those that return to the constraints.
+# Number of stored factors: two of a step, and the factors of the projection onto the constraints.
 MOST_FACTORS = 4
 # Basis of a solution: BlockFactors of levels, or the entries that the host factors.
 Factors = Any
@@ -54,7 +54,7 @@ class Places:
     def solution(self, entries: Any, right: Any, transposed: bool = False) -> np.ndarray:
         """Solution, or of the transposed equations; NaN if singular.
 
-        Entries are those of the element matrices, in sequence, then the diagonal.
+        Entries are the entries of the element matrices, in sequence, then the diagonal.
         """
         entries, right = np.asarray(entries), np.asarray(right)
         try:

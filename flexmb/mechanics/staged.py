@@ -16,8 +16,8 @@ class Staged:
     """A function of the coordinates of one element: a stage that needs inner coordinates alone, and the rest.
 
     Inner coordinates are coefficients of strains and warpings. From about half of the coordinates they determine the
-    poses along a spatial beam, seen from its first end: nearly all operations of its deformations and inertia. Two
-    stages keep the directions of the other coordinates out of these operations.
+    poses along a spatial beam, seen from its first end: nearly all operations of its deformations and inertia. In two
+    stages, these operations are not differentiated by the other coordinates.
 
     Called as functions of elements, ``f(x_el, ref_el, numbers_el)``; what depends on the reference is in the numbers.
     """

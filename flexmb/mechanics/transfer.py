@@ -10,7 +10,7 @@ from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.topology import Topology
 
-# Least size of DFe for which skipping its rows of zeros and of the identity pays.
+# From this number of entries of DFe on, products skip its rows of zeros and of the identity.
 MANY = 1000
 
 

@@ -1,7 +1,7 @@
 """Beams with strain series whose last end follows from the first end and the strains, found from the topology.
 
-From held nodes outwards, or from any node of a part without held nodes, each such beam determines the pose of its other
-end, unless that is held or determined by another beam. The remaining beams close loops.
+The search starts from held nodes, or from any node of a part without held nodes. Each such beam determines the pose of
+its other end, unless this end is held or another beam determines it. The remaining beams close loops.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Tree(Record):
         felt: Computed poses on which something acts or depends, all of a block or none; None without any.
         kept: Free coordinates that are not computed.
         kept_places: Their places among the free ones.
-        held_places: Places, among the held deformations, of those that computed poses do not satisfy by themselves.
+        held_places: Indices of the held deformations that computed poses do not satisfy automatically.
     """
 
     rows: tuple[tuple[Int[Array, "_s"], Int[Array, "_w"]], ...]

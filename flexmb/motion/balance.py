@@ -89,7 +89,7 @@ def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> F
     """Elastic energy of the elements of constant stiffness [J]."""
     form = _all_coordinates(equations)
     if isinstance(equations, ControlledForm):
-        # Inputs from the controller do not matter here.
+        # Inputs from the controller do not change the elastic energy.
         equations, state = form, MotionState(state.u[: form.size], state.w[: form.size], state.memory)
     e = equations.whole_motion(t, state).near
     return e @ form.elastic_stress(e) / 2

@@ -109,7 +109,7 @@ class ChainForm(Record):
         return self.form.whole_motion(t, state)
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """Stress resultants as a function of deformations and rates; multipliers replace those of held deformations."""
+        """Stress resultants as a function of deformations and rates, with multipliers at held deformations."""
         form = self.form
         drive = form.drive(t)
 

@@ -129,7 +129,7 @@ def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, 
 class ControlledForm(Record):
     """Equations of motion of a mechanism and a controller.
 
-    The states of the controller are velocities of additional coordinates, after those of the mechanism. Their
+    The states of the controller are velocities of additional coordinates, after the mechanism's. Their
     "accelerations" are the rates of the states, so that the same solvers apply.
 
     Attributes:
@@ -148,7 +148,7 @@ class ControlledForm(Record):
 
     @property
     def size(self) -> int:
-        """Number of coordinates that move, including those of the controller."""
+        """Number of coordinates that move, including the coordinates of the controller."""
         return self.form.size + self.states
 
     @property

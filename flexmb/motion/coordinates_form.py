@@ -177,7 +177,7 @@ class CoordinatesForm(Record):
         return jax.lax.fori_loop(0, corrections, closer, (x, near))
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """Stress resultants as a function of deformations and rates; multipliers replace those of held deformations."""
+        """Stress resultants as a function of deformations and rates, with multipliers at held deformations."""
         drive = self.drive(t)
 
         def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
@@ -325,7 +325,7 @@ class CoordinatesForm(Record):
         return MotionState(u, w, memory)
 
     def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
-        """Rates of the places of inertia, of each block of elements."""
+        """Rates of the inertia vectors s(x), of each block of elements."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         return rates_of_inertia(self.elements, at.x, at.v, self.near(state.memory))
 
@@ -336,7 +336,7 @@ class CoordinatesForm(Record):
         rates: InertiaRates,
         multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Mean forces out of balance over a step, and the rates of the places of inertia at its end."""
+        """Mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end."""
         (t0, t1), zero = times, jnp.zeros(self.size)
         begin, end = (self.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
         middle, near = (t0 + t1) / 2, self.near(states[0].memory)
@@ -347,7 +347,7 @@ class CoordinatesForm(Record):
         return force[self.free] * self.sizes, after
 
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Allowed velocities closest to given rates of the places of inertia, in the norm of the kinetic energy."""
+        """Allowed velocities closest to given rates of the inertia vectors, in the norm of the kinetic energy."""
         n, near = self.size, self.near(state.memory)
         at = self.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
         _, jacobian = deformed(self.elements, at.x, near)

@@ -1,8 +1,8 @@
 """Forces of elements over a finite step, whose work is exactly the energy that the elements gain.
 
-Let f = (e, s) be the deformations and places of inertia of an element. A discrete derivative replaces that of f: its
-product with the step of the coordinates is the step of f. Stress resultants and inertia forces then do exactly the work
-that is stored, at any step size.
+Let f = (e, s) be the deformations and inertia vectors s(x) of an element. A discrete derivative replaces the derivative
+of f: its product with the step of the coordinates is the step of f. Stress resultants and inertia forces then do
+exactly the work that is stored, at any step size.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from .protocol import InertiaRates
 def rates_of_inertia(
     elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> InertiaRates:
-    """Rates of the places of inertia, of each block."""
+    """Rates of the inertia vectors, of each block."""
 
     def rate(f: Callable[..., Any], x: Float[Array, "c"], v: Float[Array, "c"]):
         return jax.jvp(f, (x,), (v,))[1][1]
@@ -80,7 +80,7 @@ def step_forces(
     sizes: Float[Array, "n_x"],
     stress: Callable[..., Any],
 ) -> tuple[Float[Array, "n_x"], InertiaRates]:
-    """Mean nodal forces of stress and inertia over a step, and the rates of the places of inertia at its end.
+    """Mean nodal forces of stress and inertia over a step, and the rates of the inertia vectors at its end.
 
     The derivative at the middle, corrected along the step (Gonzalez (1996), J. Nonlinear Science 6, 449). `sizes` make
     changes of coordinates pure numbers. `stress` returns mean sigma from the means of e and of its rate.

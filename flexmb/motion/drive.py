@@ -1,4 +1,4 @@
-"""What depends on time: loads, prescribed motion, and the factor of the incremental loads."""
+"""Functions of time in a simulation: loads, prescribed motion, and the factor of the incremental loads."""
 
 import dataclasses
 from collections.abc import Callable
@@ -20,7 +20,7 @@ MOMENTS = {"moment": LBAR, "local moment": LBODY}
 
 
 class Drive(NamedTuple):
-    """Loads and prescribed values at one time; None for what a scene does not have.
+    """Loads and prescribed values at one time; None if the mechanism has none of a kind.
 
     Attributes:
         loads: Constant and incremental loads together, with temperatures.
@@ -42,7 +42,7 @@ class Drive(NamedTuple):
 
 
 class Driven(Record):
-    """One function of time and what it drives.
+    """One function of time and the coordinates or deformations that it drives.
 
     Attributes:
         quantity: "increment", "force", "moment", "local moment" (about axes that turn with the body), "stress",

@@ -78,7 +78,7 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
 
 
 def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
-    """Functions of time with the indices of what they drive; raise ModelError for unknown or wrong names."""
+    """Functions of time with the indices that they drive; raise ModelError for unknown or wrong names."""
     loads, motion, inputs = ({} if given is None else given for given in (drives.loads, drives.motion, drives.inputs))
     for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
         if not isinstance(given, Mapping):

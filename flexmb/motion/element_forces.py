@@ -1,6 +1,6 @@
 """Forces of elements in motion and their derivatives, element by element.
 
-Deformations and places of inertia of an element are one function of its coordinates, ``e(x), s(x)``. Its constants are
+Deformations and inertia vectors of an element are one function of its coordinates, ``e(x), s(x)``. Its constants are
 computed once. The nodal forces ``D_x^T sigma + J^T H s_ddot`` are linear in accelerations, stress resultants and
 multipliers. The second rates of held deformations close the equations.
 """
@@ -28,7 +28,7 @@ class PreparedBlock(Record):
     """Elements of one block, prepared for motion: constants are computed.
 
     Attributes:
-        function: ``(x_el, *kept_el) -> (e_el, s_el)``: deformations and places of inertia of an element, or None. If
+        function: ``(x_el, *kept_el) -> (e_el, s_el)``: deformations and inertia vectors of an element, or None. If
             angles are counted past full turns, the deformations at the last accepted state follow x_el.
         x: Index of each element's coordinates.
         e: Index of each element's deformations; none if e_el is None.
@@ -157,7 +157,7 @@ def strained(
 
 
 def _with_inertia(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-    """Blocks with mass, and the Jacobians of their places of inertia."""
+    """Blocks with mass, and the Jacobians of their inertia vectors."""
     heavy = (block for block in elements if block.mass is not None)
     return [(b, b.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[b.x])) for b in heavy]
 
@@ -290,7 +290,7 @@ def _along(block: PreparedBlock, at: Moving, falling: Float[Array, "n_x"] | None
 
 
 def _kinematics(rates: list[Any], near: Float[Array, "n_e"]) -> Kinematics:
-    """Kinematics of the mechanism from those of each block."""
+    """Kinematics of the mechanism from the kinematics of each block."""
     pieces = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
     return Kinematics(*scatter_vectors(near.shape[0], pieces, 3))
 

@@ -26,11 +26,11 @@ class EnergyKeeping(SecondOrderSolver):
 
     Source:
         Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
-        energy is that of the places of inertia, whose rates are carried from step to step.
+        energy follows from rates of the inertia vectors s(x), which each step passes to the next step.
     """
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Return accelerations and multipliers at the start, and rates of the places of inertia.
+        """Return accelerations and multipliers at the start, and rates of the inertia vectors.
 
         Args:
             terms: Equations of motion.

@@ -90,7 +90,7 @@ def conditions_of(event: diffrax.Event) -> list[EventCondition]:
 
 
 def check_at_start(event: diffrax.Event, values: Sequence[Any], soon: Sequence[Any], t: Any) -> None:
-    """Raise ValueError for conditions that are NaN at the start, and warn of those that end the motion there."""
+    """Raise ValueError for conditions that are NaN at the start, and warn of conditions that end it there."""
     ways = [way for condition, way in _watched(event) if isinstance(condition, EventCondition)]
     for value, later, way in zip(map(np.asarray, values), map(np.asarray, soon), ways, strict=True):
         if np.any(np.isnan(value)):

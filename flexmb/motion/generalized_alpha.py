@@ -19,8 +19,8 @@ class GeneralizedAlpha(SecondOrderSolver):
     The positions of each step satisfy the constraints; afterwards its velocities are projected onto them.
 
     Attributes:
-        radius: Share of an unresolved vibration that is left after a step, from 0 to 1 [-]; 1 is the trapezoidal rule,
-            which keeps all of it and may gain energy when bodies turn.
+        radius: Spectral radius: share of an unresolved vibration that remains after a step, from 0 to 1 [-]. 1 is the
+            trapezoidal rule. It keeps the whole vibration and may gain energy when bodies turn.
 
     Source:
         Chung, Hulbert (1993), J. Applied Mechanics 60, 371; with constraints: Arnold, Bruels (2007), Multibody System

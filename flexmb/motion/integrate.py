@@ -48,7 +48,7 @@ FIRST, FIRST_OF_SAMPLE = 50.0, 4.0
 
 
 class Problem(Record):
-    """A mechanism, what depends on time, and the controller.
+    """A mechanism, its functions of time, and the controller.
 
     Attributes:
         jumps: Ascending times to step onto.

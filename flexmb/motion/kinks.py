@@ -62,7 +62,7 @@ class Kinks(Record):
     ) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
         """Change of each function with a kink in a step (zero without), and its slope.
 
-        `slopes` are those of the functions where the kink was first found: a smaller bend is no kink.
+        `slopes` are the slopes of the functions at the first sight of the kink. A smaller bend is no kink.
         """
         times, states, kinks = jax.lax.stop_gradient((times, states, self))
         h = times[1] - times[0]
@@ -90,7 +90,7 @@ def along_step(
 ) -> tuple[Float[Array, "places"], MotionState]:
     """Times at equal distances in a step, both ends included, and states along the cubic through both ends.
 
-    States of a controller are interpolated linearly; what counts turns stays as at the begin. `bow` is the share of the
+    States of a controller are interpolated linearly; counted turns stay as at the begin. `bow` is the share of the
     cubic's deviation from the straight line.
     """
     (t0, t1), (begin, end) = times, states

@@ -37,7 +37,7 @@ class Loop(Record):
             function ``u = control(t, y)``, a :class:`Feedback`, or a :class:`Sampled`; functions of
             :mod:`flexmb.control` make some. A system with the names of the model's inputs and outputs is connected by
             name, others by order.
-        reference: Wanted outputs as a function of time; the controller reads reference - y, without it y.
+        reference: Wanted outputs as a function of time. The controller reads reference - y; without reference, y.
     """
 
     control: Any = None
@@ -162,7 +162,7 @@ def _nothing(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
 
 
 def _places(model: Model) -> PortPlaces:
-    """Indices of what the inputs act on and the outputs measure."""
+    """Indices of coordinates and deformations on which inputs act and that outputs measure."""
     labels, weights = model.labels, model.parameters.weights
     indices: dict[str, list[tuple[int, ...]]] = {"force": [], "stress": [], "moment": [], "local moment": []}
     for place, signal in enumerate(terms_of(labels.inputs)):

@@ -49,7 +49,7 @@ class Motion(ByName, Along, Labelled, Record):
     """Motion of a mechanism at the given times.
 
     Accelerations, stress resultants and forces are not stored: :meth:`observe` computes them at each question. To
-    compute them once, use ``seen = motion.observe()`` and ask it by name.
+    compute them once, use ``seen = motion.observe()`` and call its methods by name.
 
     Attributes:
         t: Times, (n_t,) [s].

@@ -1,4 +1,4 @@
-"""What a solver of motion needs from equations of motion: states, residual, projection onto the constraints."""
+"""Interface between solvers and equations of motion: states, residual, projection onto the constraints."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..math.linear import factorise
 
-# Rates of the places of inertia of each block of elements; None for a block without mass.
+# Rates of the inertia vectors s(x) of each block of elements; None for a block without mass.
 InertiaRates = tuple[Float[Array, "elements k d"] | None, ...]
 
 
@@ -98,7 +98,7 @@ class Equations(Protocol):
         ...
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
-        """R: forces out of balance along what moves, and second rates of the constraints."""
+        """R: forces out of balance along the free coordinates, and second rates of the constraints."""
         ...
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
@@ -130,7 +130,7 @@ class EnergyEquations(Equations, Protocol):
     """Equations with forces over a finite step, whose work is the energy that the elements gain."""
 
     def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
-        """Rates of the places of inertia, of each block of elements."""
+        """Rates of the inertia vectors s(x), of each block of elements."""
         ...
 
     def forces_over_step(
@@ -140,12 +140,12 @@ class EnergyEquations(Equations, Protocol):
         rates: InertiaRates,
         multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Mean forces out of balance over a step, and the rates of the places of inertia at its end.
+        """Mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end.
 
         `rates` are those at the begin, `multipliers` the mean ones; velocities of the states are not used.
         """
         ...
 
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Allowed velocities closest to given rates of the places of inertia."""
+        """Allowed velocities closest to given rates of the inertia vectors s(x)."""
         ...

@@ -117,7 +117,8 @@ def simulate(
             into some fifty parts. A keyboard interruption ends the simulation with the times reached and ``result``
             stopped.
         throw: Raise if the simulation fails; otherwise the code is in ``result``.
-        keywords: Attributes of :class:`Drives`, :class:`Loop` and :class:`Integrator`; they override those of a record.
+        keywords: Attributes of :class:`Drives`, :class:`Loop` and :class:`Integrator`; they override
+            the attributes of a record.
 
     Returns:
         Motion.

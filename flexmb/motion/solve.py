@@ -94,7 +94,7 @@ def solve(
     saved: Any = solution.ys
     states = saved[0]
     if integrator.event is not None:
-        # A motion that ends at once still has its start.
+        # A motion that ends at its first time still has its start.
         states = jax.tree.map(lambda row, first: jnp.where((times <= t0)[:, None], first, row), states, start)
     result = _code(solution, states, equal, integrator.event)
     result = jnp.where(regular, result, RESULTS.singular_mass).astype(jnp.int32)
@@ -162,7 +162,7 @@ def _code(solution: Any, states: MotionState, equal: bool, event: Any) -> Int[Ar
 
 
 def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):
-    """First step: as given, or such that the greatest acceleration moves the mechanism by some ten tolerances."""
+    """First step: as given, or a step in which the greatest acceleration causes a motion of some ten tolerances."""
     given = jnp.asarray(integrator.dt0)
     guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
     first = jnp.where(given > 0, given, guess)

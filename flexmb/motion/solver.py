@@ -12,7 +12,7 @@ from .term import MotionTerm
 class MotionSolver(diffrax.AbstractSolver):
     """A solver that uses the equations of motion directly, and satisfies their constraints itself.
 
-    Put its ``step`` under ``jit_beside_options``: diffrax traces it three times, and this keeps the first trace.
+    Decorate ``step`` with ``jit_beside_options``. diffrax traces it three times; the decorator keeps the first trace.
     """
 
     term_structure = MotionTerm

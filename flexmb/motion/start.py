@@ -86,8 +86,8 @@ def is_determined(form: CoordinatesForm) -> bool:
 def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tuple[Start, Bool[Array, ""]]:
     """Start of a driven mechanism, and whether it can be assembled there (THEORY.md 4, eq. (4.2)).
 
-    Degrees of freedom and their rates stay as given; the other coordinates follow in steps. Derivatives are those of
-    the implicit function.
+    Degrees of freedom and their rates stay as given; the other coordinates follow in steps. The implicit function
+    theorem yields the derivatives.
     """
     reduced = reduced_form(form)
     state = reduced.state_of(*given)

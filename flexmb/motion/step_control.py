@@ -25,13 +25,14 @@ def greatest(before: Any, state: MotionState):
 class DisplacementController(diffrax.PIDController):
     """A PID controller whose tolerance is a share of the greatest displacement so far, the same for all displacements.
 
-    A displacement that is small for a moment asks for no smaller steps. The error of a velocity counts by its effect on
-    a position within the step, so that stiff vibrations count by their displacement. Beyond half the mechanism's
-    extent, or half a radian (an Euler parameter is half an angle), the tolerance stays constant. Each state of a
-    controller is measured by its own size. The norm is the maximum, so that the number of displacements has no effect.
+    A displacement that is small for a moment does not cause smaller steps. The error of a velocity counts by its effect
+    on a position within the step, so that stiff vibrations count by their displacement. Beyond half the mechanism's
+    extent, or half a radian (an Euler parameter is half an angle), the tolerance stays constant. The error of each
+    state of a controller is relative to this state. The norm is the maximum, so that the number of displacements has no
+    effect.
 
-    A motion that runs away is stopped. A step across a kink, or within which an event passes unseen, is refused and
-    halved.
+    The controller stops a motion that runs away. It refuses and halves a step across a kink, and a step that would miss
+    an event.
 
     Attributes:
         norm: Norm of the errors over their tolerances.
@@ -91,8 +92,8 @@ class DisplacementController(diffrax.PIDController):
         # Energy gained counts as an error, over the allowed one.
         begin, end = (begin, after), (end, after)
         measured = measured, gain * (self.atol + self.rtol * after)
-        # Derivatives do not move steps, except for the first begin. If the next step grew in proportion, all steps
-        # after one that a jump cut short would move by many times as much, and so would their errors.
+        # Derivatives treat step sizes as constants; only the begin of the first step moves the steps. If a jump cuts a
+        # step short, proportional step sizes would multiply the change of all later steps, and their errors.
         fixed = jax.lax.stop_gradient((t0, t1))
         keep, next_t0, next_t1, made_jump, state, result = super().adapt_step_size(
             *fixed, begin, end, args, measured, error_order, before_step

@@ -1,6 +1,6 @@
 """Reverse derivatives of a motion: its steps are repeated, and each is differentiated.
 
-Lengths of steps are constant. The begin of a motion, and times where it must stop, move all later steps, up to its end.
+Lengths of steps have no derivatives. A change of the first time, or of a time to step onto, moves all later steps.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     """Derivatives by the varied numbers of equations, :class:`Span` and start (`parts`); NaN by states not reached.
 
     Steps run forward from the start, and every n-th state is stored. From the last stored state on, all states are
-    stored, and the reverse pass goes over these steps; then over those before (THEORY.md 10, eq. (10.5)). `ends` are
-    those of the kept steps, `changes` derivatives by the states in rows.
+    stored, and the reverse pass goes over these steps, then over the earlier steps (THEORY.md 10, eq. (10.5)). `ends`
+    are the ends of the kept steps, `changes` derivatives by the states in rows.
     """
     _, timed, start = (part.whole(part.numbers) for part in parts)
     numbers, most = parts[0].numbers, ends.shape[0]

@@ -19,9 +19,9 @@ from ..errors import warn
 from ..numerical_limits import JUMP_OF_RANGE, SUDDEN_BEND, SUDDEN_OVER_USUAL
 from .drive import has_table
 
-# Number of intervals at which functions are evaluated: name shorter changes as jumps.
+# Number of intervals at which functions are evaluated. Users name shorter changes in ``jumps``.
 PARTS = 10_000
-# Changes within this number of intervals are one.
+# Changes within this number of intervals count as one change.
 TOGETHER = 64
 
 

@@ -23,7 +23,7 @@ class Bent(NamedTuple):
 
     Attributes:
         way: Way from the first end to the last, and turn, as far as needed.
-        shape: Input of the places of inertia, together with the first end.
+        shape: Input of the inertia vectors, together with the first end.
     """
 
     way: tuple[Float[Array, "*beams k"], ...]
@@ -43,7 +43,7 @@ class TreeBeams(Record):
 
     Attributes:
         bent: ``(c_el, *kept_el)`` to :class:`Bent` of one beam, with all parts of its way.
-        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``: its places of inertia, or None.
+        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``: its inertia vectors, or None.
         ends: Index of the coordinates of the first ends.
         c: Index of the coefficients.
         e: Index of the deformations that equal the coefficients; none if another block has them.
@@ -143,7 +143,7 @@ class TreeBeams(Record):
     def pulled(
         self, x: Float[Array, "n_x"], bent: Bent, weights: Float[Array, "beams k axes"] | None
     ) -> tuple[Float[Array, "beams ends"], tuple[Array, ...]]:
-        """Forces on the first ends and on the shape, from forces on the places of inertia."""
+        """Forces on the first ends and on the shape, from forces on the inertia vectors."""
         if weights is None:
             return jnp.zeros(self.ends.shape), ()
         placed: Any = self.placed
@@ -190,9 +190,9 @@ class TreeBeams(Record):
         """Derivatives of the forces by the beams' coordinates, their rates and second rates.
 
         Args:
-            weights: Forces on the places of inertia.
+            weights: Forces on the inertia vectors.
             way: Forces on way and turn, as in :class:`Bent`.
-            derived: Derivatives of the places of inertia from :meth:`moved_and_derived`.
+            derived: Derivatives of the inertia vectors from :meth:`moved_and_derived`.
             stiffness, damping: Of all deformations, and of their rates.
         """
         by_x = self._derived_forces(x, weights, way)

@@ -198,7 +198,7 @@ class TreeForm(Record):
         return rows[self.form.held[self.tree.held_places]]
 
     def wanted(self, values: Float[Array, "h"]):
-        """Wanted values of the deformations with multipliers, from those of all held ones."""
+        """Wanted values of the deformations with multipliers, from the values of all held deformations."""
         return values[self.tree.held_places]
 
     def _strains(self, at: AllCoordinates) -> Kinematics:

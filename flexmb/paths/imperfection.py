@@ -97,9 +97,9 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     """The mechanism bent by its buckling modes, free of stress.
 
     The modes are those of linear buckling about the state at which a path begins, under the growing loads. Stress
-    follows from deformations minus those of the bent shape, which are computed where the constraints hold and do not
-    grow with the load. Start values are counted from the bent shape, where a motion starts by default; with sparse
-    factors there is no start, and a motion without ``initial`` raises.
+    follows from the deformations minus the deformations of the bent shape. The bent shape satisfies the constraints.
+    Its deformations do not grow with the load. Start values are counted from the bent shape, where a motion starts by
+    default. With sparse factors there is no start, and a motion without ``initial`` raises.
 
     Args:
         imperfection: Largest displacement of each mode, by its number from 1 [m]; if positive, the position that
@@ -139,7 +139,7 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
 
 
 def _growing_from_zero(model: Model) -> Model:
-    """The model with all loads incremental: its modes are those of the unloaded mechanism.
+    """The model with all loads incremental. Its modes are the modes of the unloaded mechanism.
 
     A path often cannot reach a load factor of 1, and has no modes there. If some loads are incremental, the others act
     from the begin.

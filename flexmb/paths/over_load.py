@@ -1,4 +1,4 @@
-"""Base class of paths: states, factors and summary, whichever equations found them."""
+"""Base class of dense and sparse paths: states, factors and summary."""
 
 from typing import Any
 

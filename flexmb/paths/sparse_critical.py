@@ -1,4 +1,4 @@
-"""Critical values of large mechanisms: pivots count the negative ones, iterations find those nearest to zero."""
+"""Critical values of large mechanisms: pivots count negative values, iterations find the values nearest to zero."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol

@@ -45,9 +45,9 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
             (steps, n) [N m]. Without a potential their smallest modulus, with the sign of the determinant, (steps, 1).
         negative: Number of negative eigenvalues of the stiffness, (steps,); without a potential whether the determinant
             is negative, 1 or 0.
-        stable: Whether all eigenvalues are positive, (steps,). Without a potential whether the determinant is, and the
-            eight eigenvalues of stiffness and mass nearest to zero are real and positive, or with damping the sixteen
-            nearest poles do not grow (flutter).
+        stable: Whether all eigenvalues are positive, (steps,). Without a potential there are two conditions. The
+            determinant is positive. The eight eigenvalues of stiffness and mass nearest to zero are real and positive;
+            with damping instead, the sixteen nearest poles do not grow (flutter).
         critical_points: Limit and bifurcation points in the order of the path.
         critical_states: The states there, as a path in the same order, or None.
         result: Code of RESULTS.

@@ -322,10 +322,10 @@ def step_along(
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
-    Deformations are iterated as separate numbers, and the last turn evaluates the state, as in the equilibrium's
-    search: outside the loop its equations would be compiled again. The tangent has unit length, on the side of the
-    plane's normal; bordered with this normal, it is regular if K has rank n_q - 1 and the load is not in its range: at
-    limit points.
+    Deformations are iterated as separate numbers, and the last turn evaluates the state, as in the search for an
+    equilibrium. Outside the loop the equations would be compiled again. The tangent has unit length and points to the
+    side of the plane's normal. The system bordered with this normal is regular at limit points too: K has rank n_q - 1
+    there, and the load is not in its range.
     """
     predicted = Point(
         begin.x + step * direction.x,

@@ -88,7 +88,7 @@ class Step(NamedTuple):
 
     @property
     def negative(self) -> int:
-        """Number of critical values below zero, except those that are zero to round-off all along a path."""
+        """Number of negative critical values, except values that are zero to round-off along the whole path."""
         sizes = np.sort(np.abs(self.values))
         next_one = sizes[1] if len(sizes) > 1 and np.isfinite(sizes[1]) else 0.0
         return int(self.below) + int(np.sum(self.values < -NEUTRAL_VALUE * next_one))
@@ -311,7 +311,7 @@ def _guess(low: _Trial, high: _Trial, known: list[_Trial]) -> float:
 
 
 def _beyond(low: _Trial, high: _Trial, share: float) -> float:
-    """A little beyond a share, seen from the nearer end, so that both ends approach it."""
+    """A share a little beyond a given share, seen from the nearer end, so that both ends approach the zero."""
     little = 0.45 * NEAR_STATES / (high.length - low.length)
     return share + little if share < 0.5 else share - little
 
@@ -612,7 +612,7 @@ class Walker:
     def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:
         """First step on the branch that leaves a bifurcation along a motion.
 
-        If two motions lose their stiffness at once, branches leave along some of their sums only.
+        If two motions lose their stiffness together, branches leave only along some of their sums.
         """
         phi, *others = (unit(self.scale, jax.tree.map(lambda a: sign * a, motion)) for motion in (phi, *others))
         fan = [phi]

@@ -1,4 +1,4 @@
-"""Measured values beside those of a fitted mechanism, their differences, and the correlation of the parameters."""
+"""Measured values beside the values of a fitted mechanism, their differences, and the correlation of the parameters."""
 
 from typing import Any
 

@@ -12,7 +12,7 @@ from .geometry import nodes_of
 
 
 def states_of(shown: Any, at: Any = None) -> States:
-    """States of what is to be drawn, in concrete numbers.
+    """States of the result to be drawn, in concrete numbers.
 
     Args:
         at: Where it is an equilibrium, configuration or linearisation of the model; with a Model only.
@@ -45,7 +45,7 @@ def states_of(shown: Any, at: Any = None) -> States:
 def state_of(
     shown: Any, at: Any = None, step: int | None = None, time: float | None = None
 ) -> tuple[Model, Float[np.ndarray, "n_x"]]:
-    """Model and coordinates of what is to be drawn. Returns the model, and x (n_x,) [m, rad, -].
+    """Model and coordinates of the result to be drawn. Returns the model, and x (n_x,) [m, rad, -].
 
     Raises:
         TypeError: As for :func:`states_of`.

@@ -1,4 +1,4 @@
-"""Stiffness of a node along an axis, all else free to follow: "stiffness top.y"."""
+"""Stiffness of a node along an axis, with all else free to move: "stiffness top.y"."""
 
 from typing import Any
 

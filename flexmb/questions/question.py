@@ -21,7 +21,7 @@ ANGLES = ("phi", *TURNS)
 
 @dataclasses.dataclass(frozen=True)
 class Question:
-    """What can be asked. The ``QUESTIONS`` of each file of this folder are found there.
+    """A kind of question. flexmb finds the ``QUESTIONS`` of each file in this folder.
 
     Attributes:
         name: First words of the text. The question without a name is a coordinate, such as "top.x".
@@ -60,7 +60,7 @@ def questions() -> dict[str, Question]:
 
 
 def names_of(kind: str = "state") -> list[str]:
-    """Names of the questions that a "state", a "path" or a "motion" answers; first those of this kind alone."""
+    """Names of the questions that a "state", a "path" or a "motion" answers; first names of this kind only."""
     named = [question for question in questions().values() if question.name]
     own, every = (sorted(q.name for q in named if q.only == only) for only in (kind, ""))
     return [*own, *every]

@@ -17,7 +17,7 @@ NAMED = 3
 def warn_of_coarse(model: Model, e: Any) -> None:
     """Warn of cubic beams that need a finer mesh, or are stretched too far, at deformations (*times, n_e).
 
-    Traced deformations are not checked; those that are not finite are left out. A stretched cubic beam bends with
+    Traced deformations are not checked, and infinite ones or NaN are left out. A stretched cubic beam bends with
     EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).
     """
     blocks = [block for block in model.topology.blocks if block.element.angles and "deformation" in block.companions]
@@ -64,7 +64,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
 
 
 def _named(sizes: dict[str, float]) -> str:
-    """Names of elements, those of the largest numbers first."""
+    """Names of elements, in descending order of their numbers."""
     names = sorted(sizes, key=lambda name: -sizes[name])
     more = f", and {len(names) - NAMED} more" if len(names) > NAMED else ""
     which = listed([f"'{name}'" for name in names[:NAMED]])

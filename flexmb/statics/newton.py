@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from ..numerical_limits import LOOSE_TOLERANCE, SMALLEST_LOAD_STEP, STEP_TOLERANCE
 
-# The next load step should begin with a correction of this share of the largest, and reduce it by this factor.
+# Goals for the next load step: size of its first correction, as share of `largest`, and contraction of corrections.
 FIRST_CORRECTION = 0.8
 WANTED_CONTRACTION = 0.2
 
@@ -22,12 +22,12 @@ Number = float | Float[Array | np.ndarray, ""]
 
 
 class Newton(NamedTuple):
-    """When corrections show that the iteration has left the path and may find another branch.
+    """Limits of corrections. Beyond them, the iteration has left the path and may find another branch.
 
     Attributes:
         largest: A larger correction is refused: angles could be counted into another turn.
-        contraction: So is one above this share of the previous one.
-        round_off: Smaller ones may shrink slowly: that is round-off of a nearly singular tangent.
+        contraction: A correction above this share of the previous correction is refused too.
+        round_off: Smaller corrections may shrink slowly, because of round-off of a nearly singular tangent.
         most: Largest number of corrections.
 
     Source:

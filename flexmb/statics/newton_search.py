@@ -71,7 +71,7 @@ class Correction(NamedTuple):
 
 
 class Turn(Protocol):
-    """Equations of equilibrium, linearised at an iterate; motions are by the unknowns of a form of matrices.
+    """Equations of equilibrium, linearised at an iterate, for one turn of the loop; motions have the form's unknowns.
 
     Attributes:
         last: Parts of the last turn that are kept, a pytree of arrays.
@@ -144,7 +144,7 @@ class _Search(NamedTuple):
 def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
     """Coordinates and deformations with the PRESCRIBED ones at their values, others as undeformed.
 
-    FIXED deformations are those of temperature: a rigid element expands.
+    FIXED deformations have their thermal values, since a rigid element expands too.
     """
     loads = scaled_loads(parameters, factors)
     x, e = parameters.reference, jnp.zeros(topology.n_e)
@@ -184,10 +184,10 @@ def _of_unit_energy(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Array]:
 def search(form: MatrixForm, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> Searched:
     """Equilibrium by one loop whose turns are Newton iterations, with load steps that begin, grow and shrink inside it.
 
-    Deformations are iterated as separate numbers, see ``iterate``; if elements are free of stress at others than zero,
-    the difference is iterated: a warmed leaf spring would otherwise begin with the stress of one between rigid walls,
-    beyond buckling. If the equations are needed at the end, the last turn evaluates them without a change of state:
-    outside the loop they would be compiled again.
+    Deformations are iterated as separate numbers, see ``iterate``. If elements have stress-free deformations, the
+    iteration uses the deformations minus these. Otherwise a warmed leaf spring would start beyond buckling, with the
+    stress of a leaf spring between rigid walls. If the equations are needed at the end, the last turn evaluates them
+    without a change of state. Outside the loop they would be compiled again.
 
     The power method for the largest 1/mu of K v = mu K0 v makes one step per turn with the factors at hand. It shows,
     from below, whether the state is critical.

@@ -43,8 +43,8 @@ class Balanced(NamedTuple):
         x: Nodal coordinates.
         multipliers: Stress resultants of the held deformations.
         near: Deformations from which angles are counted.
-        strained: Deformations minus stress-free ones, as iterated, since x has few digits of those of stiff elements;
-            None: those of x.
+        strained: Deformations minus stress-free deformations, as iterated. The deformations of x have few correct
+            digits in stiff elements. None: deformations of x.
         unstable: Whether the stiffness is known to be negative in some motion; not checked for traced numbers.
     """
 
@@ -67,7 +67,7 @@ def _answer(
 ):
     """Solution of the linear equations on the host, and a code of RESULTS, by NumPy and SciPy alone.
 
-    ``better``: whether to refine the solution by the elements' matrices; the next correction mends others.
+    ``better``: whether to refine the solution by the elements' matrices. The next correction reduces other errors.
     """
     try:
         factors = solver.factored(elements)
@@ -165,7 +165,7 @@ class TurnInCoordinates:
         sigma = put(stress(strained), held, self._multipliers)
         self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
         self.transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in self.last.constraints]
-        # The stress at x, to first order from that of iterated deformations.
+        # The stress at x, to first order from the stress of the iterated deformations.
         self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
         balancing = put(sum(self._stress_change(self.e - strained)), held, self._multipliers)
         lacking = nodal_forces(topology, parameters, factors, x) - along(topology.n_x, self.transposed, balancing)
@@ -385,7 +385,7 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
     if at.strained is not None:
         free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
         known = at.strained if free is None else at.strained + free
-        # Derivatives are those of the deformations of x.
+        # The derivatives belong to the deformations of x.
         carried = e + jax.lax.stop_gradient(known - e)
     sigma = put(elastic_stress(topology, parameters, factors, carried), held, at.multipliers)
     return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)

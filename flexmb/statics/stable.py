@@ -31,8 +31,8 @@ def unstable_motions(
 ) -> Float[np.ndarray, "n k"]:
     """Motions of the degrees of freedom, one a column, in which a stiffness K0 + G0 of known numbers is negative.
 
-    ``symmetric``: all loads have a potential. Without it only a negative determinant shows instability, and the motions
-    are those of real negative eigenvalues.
+    ``symmetric``: all loads have a potential. Without a potential, only a negative determinant shows
+    instability, and the motions belong to real negative eigenvalues.
     """
     k, k0 = np.asarray(stiffness), np.asarray(structural)
     if symmetric:
@@ -87,7 +87,7 @@ def collect_unstable(parts: Sequence[Float[Array, "n n"]], structural: Float[Arr
 
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
-    """Whether pivots of a stiffness in all coordinates are negative beyond those of constraints, or inconclusive."""
+    """Whether a stiffness in all coordinates has more negative pivots than constraints, or pivots are inconclusive."""
     whole = Whole(elements)
     tangent = whole.at()
     factored = whole.factors(tangent)

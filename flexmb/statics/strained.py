@@ -13,17 +13,17 @@ from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
 from ..numerical_limits import NEEDLESS_ENERGY, STRAIN_ROUND_OFF
 
-# Number of deformations that are named, those that would relax most.
+# Number of deformations that are named, beginning with the largest change.
 NAMED = 3
 
 
 def needless_strain(
     model: Model, e: Float[np.ndarray, "n_e"], kept: Bool[np.ndarray, "n_q"]
 ) -> tuple[float, float, list[str]] | None:
-    """Elastic energy of deformations, the least one with some degrees of freedom kept, and names of those that relax.
+    """Elastic energy, its minimum with some degrees of freedom kept, and names of the deformations that would relax.
 
     None for large mechanisms, nonlinear laws, and elements with stress-free deformations. By least squares in the
-    motions of the undeformed mechanism (THEORY.md 4 and 8), exact for small deformations alone.
+    motions of the undeformed mechanism (THEORY.md 4 and 8), exact only for small deformations.
     """
     topology, parameters = model.topology, model.parameters
     shaped = parameters.strain is not None or parameters.loads.temperature is not None

@@ -1,4 +1,4 @@
-"""Static equilibria along a stroke or load, each begun from the one before it."""
+"""Static equilibria along a stroke or load. Each search starts from the previous equilibrium."""
 
 from typing import Any
 
@@ -114,7 +114,7 @@ class Equilibria(ByName, Labelled, Record):
 def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors):
     def onward(begin: Begin, target: LoadFactors):
         at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
-        # A failed state is no start: the next one starts from the last that was found.
+        # After a failure, the next search starts from the last equilibrium that was found.
         good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
         factors = reached.factors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)

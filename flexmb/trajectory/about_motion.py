@@ -26,7 +26,7 @@ from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
 from ..results import RESULTS
 
-# Quantities that measure what an input moves, for coordinates (False) and deformations (True).
+# Quantities that measure the motion that an input prescribes, for coordinates (False) and deformations (True).
 MEASURES = {
     False: ("position", "velocity", "acceleration"),
     True: ("deformation", "deformation rate", "deformation acceleration"),
@@ -181,9 +181,9 @@ def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]
 def check_freedoms(motion: Motion) -> None:
     """Refuse a motion along which the degrees of freedom do not determine the configuration.
 
-    A change of sign of a determinant shows such a place between two times; an even number of them stays unseen. There,
-    the matrices of vibrations have a pole that no curve through their values shows. Raises AnalysisError:
-    singular_configuration, with the first times.
+    A change of sign of a determinant shows such a place between two times. An even number of changes stays unseen. At
+    such a place the matrices of vibrations are infinite, and interpolation in time does not show this. Raises
+    AnalysisError: singular_configuration, with the first times.
     """
     model, top = motion.model, motion.model.topology
     if not is_concrete((model, motion.x, motion.near)) or top.e.given.shape[0] != top.x.dependent.shape[0]:

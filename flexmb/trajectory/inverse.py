@@ -158,7 +158,7 @@ def inverse_dynamics(
             closed curve between two times is not seen.
         driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, equally many. None:
             those without stiffness, or all, if their number fits.
-        inputs: Names of the inputs that drive, as many as driven degrees of freedom; the others are zero. None: all.
+        inputs: Names of the driving inputs, one for each driven degree of freedom; other inputs are zero. None: all.
         throw: Raise if there is no such motion; otherwise the code is in ``result``.
 
     Returns:
@@ -307,7 +307,7 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
 
 
 def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[str] | None) -> list[int]:
-    """Driven degrees of freedom, as places in q: those in the trajectory, and those that follow other laws."""
+    """Driven degrees of freedom as indices in q: driven by the trajectory, and driven by other laws."""
     top, names = model.topology, model.q_labels
     x_dof, e_dof = np.asarray(top.x.dof).tolist(), np.asarray(top.e.dof).tolist()
     own, followed = [], []
@@ -364,7 +364,7 @@ def _stiff(model: Model) -> set[int]:
 
 
 def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> list[int]:
-    """Inputs to be computed, as many as driven degrees of freedom."""
+    """Inputs to be computed, one for each driven degree of freedom."""
     names = [signal.name for signal in model.labels.inputs]
     if inputs is None:
         chosen = [i for i, signal in enumerate(model.labels.inputs) if signal.quantity not in ORDERS]

@@ -55,7 +55,7 @@ class Law(Result, Record):
         xp: Any = np if is_concrete((self, t)) else jnp
         breaks, coefficients, t = (xp.asarray(own, float) for own in (self.breaks, self.coefficients, t))
         piece = xp.clip(xp.searchsorted(breaks, t, side="right") - 1, 0, coefficients.shape[0] - 1)
-        # At the ends themselves derivatives are those of the pieces; beyond them there is no motion.
+        # At the ends, the pieces determine the derivatives. Beyond the ends there is no motion.
         beyond = xp.where(t < breaks[0], breaks[0], breaks[-1])
         inside = (t >= breaks[0]) & (t <= breaks[-1])
         since = xp.where(inside, t, beyond) - breaks[piece]
@@ -63,7 +63,7 @@ class Law(Result, Record):
 
     @property
     def shape_of_value(self) -> tuple[int, ...]:
-        """Shape of the value: that of the coefficients of one power."""
+        """Shape of the value: the shape of the coefficients of one power."""
         return np.shape(self.coefficients)[2:]
 
     @property

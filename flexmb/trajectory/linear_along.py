@@ -136,7 +136,7 @@ class TimeVarying(Result, Record):
         """Outputs and states over time, as arrays that can be differentiated.
 
         Args:
-            times: Ascending, within those of the system, (k,) [s].
+            times: Ascending, within the times of the system, (k,) [s].
             u: Inputs at these times, linear in between: (n_u, k), or (k,) for a single input, or a dictionary of (k,)
                 by name with all others zero; None: all zero.
             initial: States at the first time, (n_z,); None: zero.
@@ -147,7 +147,7 @@ class TimeVarying(Result, Record):
             Outputs, (n_y, k), and states, (n_z, k), as deviations from the motion.
 
         Raises:
-            ValueError: Times lie outside of those of the system, or sizes do not agree.
+            ValueError: Times are outside the times of the system, or sizes do not agree.
 
         Warns:
             FlexmbWarning: The error does not reach ``rtol``.

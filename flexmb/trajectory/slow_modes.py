@@ -43,8 +43,8 @@ def slow_modes(
 ) -> SlowModes:
     """Shapes near the lowest modes that change with time as slowly as the mechanism.
 
-    One set of common shapes has most in common with the lowest modes at several instants. At each time the static
-    response of all others is added. So modes need no tracking, signs do not matter, and frequencies may cross.
+    One set of common shapes approximates the lowest modes at several instants best. At each time the static response
+    of all other shapes is added. So modes need no tracking, signs do not matter, and frequencies may cross.
     Derivatives treat the common shapes, modes of the symmetric part of the stiffness, as constant.
     Source: THEORY.md 14, eq. (14.24).
     """

@@ -231,7 +231,7 @@ def perturbation(
             them matrices and forces are cubic splines.
         q: Deviation of the degrees of freedom at the first time, (n_q,) [m, rad]; None: zero.
         qd: Its rate, (n_q,) [1/s]; None: zero.
-        u: Inputs beside those of the nominal motion, at its times, (n_t, n_u) [N, N m]; None: none.
+        u: Inputs in addition to the inputs of the nominal motion, at its times, (n_t, n_u) [N, N m]; None: none.
         held: Names of degrees of freedom that follow the nominal motion exactly, as with a stiff servo.
         modes: Number of slowly varying modes to integrate; None: all degrees of freedom. The rest responds
             quasi-statically.
