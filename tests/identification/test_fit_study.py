@@ -187,7 +187,8 @@ def test_a_universal_file(study, tmp_path):
     hertz = np.linspace(5.0, 15.0, 11)
     found = fm.frequency_response(guide(0.5e-3, 0.1), hertz, loss_factor=0.02)
     found.save(tmp_path / "frf.uff")
-    text = "[data.frf]\nresponse = true\nfile = 'frf.uff'\nrelative_deviation = 0.01\nloss_factor = 0.02\nlogarithmic = true\n"
+    text = "[data.frf]\nresponse = true\nfile = 'frf.uff'\nrelative_deviation = 0.01\nloss_factor = 0.02\n"
+    text += "logarithmic = true\n"
     study.write_text(of_data(text).replace(", prior = [0.1, 0.05]", ""))
     data = json.loads(call("fit", study, "--json", "-").stdout)
     assert data["status"] == "ok"
