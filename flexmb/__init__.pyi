@@ -17,6 +17,7 @@ from .compilation.by_meaning import jit as jit
 from .control.frequency_response import frequency_response as frequency_response
 from .control.state_space import to_statespace as to_statespace
 from .design.lean import lean as lean
+from .design.scatter import scatter as scatter
 from .design.sensitivities import sensitivities as sensitivities
 from .design.sweep import sweep as sweep
 from .design.tune import tune as tune

@@ -2620,9 +2620,9 @@ FAULTS = [
         "design/test_sensitivities.py -k table_is",
     ),
     Fault(
-        "design/sensitivities.py",
-        "(found.slopes * spread) ** 2",
-        "np.abs(found.slopes * spread)",
+        "design/tolerance.py",
+        "found.slopes * (found.slopes @ covariance)",
+        "np.abs(found.slopes * np.sqrt(np.diag(covariance)))",
         "design/test_sensitivities.py -k propagation",
     ),
     Fault(

@@ -138,7 +138,8 @@ def test_names_of_a_room_are_no_modules_of_it():
 
 
 def test_a_small_surface():
-    assert 50 <= len(offered("flexmb")) <= 75
+    # `scatter` and `compare` are questions of their own: how made mechanisms differ, and how two models do.
+    assert 50 <= len(offered("flexmb")) <= 77
 
 
 def test_no_two_classes_have_one_name():

@@ -129,27 +129,28 @@ def latin_hypercube(
 
 
 @checked
-def monte_carlo(
-    count: DesignCount, distributions: Mapping[str, Any] | None = None, /, *, seed: WholeFromZero = 0, **named: Any
-) -> Designs:
-    """Random designs, every dimension by itself.
+def monte_carlo(count: DesignCount, distributions: Any = None, /, *, seed: WholeFromZero = 0, **named: Any) -> Designs:
+    """Random designs: every dimension by itself, or by a joint distribution of ``fm.scatter``.
 
     Args:
         count: Number of designs.
         distributions: By name: lower and upper value of a uniform distribution [SI], or an object with ``rvs``, such
-            as ``scipy.stats.norm(0.5e-3, 5e-6)``.
+            as ``scipy.stats.norm(0.5e-3, 5e-6)``. Or a Scatter of :func:`flexmb.scatter`.
         seed: Seed of the random numbers.
-        named: Distributions as keywords.
+        named: Distributions as keywords; with a Scatter the nominal values of the dimensions [SI].
 
     Returns:
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite, or there are more than ten million designs.
+        ValueError: Bounds are empty or not finite, there are more than ten million designs, or a dimension that
+            scatters has no nominal value.
 
     Source:
-        Independent samples.
+        Independent samples; correlated by a Gaussian copula with a Scatter.
     """
+    if hasattr(distributions, "draw"):
+        return distributions.draw(count, named, seed)
     rng, drawn = np.random.default_rng(seed), {}
     for name, given in _together(distributions, named).items():
         if hasattr(given, "rvs"):

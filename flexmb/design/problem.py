@@ -146,7 +146,7 @@ def make_problem(
                 names.append(labels[place] if what in ("target", "value") else f"{labels[place]} ({what} {v:g})")
         return Rows(np.array(matrix).reshape(-1, len(start)), np.array(right), tuple(names))
 
-    pairs = [(name, *_limits(name, shapes[name], pair)) for name, pair in limits.items()]
+    pairs = [(name, *limits_of(name, shapes[name], pair)) for name, pair in limits.items()]
     below = [(n, upper, 1.0, "upper limit") for n, _, upper in pairs if upper is not None]
     above = [(n, lower, -1.0, "lower limit") for n, lower, _ in pairs if lower is not None]
     return TuningProblem(
@@ -183,7 +183,7 @@ def _entries(name: str, shape: tuple[int, ...], value: Any, what: str) -> np.nda
         raise ValueError(f"The {what} of '{name}' {wanted}, but is {clean(repr(value))}.") from None
 
 
-def _limits(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
+def limits_of(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
     """Lower and upper limit of an answer, None for no limit."""
     try:
         if isinstance(pair, str):

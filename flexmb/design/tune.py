@@ -3,14 +3,15 @@
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple
+from functools import partial
+from typing import Annotated, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import ByName, Count, Positive, WholeFromZero, checked
+from ..arguments import ByName, Count, Positive, WholeFromZero, check_whole, checked
 from ..compilation.by_meaning import jit
 from ..compilation.compile import unguarded
 from ..errors import AnalysisError, clean, first_line, warn
@@ -36,8 +37,10 @@ from .lockstep import in_lockstep
 from .possible import refusal
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
+from .scatter import Scatter
 from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
+from .statistics import SampledDesign, sampled_of
 from .tuned import Combination, Tuned
 
 # Names in a history beside dimensions and answers.
@@ -59,6 +62,9 @@ def tune(
     limits: Mapping[str, Any] | None = None,
     equal: Mapping[str, Any] | None = None,
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
+    scatter: Scatter | None = None,
+    samples: Annotated[int, partial(check_whole, least=8)] = 128,
+    acceptable: Mapping[str, Any] | None = None,
     optimizer: Any = None,
     starts: Count = 1,
     together: Count = 1,
@@ -91,6 +97,13 @@ def tune(
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
+        scatter: Scatter of the dimensions and of further arguments of ``build``, of :func:`flexmb.scatter`. Then
+            `minimize`, `maximize`, `targets`, `limits` and `equal` accept statistics of made mechanisms too, by texts:
+            "mean mass", "deviation mass", "percentile 95 mass", and "yield", the share that is ``acceptable``. The name
+            of an answer alone is its nominal value.
+        samples: Number of made mechanisms of each design. All designs have the same random numbers.
+        acceptable: Lower and upper limit of answers that define the yield, by name, None for no limit. The search
+            blurs the limits, so that the yield has a derivative; :func:`flexmb.design.robustness` counts.
         optimizer: Optimiser of optax, whose steps are projected onto the bounds; or for targets alone a least-squares
             solver of optimistix. By default scipy's L-BFGS-B, and for targets alone its trust-region reflective
             method, which keep bounds exactly.
@@ -111,8 +124,9 @@ def tune(
         Objectives of all combinations are relative to the answers at the start of the first one with answers.
 
     Raises:
-        ValueError: There are too many combinations, bounds are empty, the start is outside the bounds, a name is
-            unknown, no wanted answer depends on a dimension, or answers are not finite at the start.
+        ValueError: A statistic is asked for without ``scatter``, or "yield" without ``acceptable``; there are too many
+            combinations, bounds are empty, the start is outside the bounds, a name is unknown, no wanted answer depends
+            on a dimension, or answers are not finite at the start.
         AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails.
 
     Warns:
@@ -125,8 +139,12 @@ def tune(
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
-    check_dimensions(build, (*layout.names, *options))
-    check_names((*layout.names, *options), tuple(functions), RESERVED)
+    asked = [name for name in (minimize, maximize) if name is not None]
+    asked += [name for what in (targets, limits, equal) for name in what or ()]
+    sampled = sampled_of(scatter, samples, seed, asked, functions, layout.names, acceptable)
+    further = () if sampled is None else tuple(name for name in sampled.further if name not in layout.names)
+    check_dimensions(build, (*layout.names, *further, *options))
+    check_names((*layout.names, *further, *options), tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
@@ -136,7 +154,7 @@ def tune(
     wanted = {"minimize": minimize, "maximize": maximize}
     wanted |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
     counts = starts, together, seed, tolerance, max_evaluations
-    question = _Question(functions, scaling, first, wanted, optimizer, *counts, progress)
+    question = _Question(functions, scaling, first, wanted, optimizer, *counts, progress, sampled)
     if options:
         found = _best_combination(question, build, options)
     else:
@@ -160,6 +178,7 @@ class _Question(NamedTuple):
     tolerance: float
     max_evaluations: int
     progress: Any
+    sampled: SampledDesign | None
 
 
 class _StartError(ValueError):
@@ -272,8 +291,15 @@ def _searched(
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
     """The kernel of a question, and the order of its answers."""
     scaling, layout = q.scaling, q.scaling.layout
-    models = build_once(build, layout.split(q.first))
-    function, of_answers = flat_function(build, q.functions, layout, models)
+    further: dict[str, Any] = {}
+    if q.sampled is not None:
+        further = {name: value for name, value in q.sampled.further.items() if name not in layout.names}
+    models = build_once(build, {**layout.split(q.first), **further})
+    if q.sampled is None:
+        function, of_answers = flat_function(build, q.functions, layout, models)
+    else:
+        function, of_answers = q.sampled.function(build, q.functions, layout, models)
+        build = functools.partial(build, **further)
     of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
 
     def of_unit(unit: Float[Array, "n"]):

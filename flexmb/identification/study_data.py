@@ -208,7 +208,7 @@ def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.n
             raise ValueError(first_line(fault).replace(clean(path), clean(path.name))) from fault
         several = len(found.outputs) * len(found.inputs) > 1
         names = (entry.get("output"), entry.get("input")) if several else (None, None)
-        response = np.asarray(found.of(*names))
+        response: Any = np.asarray(found.of(*names))
     return {"hertz": np.asarray(found.hertz), "real": response.real, "imaginary": response.imag}
 
 

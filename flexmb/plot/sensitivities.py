@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..design.sensitivities import Sensitivities, Tolerances
+from ..design.sensitivities import Sensitivities
+from ..design.tolerance import Tolerances
 from .canvas import plain_axes
 
 

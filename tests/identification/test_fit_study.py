@@ -1,6 +1,7 @@
 """Fits in a file: the same numbers as in Python, three sources of data, and one line for each fault."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -143,7 +144,7 @@ def of_data(text):
 
 def test_a_table_a_response_and_a_function(study, tmp_path):
     hertz = np.linspace(5.0, 15.0, 6)
-    response = np.asarray(fm.frequency_response(guide(0.5e-3, 0.1), hertz, loss_factor=0.02).of())
+    response: Any = np.asarray(fm.frequency_response(guide(0.5e-3, 0.1), hertz, loss_factor=0.02).of())
     rows = "\n".join(f"{f!r};{h.real!r};{h.imag!r}" for f, h in zip(hertz.tolist(), response.tolist(), strict=True))
     (tmp_path / "frf.csv").write_text(f"# measured on Monday\nHz;re;im\n{rows}\n")
     (tmp_path / "curve.csv").write_text("1e-3, 1.0\n2e-3, 2.0\n3e-3, 3.0\n")
@@ -176,7 +177,7 @@ label = "stroke [m]"
         np.testing.assert_allclose(curve.values, [1, 2, 3])
         np.testing.assert_allclose(curve.over, [1e-3, 2e-3, 3e-3])
         made = read.build(t=0.5e-3, m=0.1)
-        np.testing.assert_allclose(frf.answer(made, loss=0.02), 1.5 * frf.values, rtol=1e-9)
+        np.testing.assert_allclose(frf.answer(made, loss=0.02), 1.5 * np.asarray(frf.values), rtol=1e-9)
         expected = stiffness(0.5e-3) * curve.over + 0.1
         np.testing.assert_allclose(curve.answer(made), expected, rtol=1e-3)
 
@@ -187,8 +188,8 @@ def test_a_universal_file(study, tmp_path):
     hertz = np.linspace(5.0, 15.0, 11)
     found = fm.frequency_response(guide(0.5e-3, 0.1), hertz, loss_factor=0.02)
     found.save(tmp_path / "frf.uff")
-    text = "[data.frf]\nresponse = true\nfile = 'frf.uff'\nrelative_deviation = 0.01\nloss_factor = 0.02\n"
-    text += "logarithmic = true\n"
+    text = "[data.frf]\nresponse = true\nfile = 'frf.uff'\nrelative_deviation = 0.01\n"
+    text += "loss_factor = 0.02\nlogarithmic = true\n"
     study.write_text(of_data(text).replace(", prior = [0.1, 0.05]", ""))
     data = json.loads(call("fit", study, "--json", "-").stdout)
     assert data["status"] == "ok"

@@ -6,7 +6,8 @@ import pytest
 
 import flexmb as fm
 from flexmb import plot
-from flexmb.design.sensitivities import Sensitivities, Tolerances
+from flexmb.design.sensitivities import Sensitivities
+from flexmb.design.tolerance import Tolerances
 from flexmb.design.tuned import Tuned
 
 mpl.use("Agg")

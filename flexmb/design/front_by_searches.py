@@ -1,0 +1,89 @@
+"""Pareto front of two criteria of a design, such as a nominal value against a percentile, by searches."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arguments import ByName, check_whole, checked
+from ..errors import AnalysisError, clean, warn
+from ..results import RESULTS
+from .designs import Designs
+from .evaluate import Answers, Build
+from .swept import Front, Sweep
+from .tune import tune
+from .tuned import Tuned
+
+
+@checked
+def robust_front(
+    build: Build,
+    answers: Answers,
+    dimensions: ByName,
+    bounds: ByName,
+    *,
+    minimize: str,
+    against: str,
+    points: Annotated[int, partial(check_whole, least=2)] = 8,
+    limits: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> Front:
+    """Designs that no other design beats in two criteria, by searches with derivatives.
+
+    The two ends minimise one criterion each. Between them, each point minimises the first criterion with an upper limit
+    on the second one.
+
+    Args:
+        build: See :func:`flexmb.tune`.
+        answers: See :func:`flexmb.tune`.
+        dimensions: Start, by name [SI].
+        bounds: Lower and upper value by name [SI].
+        minimize: First criterion: name of an answer, or a statistic such as "percentile 95 mass".
+        against: Second criterion, to be small too. Write an answer with a minus sign for what is to be large.
+        points: Number of points.
+        limits: Limits of other answers and statistics.
+        options: Other arguments of :func:`flexmb.tune`, such as ``scatter``, ``samples`` and ``starts``.
+
+    Returns:
+        Front over the designs that were found. Its sweep has all answers and statistics of the searches.
+
+    Raises:
+        ValueError: The criteria are the same, or one of them has a limit. As :func:`flexmb.tune` raises.
+        AnalysisError: An end of the front was not found.
+
+    Warns:
+        FlexmbWarning: Points between the ends were not found, and are left out.
+
+    Source:
+        Epsilon-constraint method: Haimes, Lasdon, Wismer 1971.
+    """
+    if minimize == against:
+        raise ValueError(f"The front needs two different criteria, not '{clean(minimize)}' twice.")
+    for name in (minimize, against):
+        if name in (limits or {}):
+            raise ValueError(f"'{clean(name)}' is a criterion of the front and has a limit. Leave one of them out.")
+    both: dict[str, Any] = {minimize: (None, np.inf), against: (None, np.inf), **(limits or {})}
+
+    def searched(criterion: str, start: Mapping[str, Any], **more: Any) -> Tuned:
+        wanted = {**both, **more}
+        return tune(build, answers, start, bounds, minimize=criterion, limits=wanted, throw=False, **options)
+
+    ends = [searched(criterion, dimensions) for criterion in (minimize, against)]
+    for criterion, end in zip((minimize, against), ends, strict=True):
+        if end.result is not RESULTS.successful:
+            raise AnalysisError(end.result.name, f"The least '{criterion}' was not found. {end.reason}")
+    found, missed = [ends[0]], 0
+    for level in np.linspace(ends[0].answers[against], ends[1].answers[against], points)[1:-1]:
+        one = searched(minimize, found[-1].dimensions, **{against: (None, float(level))})
+        if one.result is RESULTS.successful:
+            found.append(one)
+        else:
+            missed += 1
+    if missed:
+        warn(f"Of {points} points of the front {missed} were not found and are left out. Give more `starts`.")
+    found.append(ends[1])
+    designs = Designs({name: np.stack([np.asarray(one.dimensions[name]) for one in found]) for name in dimensions})
+    values = {name: np.stack([np.asarray(one.answers[name]) for one in found]) for name in found[0].answers}
+    whole = Sweep(designs, values, np.zeros(len(found), np.int32), {})
+    return whole.pareto(minimize=[minimize, against])

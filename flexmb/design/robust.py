@@ -1,0 +1,228 @@
+"""Robustness of a design: yield, percentiles and worst cases of its answers over many made mechanisms."""
+
+import dataclasses
+from collections.abc import Mapping
+from functools import partial
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from ..arguments import Count, WholeFromZero, check_number, check_whole, checked
+from ..display import Result, Summary, short
+from ..errors import clean, warn
+from ..results import ANSWERED
+from .designs import MOST
+from .evaluate import Answers, Build, named_answers
+from .problem import limits_of
+from .scatter import Scatter, nominal_values
+from .sweep import sweep
+from .swept import Sweep
+
+# Percentiles of a summary.
+SHOWN = (5.0, 50.0, 95.0)
+
+
+class Estimate(NamedTuple):
+    """A number of many made mechanisms, estimated from random ones.
+
+    Attributes:
+        value: Estimate.
+        lower, upper: Confidence interval.
+    """
+
+    value: float
+    lower: float
+    upper: float
+
+    def __str__(self) -> str:
+        return f"{short(self.value)} ({short(self.lower)} to {short(self.upper)})"
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Robustness(Result):
+    """Answers of many made mechanisms of one design.
+
+    Attributes:
+        nominal: Answers of the nominal design, by name [their units].
+        limits: Lower and upper limit by name, None for no limit.
+        fraction: Yield: share of mechanisms that have answers and keep all limits [-], as an Estimate.
+        fractions: Share that keeps the limits of one answer [-], an Estimate by name.
+        samples: Sweep of the mechanisms.
+        level: Of the confidence intervals [-].
+    """
+
+    nominal: dict[str, np.ndarray]
+    limits: dict[str, tuple[Any, Any]]
+    fraction: Estimate
+    fractions: dict[str, Estimate]
+    samples: Sweep
+    level: float
+
+    def percentile(self, name: str, percent: float) -> Estimate:
+        """Return a percentile of one number of an answer.
+
+        Args:
+            name: Name of an answer, or of an entry as "frequencies[0]".
+            percent: Share of mechanisms with a smaller or equal answer, 0 to 100 [%].
+
+        Returns:
+            Estimate; an end of its interval is infinite where the samples do not reach it [unit of the answer].
+
+        Raises:
+            KeyError: There is no such answer.
+            ValueError: The answer has several numbers, or the percentage is not between 0 and 100.
+
+        Source:
+            Intervals by order statistics, free of a distribution: Conover 1999, 3.2.
+        """
+        from scipy.stats import binom
+
+        share = check_number("percent", percent, least=0, most=100) / 100
+        values = np.sort(self._known(name))
+        lower, upper = binom.ppf([(1 - self.level) / 2, (1 + self.level) / 2], len(values), share)
+        ends = np.concatenate([[-np.inf], values, [np.inf]])
+        ends = ends[int(lower)], ends[min(int(upper) + 1, len(values) + 1)]
+        return Estimate(float(np.quantile(values, share)), float(ends[0]), float(ends[1]))
+
+    def mean(self, name: str) -> Estimate:
+        """Return the mean of one number of an answer.
+
+        Args:
+            name: As of :meth:`percentile`.
+        """
+        from scipy.stats import norm
+
+        values = self._known(name)
+        width = norm.ppf((1 + self.level) / 2) * np.std(values, ddof=1) / np.sqrt(len(values))
+        return Estimate(float(np.mean(values)), float(np.mean(values) - width), float(np.mean(values) + width))
+
+    def deviation(self, name: str) -> float:
+        """Return the standard deviation of one number of an answer [its unit].
+
+        Args:
+            name: As of :meth:`percentile`.
+        """
+        return float(np.std(self._known(name), ddof=1))
+
+    def worst(self, name: str) -> tuple[tuple[float, dict[str, Any]], tuple[float, dict[str, Any]]]:
+        """Return the lowest and the highest value among the samples, each with the parameters of its mechanism.
+
+        Args:
+            name: As of :meth:`percentile`.
+        """
+        column = np.where(np.isin(self.samples.codes, ANSWERED), self.samples.column(name), np.nan)
+        rows = int(np.nanargmin(column)), int(np.nanargmax(column))
+        low, high = (
+            (float(column[row]), {own: values[row] for own, values in self.samples.designs.items()}) for row in rows
+        )
+        return low, high
+
+    def _known(self, name: str) -> np.ndarray:
+        return self.samples.column(name)[np.isin(self.samples.codes, ANSWERED)]
+
+    def summary(self) -> Summary:
+        """Return the yield, and percentiles of each answer."""
+        rows = {}
+        if self.limits:
+            rows["yield"] = _in_percent(self.fraction)
+            rows |= {f"within limits of {name}": _in_percent(one) for name, one in self.fractions.items()}
+        for name, values in self.samples.answers.items():
+            if values.ndim == 1:
+                parts = ", ".join(short(self.percentile(name, percent).value) for percent in SHOWN)
+                nominal = short(float(self.nominal[name]))
+                rows[name] = f"{parts} (percentiles 5, 50, 95), nominal {nominal}"
+        return Summary(f"Robustness over {len(self.samples.codes)} mechanisms", rows, "sweep")
+
+
+def _in_percent(share: Estimate) -> str:
+    return f"{100 * share.value:.4g} % ({100 * share.lower:.4g} to {100 * share.upper:.4g} %)"
+
+
+@checked
+def robustness(
+    build: Build,
+    answers: Answers,
+    dimensions: Mapping[str, Any],
+    scatter: Scatter,
+    *,
+    limits: Mapping[str, Any] | None = None,
+    samples: Annotated[int, partial(check_whole, least=2, most=MOST)] = 100_000,
+    seed: WholeFromZero = 0,
+    level: float = 0.95,
+    chunk: Count = 1024,
+    together: Count = 1,
+    progress: Any = False,
+) -> Robustness:
+    """Yield, percentiles and worst cases of a design whose parameters scatter.
+
+    Args:
+        build: Function of the dimensions and of the parameters that scatter, by name, that returns a model.
+        answers: See :func:`flexmb.sweep`.
+        dimensions: Nominal dimensions by name [SI].
+        scatter: Of :func:`flexmb.scatter`.
+        limits: Lower and upper value by name of an answer, None for no limit. A mechanism outside is no good.
+        samples: Number of random mechanisms.
+        seed: Seed of the random numbers.
+        level: Of the confidence intervals [-].
+        chunk: See :func:`flexmb.sweep`.
+        together: See :func:`flexmb.sweep`.
+        progress: See :func:`flexmb.sweep`.
+
+    Returns:
+        Robustness. A mechanism without answers is no good for the yield, and is left out of percentiles.
+
+    Raises:
+        ValueError: A parameter has no nominal value, a limit belongs to no answer or is empty, the level is not between
+            0 and 1, or fewer than two mechanisms have answers. As :func:`flexmb.sweep` raises.
+
+    Warns:
+        FlexmbWarning: Some mechanisms have no answers.
+
+    Source:
+        Yield: exact binomial interval, Clopper, Pearson 1934.
+    """
+    check_number("level", level, above=0, most=1 - 1e-9)
+    values = nominal_values(scatter, dimensions)
+    names = list(named_answers(answers))
+    for name in limits or {}:
+        if name not in names:
+            raise ValueError(f"Limits of '{clean(name)}': there is no such answer ({', '.join(names)}).")
+    nominal = sweep(build, answers, {name: value[None] for name, value in values.items()})
+    ran = sweep(
+        build,
+        answers,
+        scatter.draw(samples, dimensions, seed),
+        chunk=chunk,
+        together=together,
+        progress=progress,
+    )
+    answered = np.isin(ran.codes, ANSWERED)
+    if np.sum(answered) < 2:
+        raise ValueError(f"Fewer than two of {samples} mechanisms have answers: {ran.failures()}.")
+    if not np.all(answered):
+        warn(f"Of {samples} mechanisms {np.sum(~answered)} have no answers ({ran.failures()}). None of them is good.")
+    kept = {name: answered & _within(name, ran.answers[name], pair) for name, pair in (limits or {}).items()}
+    good = np.logical_and.reduce(list(kept.values())) if kept else answered
+    fractions = {name: _share(rows, level) for name, rows in kept.items()}
+    at_rest = {name: array[0] for name, array in nominal.answers.items()}
+    return Robustness(at_rest, dict(limits or {}), _share(good, level), fractions, ran, level)
+
+
+def _within(name: str, values: np.ndarray, pair: Any) -> np.ndarray:
+    """Which designs keep the limits of an answer in all entries, (designs,)."""
+    lower, upper = limits_of(name, values.shape[1:], pair)
+    rows = values.reshape(len(values), -1)
+    fine = np.ones(rows.shape, bool)
+    if lower is not None:
+        fine &= rows >= np.broadcast_to(lower, values.shape[1:]).ravel()
+    if upper is not None:
+        fine &= rows <= np.broadcast_to(upper, values.shape[1:]).ravel()
+    return np.all(fine, axis=1)
+
+
+def _share(good: np.ndarray, level: float) -> Estimate:
+    from scipy.stats import binomtest
+
+    count, total = int(np.sum(good)), len(good)
+    interval = binomtest(count, total).proportion_ci(level, method="exact")
+    return Estimate(count / total, float(interval.low), float(interval.high))

@@ -1,0 +1,279 @@
+"""Scatter of the parameters of made mechanisms: distributions about nominal values, and their correlation."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..display import Result, Summary, short
+from ..errors import clean
+from .designs import Designs, numbers
+from .evaluate import Layout, layout_of
+
+KINDS = ("normal", "lognormal", "uniform", "triangular")
+# Largest probability whose quantile is finite: the largest number below 1.
+LARGEST_SHARE = 1 - 2.0**-53
+# Range and number of standard normal scores at which moments are integrated, and terms of Mehler's series.
+SCORES, POINTS, TERMS = 8.5, 20_001, 40
+
+
+@dataclasses.dataclass(frozen=True)
+class Spread:
+    """Distribution of one parameter about its nominal value.
+
+    Attributes:
+        kind: One of KINDS, or "own" for an object with ``ppf``.
+        sizes: Numbers of the distribution, one or two.
+        own: Object with ``ppf``, of deviations from the nominal value.
+    """
+
+    kind: str
+    sizes: tuple[float, ...] = ()
+    own: Any = None
+
+    @property
+    def relative(self) -> bool:
+        """Whether the nominal value is multiplied, in place of a deviation added."""
+        return self.kind == "lognormal"
+
+    def of_scores(self, scores: np.ndarray) -> np.ndarray:
+        """Deviations [SI], or relative deviations, of standard normal scores."""
+        from scipy.special import ndtr
+
+        if self.kind == "normal":
+            return self.sizes[0] * scores
+        if self.kind == "lognormal":
+            return np.expm1(self.sizes[0] * scores)
+        below, share = ndtr(scores), ndtr(-scores)
+        if self.kind == "own":
+            return np.asarray(self.own.ppf(np.clip(below, 1e-300, LARGEST_SHARE)), float)
+        lower, upper = self.sizes
+        width = upper - lower
+        if self.kind == "uniform":
+            return lower + width * below
+        # The nominal value is the most probable one.
+        rising = lower + np.sqrt(below * width * -lower)
+        falling = upper - np.sqrt(share * width * upper)
+        return np.where(below * width < -lower, rising, falling)
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Scatter(Result):
+    """Joint distribution of parameters about their nominal values. Make one with :func:`scatter`.
+
+    Attributes:
+        spreads: Distribution by name of a parameter; every entry of an array has it, independently.
+        correlation: Correlation of the normal scores of two parameters, by their names [-].
+        nominal: Nominal values of parameters that are no dimensions of the design, by name [SI].
+    """
+
+    spreads: dict[str, Spread]
+    correlation: dict[tuple[str, str], float]
+    nominal: dict[str, np.ndarray]
+
+    def summary(self) -> Summary:
+        """Return the distribution of each parameter, and the correlations."""
+        rows = {}
+        for name, one in self.spreads.items():
+            about = f" about {short(float(self.nominal[name]))}" if np.ndim(self.nominal.get(name, [0])) == 0 else ""
+            sizes = " to ".join(short(size) for size in one.sizes) if one.own is None else type(one.own).__name__
+            rows[name] = f"{one.kind} {sizes}{about}"
+        rows |= {f"correlation of {a} and {b}": f"{value:g}" for (a, b), value in self.correlation.items()}
+        return Summary(f"Scatter of {len(self.spreads)} parameters", rows)
+
+    def draw(self, count: int, dimensions: Mapping[str, Any], seed: int = 0) -> Designs:
+        """Random designs about nominal dimensions.
+
+        Args:
+            count: Number of designs.
+            dimensions: Nominal values by name [SI]; those in ``nominal`` may be left out.
+            seed: Seed of the random numbers.
+
+        Returns:
+            Designs, with all dimensions and all parameters that scatter.
+
+        Raises:
+            ValueError: A parameter has no nominal value, or the correlations contradict each other.
+        """
+        values = nominal_values(self, dimensions)
+        layout = layout_of(values)
+        scores = np.random.default_rng(seed).standard_normal((count, sum(layout.sizes)))
+        added, factor = applied(self, scores, layout)
+        return Designs(layout.stacked(layout.join(values) * factor + added))
+
+
+def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Nominal values of the dimensions, and of the parameters that only scatter; ValueError if one is missing."""
+    values = {name: numbers(f"Dimension '{name}'", value) for name, value in dimensions.items()}
+    values |= {name: value for name, value in scatter.nominal.items() if name not in values}
+    for name in scatter.spreads:
+        if name not in values:
+            raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")
+    return values
+
+
+def even_scores(count: int, layout: Layout, seed: int) -> Float[np.ndarray, "count n"]:
+    """Independent standard normal scores that cover each distribution evenly (Latin hypercube)."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    cube = qmc.LatinHypercube(sum(layout.sizes), rng=np.random.default_rng(seed)).random(count)
+    return ndtri(np.clip(cube, 1e-16, 1 - 1e-16))
+
+
+def applied(scatter: Scatter, scores: np.ndarray, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """What is added to the parameters, and by what they are multiplied before, (count, n), from scores, (count, n).
+
+    The scores are independent; the copula correlates them.
+    """
+    correlated = scores @ correlation_root(scatter, layout).T
+    added, factor = np.zeros(scores.shape), np.ones(scores.shape)
+    for i, one in enumerate(by_label(scatter, layout)):
+        if one is not None:
+            deviation = one.of_scores(correlated[:, i])
+            (factor if one.relative else added)[:, i] += deviation
+    return added, factor
+
+
+def by_label(scatter: Scatter, layout: Layout) -> list[Spread | None]:
+    """Distribution of each entry of the parameters, None for those that do not scatter."""
+    found: list[Spread | None] = []
+    for name, size in zip(layout.names, layout.sizes, strict=True):
+        found += [scatter.spreads.get(name)] * size
+    return found
+
+
+def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n"]:
+    """Lower triangular factor of the correlation matrix of the normal scores."""
+    labels, spreads = layout.labels, by_label(scatter, layout)
+    matrix = np.eye(len(labels))
+    for pair, value in scatter.correlation.items():
+        for name in pair:
+            if name not in labels:
+                entries = " Name an entry, such as 'height[0]'." if name in layout.names else ""
+                raise ValueError(f"Correlation of '{clean(name)}': there is no such parameter.{entries}")
+            if spreads[labels.index(name)] is None:
+                raise ValueError(f"Correlation of '{clean(name)}': it has no scatter.")
+        i, j = map(labels.index, pair)
+        matrix[i, j] = matrix[j, i] = value
+    try:
+        return np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        raise ValueError("The correlations contradict each other: their matrix is not positive definite.") from None
+
+
+def moments(scatter: Scatter, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Mean deviation from the nominal values, (n,), and covariance, (n, n) [SI].
+
+    Source:
+        Mehler's series: E[He_k(x) He_l(y)] = delta_kl k! r^k for normal x, y of correlation r.
+    """
+    layout = layout_of(values)
+    point = layout.join(values)
+    scores = np.linspace(-SCORES, SCORES, POINTS)
+    weight = np.exp(-(scores**2) / 2)
+    weight /= np.sum(weight)
+    # Orthonormal Hermite polynomials by their recurrence.
+    basis = np.empty((TERMS, POINTS))
+    basis[0], basis[1] = 1.0, scores
+    for k in range(1, TERMS - 1):
+        basis[k + 1] = (scores * basis[k] - np.sqrt(k) * basis[k - 1]) / np.sqrt(k + 1)
+    n = len(point)
+    series, variances = np.zeros((n, TERMS)), np.zeros(n)
+    for i, one in enumerate(by_label(scatter, layout)):
+        if one is not None:
+            deviation = one.of_scores(scores) * (point[i] if one.relative else 1.0)
+            series[i] = basis @ (weight * deviation)
+            variances[i] = weight @ deviation**2 - series[i, 0] ** 2
+    root = correlation_root(scatter, layout)
+    correlation = root @ root.T
+    powers = correlation[:, :, None] ** np.arange(1, TERMS)
+    covariance = np.einsum("ik,jk,ijk->ij", series[:, 1:], series[:, 1:], powers)
+    np.fill_diagonal(covariance, variances)
+    return series[:, 0], covariance
+
+
+def scatter(
+    distributions: Mapping[str, Any],
+    *,
+    correlation: Mapping[tuple[str, str], float] | None = None,
+    nominal: Mapping[str, Any] | None = None,
+) -> Scatter:
+    """Scatter of the parameters of made mechanisms about their nominal values.
+
+    Args:
+        distributions: By name of a dimension or another argument of ``build``. A number is the standard deviation of a
+            normal distribution [SI]. Otherwise a tuple:
+
+            - ``("normal", deviation)``;
+            - ``("lognormal", deviation)``: the nominal value is the median, and the deviation belongs to its natural
+              logarithm [-];
+            - ``("uniform", width)`` or ``("uniform", lower, upper)``: deviations within plus and minus the width, or
+              from the lower (negative) to the upper (positive) one [SI];
+            - ``("triangular", width)`` or ``("triangular", lower, upper)``: the same, most probable at the nominal
+              value.
+
+            Or an object with ``ppf``, such as a distribution of ``scipy.stats``, of deviations from the nominal value.
+        correlation: By pair of names, such as ``{("left", "right"): 0.9}``: correlation of the normal scores of two
+            parameters, -1 to 1 (Gaussian copula). For two normal distributions it is their correlation.
+        nominal: Nominal values of scattering parameters that are no dimensions of the design, such as a modulus, by
+            name [SI].
+
+    Returns:
+        Scatter, which ``fm.design.monte_carlo``, ``fm.design.tolerances``, ``fm.design.robustness`` and ``fm.tune``
+        take. Every entry of an array scatters independently, unless a correlation names entries ("height[0]").
+
+    Raises:
+        ValueError: An unknown distribution, a deviation that is not positive, bounds that do not enclose the nominal
+            value, or a correlation that is not between -1 and 1, of one name, or of a parameter without scatter.
+
+    Source:
+        Gaussian copula: Nelsen 2006. x = F^-1(Phi(z)), with correlated standard normal scores z.
+    """
+    if not isinstance(distributions, Mapping) or not distributions:
+        raise ValueError("Give a dictionary of distributions by name of the parameter, at least one.")
+    spreads = {str(name): _spread(clean(name), given) for name, given in distributions.items()}
+    pairs: dict[tuple[str, str], float] = {}
+    for pair, value in (correlation or {}).items():
+        what = f"Correlation of {clean(repr(pair))}"
+        if not isinstance(pair, tuple) or len(pair) != 2 or pair[0] == pair[1]:
+            raise ValueError(f"{what}: name two different parameters, such as ('left', 'right').")
+        for name in pair:
+            if str(name).partition("[")[0] not in spreads:
+                raise ValueError(f"{what}: '{clean(name)}' has no scatter.")
+        number = numbers(what, value)
+        if number.shape or not -1 < number < 1:
+            raise ValueError(f"{what} is {value}. It must be a number between -1 and 1.")
+        if pair in pairs or pair[::-1] in pairs:
+            raise ValueError(f"{what} is given twice.")
+        pairs[pair] = float(number)
+    values = {name: numbers(f"Nominal value of '{clean(name)}'", value) for name, value in (nominal or {}).items()}
+    for name in values:
+        if name not in spreads:
+            raise ValueError(f"Nominal value of '{clean(name)}': it has no scatter. Give it to `build` itself.")
+    return Scatter(spreads, pairs, values)
+
+
+def _spread(name: str, given: Any) -> Spread:
+    if hasattr(given, "ppf"):
+        return Spread("own", (), given)
+    kind, *sizes = ("normal", given) if not isinstance(given, Sequence) or isinstance(given, str) else given
+    if kind not in KINDS:
+        raise ValueError(
+            f"Scatter of '{name}' must be a standard deviation, an object with ppf, or a tuple that begins with"
+            f" {', '.join(KINDS[:-1])} or {KINDS[-1]}, not {clean(repr(given))}."
+        )
+    found = numbers(f"Scatter of '{name}'", list(sizes)).ravel().tolist()
+    two = kind in ("uniform", "triangular")
+    if len(found) not in ((1, 2) if two else (1,)) or not np.all(np.isfinite(found)):
+        raise ValueError(f"Scatter of '{name}': {kind} takes {'one or two numbers' if two else 'one number'}.")
+    if two and len(found) == 2:
+        lower, upper = found
+        if not lower <= 0 <= upper or lower == upper:
+            raise ValueError(f"Scatter of '{name}': deviations from {lower:g} to {upper:g} must enclose zero.")
+        return Spread(kind, (lower, upper))
+    if not found[0] > 0:
+        raise ValueError(f"Scatter of '{name}' is {found[0]:g}. It must be positive.")
+    return Spread(kind, (-found[0], found[0]) if two else (found[0],))

@@ -1,0 +1,188 @@
+"""Statistics of the answers of a design whose parameters scatter, with derivatives by its nominal dimensions.
+
+The same random numbers serve all designs of a search, so that statistics are functions of the dimensions alone.
+"""
+
+import dataclasses
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..errors import clean
+from ..model.model import Model
+from ..results import worst_of
+from .evaluate import Build, Layout, flat_function, layout_of
+from .problem import limits_of
+from .scatter import Scatter, applied, even_scores
+
+YIELD = "yield"
+WORDS = r"(mean|deviation|percentile (\d+(?:\.\d+)?)) (.+)"
+
+
+class Statistic(NamedTuple):
+    """A statistic by its text.
+
+    Attributes:
+        kind: "mean", "deviation" or "percentile".
+        percent: Of a percentile.
+        answer: Name of the answer.
+    """
+
+    kind: str
+    percent: float
+    answer: str
+
+
+def statistic_of(text: str, answers: Mapping[str, Any]) -> Statistic | None:
+    """The statistic that a text such as "percentile 95 stress" names; None if it names none of an answer."""
+    found = re.fullmatch(WORDS, text)
+    if not found or found[3] not in answers:
+        return None
+    percent = float(found[2] or 0)
+    if found[2] and not 0 < percent < 100:
+        raise ValueError(f"'{clean(text)}': a percentile is between 0 and 100.")
+    return Statistic(found[1].split()[0], percent, found[3])
+
+
+@dataclasses.dataclass(frozen=True)
+class SampledDesign:
+    """The scatter of a search, and what is asked of it.
+
+    Attributes:
+        scatter: Joint distribution of the parameters.
+        count: Number of made mechanisms of each design.
+        seed: Seed of the random numbers.
+        statistics: Statistics by their texts.
+        acceptable: Lower and upper limit by name of an answer, for the yield.
+    """
+
+    scatter: Scatter
+    count: int
+    seed: int
+    statistics: dict[str, Statistic]
+    acceptable: dict[str, Any]
+
+    @property
+    def further(self) -> dict[str, np.ndarray]:
+        """Nominal values of parameters that are no dimensions."""
+        return self.scatter.nominal
+
+    def function(
+        self,
+        build: Build,
+        functions: Mapping[str, Callable[[Any], Any]],
+        layout: Layout,
+        models: list[Model],
+    ) -> tuple[Callable[[Any], Any], Layout]:
+        """Function from the dimensions to answers of the nominal design and statistics, and the layout of both."""
+        further = {name: value for name, value in self.further.items() if name not in layout.names}
+        whole = Layout((*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values())))
+        rest = layout_of(further).join(further)
+        inner, of_answers = flat_function(build, functions, whole, models)
+        scores = even_scores(self.count, whole, self.seed)
+        added, factor = applied(self.scatter, scores, whole)
+        # The first one is the nominal design.
+        added = np.concatenate([np.zeros((1, added.shape[1])), added])
+        factor = np.concatenate([np.ones((1, factor.shape[1])), factor])
+        shapes = dict(zip(of_answers.names, of_answers.shapes, strict=True))
+        acceptable = {name: limits_of(name, shapes[name], pair) for name, pair in self.acceptable.items()}
+
+        def function(flat: Float[Array, "n"]):
+            point = jnp.concatenate([flat, rest])
+            rows, codes = jax.lax.map(inner, point * factor + added)
+            values = of_answers.split(rows[1:].T)
+            found = [rows[0]]
+            found += [jnp.ravel(statistic_value(one, values[one.answer])) for one in self.statistics.values()]
+            if acceptable:
+                found.append(smooth_yield(values, acceptable)[None])
+            return jnp.concatenate(found), worst_of([codes])
+
+        names = (*of_answers.names, *self.statistics, *([YIELD] if acceptable else []))
+        sizes = (*of_answers.shapes, *(shapes[one.answer] for one in self.statistics.values()))
+        return function, Layout(names, (*sizes, *([()] if acceptable else [])))
+
+
+def sampled_of(
+    scatter: Scatter | None,
+    samples: int,
+    seed: int,
+    asked: Sequence[str],
+    answers: Mapping[str, Any],
+    dimensions: Sequence[str],
+    acceptable: Mapping[str, Any] | None,
+) -> SampledDesign | None:
+    """Scatter of a search and the statistics among the names that are asked for; None without scatter."""
+    statistics = {text: one for text in asked if isinstance(text, str) and (one := statistic_of(text, answers))}
+    statistics = {text: one for text, one in statistics.items() if text not in answers}
+    wants_yield = YIELD in asked and YIELD not in answers
+    if scatter is None:
+        if statistics or wants_yield or acceptable:
+            what = next(iter(statistics), YIELD if wants_yield else "acceptable")
+            raise ValueError(f"'{clean(what)}' is about made mechanisms. Give `scatter`, of fm.scatter(..).")
+        return None
+    if not isinstance(scatter, Scatter):
+        raise TypeError(f"Argument `scatter` must be of fm.scatter(..), but is {clean(repr(scatter))}.")
+    if wants_yield and not acceptable:
+        raise ValueError("The yield needs `acceptable`: limits of answers by name.")
+    if acceptable and YIELD in answers:
+        raise ValueError(f"Answer '{YIELD}' must have another name. The yield uses this one.")
+    for name in acceptable or {}:
+        if name not in answers:
+            raise ValueError(f"Acceptable '{clean(name)}': there is no such answer ({', '.join(answers)}).")
+    for name in scatter.spreads:
+        if name not in dimensions and name not in scatter.nominal:
+            raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")
+    return SampledDesign(scatter, samples, seed, statistics, dict(acceptable or {}))
+
+
+def statistic_value(asked: Statistic, values: Float[Array, "... samples"]) -> Float[Array, "..."]:
+    """A statistic over the last axis.
+
+    Source:
+        Percentiles: weighted means of order statistics, Harrell, Davis 1982. They are smooth where two samples change
+        places.
+    """
+    if asked.kind == "mean":
+        return jnp.mean(values, axis=-1)
+    if asked.kind == "deviation":
+        return _deviation(values)
+    from scipy.stats import beta
+
+    count, share = values.shape[-1], asked.percent / 100
+    places = beta.cdf(np.arange(count + 1) / count, (count + 1) * share, (count + 1) * (1 - share))
+    return jnp.sort(values, axis=-1) @ np.diff(places)
+
+
+def _deviation(values: Array) -> Array:
+    variance = jnp.var(values, axis=-1, ddof=1)
+    positive = variance > 0
+    return jnp.where(positive, jnp.sqrt(jnp.where(positive, variance, 1.0)), 0.0)
+
+
+def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any, Any]]) -> Float[Array, ""]:
+    """Share of samples within all limits, each limit blurred by a normal distribution.
+
+    Source:
+        Kernel estimate of a distribution function, whose width falls with the cube root of the number of samples:
+        Azzalini 1981.
+    """
+    kept: Any = 1.0
+    for name, (lower, upper) in acceptable.items():
+        samples = values[name]
+        count = samples.shape[-1]
+        spread = _deviation(samples)[..., None]
+        scatters = spread > 0
+        width = jnp.where(scatters, spread * count ** (-1 / 3), 1.0)
+        for limit, sign in ((lower, 1.0), (upper, -1.0)):
+            if limit is not None:
+                edge = jnp.broadcast_to(jnp.asarray(limit, float), samples.shape[:-1])[..., None]
+                margin = sign * (samples - edge)
+                # Where nothing scatters, the step itself.
+                inside = jnp.where(scatters, jax.scipy.special.ndtr(margin / width), (margin >= 0).astype(float))
+                kept = kept * jnp.prod(inside.reshape(-1, count), axis=0)
+    return jnp.mean(kept)

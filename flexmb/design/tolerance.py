@@ -1,0 +1,250 @@
+"""Tolerances: the scatter of answers from the scatter of dimensions, by first and second order and by samples."""
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..arguments import WholeFromZero, check_by_name, check_whole, checked
+from ..display import Column, Labelled, Quantities, Summary, counted, largest, listed, short
+from ..errors import warn
+from ..numerical_limits import NOT_LINEAR, ZERO_SECOND_ORDER
+from ..results import ANSWERED
+from .designs import MOST, numbers
+from .evaluate import Answers, Build, Layout, layout_of
+from .scatter import Scatter, moments, nominal_values
+from .sensitivities import Sensitivities, derived
+from .sweep import sweep
+from .swept import Sweep
+
+# Number of dimensions whose second order is checked.
+CHECKED = 20
+# Number of designs of a quadratic answer, cheap, and of exact ones that tell its error.
+OF_SECOND_ORDER, CHECKED_DESIGNS = 100_000, 64
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Tolerances(Labelled):
+    """Scatter of answers from the scatter of dimensions.
+
+    Attributes:
+        answers: Name of each of the m answers.
+        dimensions: Name of each of the n dimensions.
+        values: Answers at the nominal dimensions, (m,) [their units].
+        deviations: First-order standard deviation of each answer, (m,) [its unit].
+        shares: Share of each dimension in the variance, (m, n) [-]; the sum of a row is one. Shares of correlated
+            dimensions include half their covariance, and may be negative.
+        sampled_mean: Mean of the samples, (m,), or None.
+        sampled_deviations: Standard deviation of the samples, (m,), or None.
+        sampled_interval: Quantiles 0.025 and 0.975 of the samples, (m, 2), or None.
+        samples: Sweep over the samples, or None.
+        mean: Mean of each answer by its second order, (m,) [its unit], or None without ``second_order``.
+        second_order_deviations: Standard deviation by the second order, (m,), or None.
+        second_order_interval: Quantiles 0.025 and 0.975 by the second order, (m, 2), or None.
+        error: Root of the mean square of exact less second-order answers over some random designs, (m,), or None.
+            Mean and standard deviation of the second order differ by no more than this from the exact ones.
+    """
+
+    answers: tuple[str, ...]
+    dimensions: tuple[str, ...]
+    values: np.ndarray
+    deviations: np.ndarray
+    shares: np.ndarray
+    sampled_mean: np.ndarray | None = None
+    sampled_deviations: np.ndarray | None = None
+    sampled_interval: np.ndarray | None = None
+    samples: Sweep | None = None
+    mean: np.ndarray | None = None
+    second_order_deviations: np.ndarray | None = None
+    second_order_interval: np.ndarray | None = None
+    error: np.ndarray | None = None
+
+    def quantities_by_name(self) -> Quantities:
+        """Values, deviations and shares by answer and dimension."""
+        over = ("answer",)
+        names = {"answer": self.answers, "dimension": self.dimensions}
+        found = {"value": Column(over, self.values), "deviation": Column(over, self.deviations)}
+        found["share"] = Column((*over, "dimension"), self.shares, "-")
+        return Quantities(over, {name: Column((name,), np.array(own)) for name, own in names.items()}, found)
+
+    def summary(self) -> Summary:
+        """Return each answer with its deviation, and the dimension with the largest share in it."""
+        rows = {}
+        for name, value, deviation, row in zip(self.answers, self.values, self.deviations, self.shares, strict=True):
+            rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%', 'from')}"
+        count, many = np.shape(self.shares)
+        title = f"Tolerances of {counted(count, 'answer')} from {counted(many, 'dimension')}"
+        return Summary(title, rows, "sensitivities")
+
+    def __str__(self) -> str:
+        first = max(len(name) for name in (*self.answers, "answer"))
+        width = max(12, *(len(name) + 2 for name in self.dimensions))
+        head = f"{'answer':<{first}}{'value':>14}{'deviation':>14}" + "".join(f"{n:>{width}}" for n in self.dimensions)
+        lines = [head]
+        for i, name in enumerate(self.answers):
+            shares = "".join(f"{100 * s:>{width - 1}.1f}%" for s in self.shares[i])
+            lines.append(f"{name:<{first}}{self.values[i]:>14.6g}{self.deviations[i]:>14.4g}{shares}")
+        return "\n".join(lines)
+
+
+@checked
+def tolerances(
+    build: Build,
+    answers: Answers,
+    dimensions: Mapping[str, Any],
+    deviations: Mapping[str, Any] | Scatter,
+    *,
+    second_order: bool = False,
+    samples: Annotated[int, partial(check_whole, least=0, most=MOST)] = 0,
+    seed: WholeFromZero = 0,
+) -> Tolerances:
+    """Scatter of answers from the scatter of the dimensions.
+
+    Args:
+        build: See :func:`sensitivities`.
+        answers: See :func:`sensitivities`.
+        dimensions: Nominal dimensions by name [SI].
+        deviations: Standard deviations of dimensions that scatter independently and normally, by name [SI]; or a
+            Scatter of :func:`flexmb.scatter`, also with parameters that are no dimensions.
+        second_order: Whether to compute mean, deviation and interval by second derivatives too, with their error.
+        samples: Number of random designs to compute too; 0 for the first-order answer only.
+        seed: Seed of the random numbers.
+
+    Returns:
+        Tolerances with deviations (m,) [units of the answers] and shares (m, n) [-].
+
+    Raises:
+        ValueError: A deviation is negative or belongs to no dimension, or a parameter has no nominal value.
+        AnalysisError: As for :func:`sensitivities`. Statistics leave out failed samples; ``samples`` has their codes.
+
+    Warns:
+        FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or its deviation,
+            such as near two coinciding frequencies. It is computed one deviation to both sides of the twenty
+            dimensions with the largest shares.
+
+    Source:
+        First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
+        at deviations d of many designs of the same scatter. Warning: with independent normal deviations H adds sum of
+        H_ii s_i^2/2 to the mean, sum of (H_ij s_i s_j)^2/2 to the variance. Monte Carlo.
+    """
+    if isinstance(deviations, Scatter):
+        dimensions, joint = nominal_values(deviations, dimensions), deviations
+    else:
+        joint = None
+        check_by_name("deviations", deviations)
+        for name, deviation in deviations.items():
+            if name not in dimensions:
+                raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
+            size = numbers(f"Deviation of '{name}'", deviation)
+            if not np.all(size >= 0) or not np.all(np.isfinite(size)):
+                raise ValueError(f"Deviation of '{name}' is {deviation}. It must be finite and not negative.")
+    found, derivatives = derived(build, answers, dimensions, second_order, None, True)
+    layout = layout_of(dimensions)
+    if joint is None:
+        spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
+        shift, covariance = np.zeros(len(spread)), np.diag(spread**2)
+    else:
+        shift, covariance = moments(joint, dimensions)
+        spread = np.sqrt(np.diag(covariance))
+    parts = found.slopes * (found.slopes @ covariance)
+    total = parts.sum(axis=1)
+    shares = parts / np.where(total > 0, total, 1.0)[:, None]
+    _warn_of_curvature(found, derivatives, spread)
+    scatter_of = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
+
+    def deviated(count: int, seed: int) -> np.ndarray:
+        """Random deviations from the nominal dimensions, (count, n)."""
+        if joint is None:
+            return spread * np.random.default_rng(seed).standard_normal((count, len(spread)))
+        return _rows(joint.draw(count, dimensions, seed)) - found.point
+
+    if second_order:
+        rest = partial(_exact, build, answers, layout, found.point)
+        scatter_of = _with_second_order(scatter_of, found, shift, covariance, deviated, rest, seed)
+    if not samples:
+        return scatter_of
+    ran, good = _exact(build, answers, layout, found.point, deviated(samples, seed))
+    good = good[np.isin(ran.codes, ANSWERED)]
+    if len(good) < 2:
+        raise ValueError(f"Fewer than two of {samples} samples have answers: {ran.failures()}")
+    return dataclasses.replace(
+        scatter_of,
+        sampled_mean=good.mean(axis=0),
+        sampled_deviations=good.std(axis=0, ddof=1),
+        sampled_interval=np.quantile(good, [0.025, 0.975], axis=0).T,
+        samples=ran,
+    )
+
+
+def _rows(designs: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Dimensions of designs as rows, (designs, n)."""
+    return np.concatenate([values.reshape(len(values), -1) for values in designs.values()], axis=1)
+
+
+def _exact(
+    build: Build, answers: Answers, layout: Layout, point: np.ndarray, deviated: np.ndarray
+) -> tuple[Sweep, np.ndarray]:
+    """Answers of designs with given deviations: as a sweep, and as rows, (designs, m)."""
+    ran = sweep(build, answers, layout.stacked(point + deviated))
+    return ran, np.concatenate([v.reshape(len(deviated), -1) for v in ran.answers.values()], axis=1)
+
+
+def _with_second_order(
+    first_order: Tolerances,
+    found: Sensitivities,
+    shift: np.ndarray,
+    covariance: np.ndarray,
+    deviated: Callable[[int, int], np.ndarray],
+    exact: Callable[[np.ndarray], tuple[Sweep, np.ndarray]],
+    seed: int,
+) -> Tolerances:
+    """Add mean, deviation and interval by second derivatives, and their error at some designs."""
+    assert found.curvatures is not None
+
+    def quadratic(rows: np.ndarray) -> np.ndarray:
+        bent = np.stack([np.sum((rows @ own) * rows, axis=1) for own in found.curvatures], axis=1)
+        return found.values + rows @ found.slopes.T + bent / 2
+
+    second = covariance + np.outer(shift, shift)
+    mean = found.values + found.slopes @ shift + np.einsum("mij,ij->m", found.curvatures, second) / 2
+    many = quadratic(deviated(OF_SECOND_ORDER, seed))
+    some = deviated(CHECKED_DESIGNS, seed + 1)
+    ran, rows = exact(some)
+    good = np.isin(ran.codes, ANSWERED)
+    if not np.all(good):
+        warn(f"Of {len(good)} designs that check the second order {np.sum(~good)} have no answer: {ran.failures()}.")
+    difference = (rows - quadratic(some))[good]
+    return dataclasses.replace(
+        first_order,
+        mean=mean,
+        second_order_deviations=many.std(axis=0),
+        second_order_interval=np.quantile(many, [0.025, 0.975], axis=0).T,
+        error=np.sqrt(np.mean(difference**2, axis=0)) if np.any(good) else np.full(len(mean), np.nan),
+    )
+
+
+def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray) -> None:
+    """Warn of answers with a nonlinear scatter, by derivatives one deviation to both sides of each dimension."""
+    linear = np.abs(found.slopes * spread)
+    shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
+    checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]
+    bent: Any = np.zeros((len(checked), *linear.shape))  # H_ij s_i s_j of each answer
+    for row, i in zip(bent, checked, strict=True):
+        aside = spread * (np.arange(len(spread)) == i)
+        (_, up, _, first), (_, down, _, last) = derivatives(found.point + aside), derivatives(found.point - aside)
+        known = first in ANSWERED and last in ANSWERED
+        row[:] = (np.asarray(up) - np.asarray(down)) * spread / 2 if known else np.nan
+    mean = np.abs(sum((row[:, i] for row, i in zip(bent, checked, strict=True)), np.zeros(len(linear)))) / 2
+    added = np.maximum(mean, np.sqrt(np.sum(bent**2, axis=(0, 2)) / 2))
+    deviations = np.sqrt(np.sum(linear**2, axis=1))
+    limit = np.maximum(NOT_LINEAR * deviations, ZERO_SECOND_ORDER * np.abs(found.values))
+    wrong = np.flatnonzero(~(added <= limit))
+    if len(wrong):
+        names = [f"'{found.answers[i]}' (± {short(deviations[i])}, second order {short(added[i])})" for i in wrong]
+        warn(
+            f"The scatter of {listed(names)} is not linear in the dimensions. Its first-order deviation is wrong:"
+            " within the tolerances two frequencies nearly coincide, or a design has no answer. Set samples=1000, or"
+            " ask for a smooth measure of both, such as fm.linear.smooth_minimum."
+        )
