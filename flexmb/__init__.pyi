@@ -46,6 +46,7 @@ from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError
 from .errors import SpacarError as SpacarError
 from .fmu.save import save_fmu as save_fmu
+from .identification.comparison import compare as compare
 from .identification.fit import fit as fit
 from .identification.measurement import measured as measured
 from .identification.mode_pairing import measured_modes as measured_modes

@@ -968,3 +968,7 @@ SETTLED_COST = 1e-10
 
 SETTLED_PARAMETERS = 1e-8
 """A search ends if the scaled parameters change by less than this, far below any scatter."""
+
+HIDDEN = 0.5
+"""A difference of models below this share of a standard deviation is hidden by scatter: the root of the mean square of
+both is larger by an eighth at most."""

@@ -2,7 +2,7 @@
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,12 @@ from ..build.restrict import Restriction, can_be_tied, restrict
 from ..compilation.compile import unguarded
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
-from ..errors import AnalysisError, ModelError, clean
+from ..errors import AnalysisError, ModelError, clean, warn
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
 from ..model.model import Model
-from ..numerical_limits import NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
+from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
+from ..questions.question import asked
 from .designs import numbers
 from .deviation import Deviation, Response, deviation, in_band, largest_of, response
 
@@ -40,6 +41,8 @@ class Lean(Result):
         full_frequencies: Natural frequencies of the full model up to the first above the band [Hz].
         frequencies: The same of the lean model [Hz].
         restriction: Restriction that :meth:`of` applies.
+        in_deviations: Lean less full model in standard deviations of measured answers, by question [-]; empty without
+            ``deviations``.
     """
 
     model: Model
@@ -53,6 +56,7 @@ class Lean(Result):
     full_frequencies: np.ndarray
     frequencies: np.ndarray
     restriction: Restriction
+    in_deviations: dict[str, float] = dataclasses.field(default_factory=dict)
 
     def summary(self) -> Summary:
         """Return the degrees of freedom that are left, and the error."""
@@ -64,7 +68,12 @@ class Lean(Result):
             "left out": f"{len(self.fixed)} deformations FIXED, {self.ties} combinations tied",
         }
         title = f"Lean up to {self.bandwidth:g} Hz: {kept} of {full} degrees of freedom ({listed(self.model.q_labels)})"
+        if self.in_deviations:
+            rows["against scatter"] = self._against_scatter()
         return Summary(title, rows)
+
+    def _against_scatter(self) -> str:
+        return ", ".join(f"{name} {size:+.2g} deviations" for name, size in self.in_deviations.items())
 
     def __str__(self) -> str:
         return self.report()
@@ -103,6 +112,8 @@ class Lean(Result):
         e = self.error
         costs = f"stiffness {100 * e.stiffness:.2g} %, frequency response {100 * e.transfer:.2g} %."
         lines.append(f"Cost: frequencies {100 * e.frequencies:.2g} %, {costs}")
+        if self.in_deviations:
+            lines.append(f"Against the scatter of measurements: {self._against_scatter()}.")
         return "\n".join(lines)
 
 
@@ -137,6 +148,7 @@ def lean(
     nodes: Sequence[str] = (),
     increments: Sequence[float] = (0.0,),
     finest: int = FINEST,
+    deviations: Mapping[str, float] | None = None,
 ) -> Lean:
     """The smallest model that answers a question within a tolerance, and its error.
 
@@ -152,14 +164,21 @@ def lean(
         nodes: Nodes whose compliance in all directions matters, beside the model's inputs and outputs.
         increments: Factors of the incremental loads at which flexmb compares the models, such as strokes.
         finest: Number of beams of a leaf spring in the full model, if ``model`` is a function.
+        deviations: Standard deviations with which answers can be measured, by question, such as
+            ``{"frequency 1": 0.1}``. The lean model is compared with the full one, of the finest beams, against them.
 
     Returns:
         Lean. Its ``model`` is an ordinary model with new deformations named "tie".
 
     Raises:
         ModelError: bandwidth or tolerance is not positive, a node does not exist, increments are no numbers, finest is
-            below two, or the function has no arguments.
+            below two, the function has no arguments, or a deviation is not positive.
+        KeyError: There is no such question.
         AnalysisError: An equilibrium fails or is unstable, or no smaller model meets the tolerance.
+
+    Warns:
+        FlexmbWarning: The lean model differs in an answer by more than half of its deviation: the data deserve a
+            smaller tolerance.
 
     Source:
         Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313; here as constraints between the
@@ -179,6 +198,7 @@ def lean(
         raise ModelError(f"{fault} `finest` sets the beams of the full model.") from None
     if not increments or not np.all(np.isfinite(increments)):
         raise ModelError(f"Argument `increments` must be finite numbers, at least one, not {increments}.")
+    questions = {name: _deviation(name, size) for name, size in (deviations or {}).items()}
     beams: dict[str, int] = {}
     spent = Deviation(0.0, 0.0, 0.0)
     if isinstance(model, Model):
@@ -211,12 +231,34 @@ def lean(
             names = tuple(str(whole.labels.e[i]) for i in fixed)
             count = in_band(theirs, bandwidth) + 1
             question = bandwidth, tolerance, theirs[:count], small_responses[0].frequencies()[:count]
-            return Lean(small, whole, error, beams, names, ties, *question, restriction)
+            finer = build(**dict.fromkeys(beams, finest)) if questions and (build := _builder(model)) else whole
+            against = {name: float(asked(name)(small) - asked(name)(finer)) / s for name, s in questions.items()}
+            _tell_beyond_scatter(against)
+            return Lean(small, whole, error, beams, names, ties, *question, restriction, against)
     raise AnalysisError(
         "not_lean",
         f"No smaller model answers up to {bandwidth:g} Hz within {tolerance:g}. Allow a larger tolerance or ask for a"
         " smaller band.",
     )
+
+
+def _builder(model: Any) -> Callable[..., Model] | None:
+    return None if isinstance(model, Model) else model
+
+
+def _deviation(name: str, size: Any) -> float:
+    asked(name).parsed()
+    try:
+        return float(check_number(f"deviations['{clean(name)}']", size, above=0))
+    except (TypeError, ValueError) as fault:
+        raise ModelError(str(fault)) from None
+
+
+def _tell_beyond_scatter(against: Mapping[str, float]) -> None:
+    """Warn of answers in which a lean model differs by more than their scatter hides."""
+    if beyond := [name for name, size in against.items() if abs(size) > HIDDEN]:
+        listed_names = ", ".join(f"'{name}' ({against[name]:+.2g} deviations)" for name in beyond)
+        warn(f"The lean model differs by more than half of the scatter in {listed_names}. Lower `tolerance`.")
 
 
 def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:

@@ -129,12 +129,12 @@ def tolerances(
         at deviations d of many designs of the same scatter. Warning: with independent normal deviations H adds sum of
         H_ii s_i^2/2 to the mean, sum of (H_ij s_i s_j)^2/2 to the variance. Monte Carlo.
     """
+    joint, own = None, {}
     if isinstance(deviations, Scatter):
         dimensions, joint = nominal_values(deviations, dimensions), deviations
     else:
-        joint = None
-        check_by_name("deviations", deviations)
-        for name, deviation in deviations.items():
+        own = check_by_name("deviations", deviations)
+        for name, deviation in own.items():
             if name not in dimensions:
                 raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
             size = numbers(f"Deviation of '{name}'", deviation)
@@ -143,7 +143,7 @@ def tolerances(
     found, derivatives = derived(build, answers, dimensions, second_order, None, True)
     layout = layout_of(dimensions)
     if joint is None:
-        spread = layout.join({name: deviations.get(name, 0.0) for name in layout.names})
+        spread = layout.join({name: own.get(name, 0.0) for name in layout.names})
         shift, covariance = np.zeros(len(spread)), np.diag(spread**2)
     else:
         shift, covariance = moments(joint, dimensions)
@@ -201,14 +201,14 @@ def _with_second_order(
     seed: int,
 ) -> Tolerances:
     """Add mean, deviation and interval by second derivatives, and their error at some designs."""
-    assert found.curvatures is not None
+    curvatures = np.asarray(found.curvatures)
 
     def quadratic(rows: np.ndarray) -> np.ndarray:
-        bent = np.stack([np.sum((rows @ own) * rows, axis=1) for own in found.curvatures], axis=1)
+        bent = np.stack([np.sum((rows @ curvature) * rows, axis=1) for curvature in curvatures], axis=1)
         return found.values + rows @ found.slopes.T + bent / 2
 
     second = covariance + np.outer(shift, shift)
-    mean = found.values + found.slopes @ shift + np.einsum("mij,ij->m", found.curvatures, second) / 2
+    mean = found.values + found.slopes @ shift + np.einsum("mij,ij->m", curvatures, second) / 2
     many = quadratic(deviated(OF_SECOND_ORDER, seed))
     some = deviated(CHECKED_DESIGNS, seed + 1)
     ran, rows = exact(some)

@@ -178,7 +178,7 @@ label = "stroke [m]"
         np.testing.assert_allclose(curve.over, [1e-3, 2e-3, 3e-3])
         made = read.build(t=0.5e-3, m=0.1)
         np.testing.assert_allclose(frf.answer(made, loss=0.02), 1.5 * np.asarray(frf.values), rtol=1e-9)
-        expected = stiffness(0.5e-3) * curve.over + 0.1
+        expected = stiffness(0.5e-3) * np.array([1e-3, 2e-3, 3e-3]) + 0.1
         np.testing.assert_allclose(curve.answer(made), expected, rtol=1e-3)
 
 
