@@ -603,7 +603,7 @@ def test_check_is_mode_0(name, status, tmp_path):
     assert call("check", path).stdout.startswith(f"{path.name}  mode 0  status {status}\n")
 
 
-@pytest.mark.slow("4")
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [1, 4])
 def test_a_motion_that_ends_early_is_no_answer(mode, swing):
     # A hundred times as long.

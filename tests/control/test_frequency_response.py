@@ -173,6 +173,7 @@ def ball(stiffness):
     return b.build()
 
 
+@pytest.mark.slow
 def test_where_frequencies_are_repeated_and_where_a_resonance_is_hit():
     w = 1.3 * np.sqrt(K / M)
     slopes = jax.jacrev(lambda k: jnp.real(fm.frequency_response(ball(k), w / (2 * np.pi)).response)[0])(

@@ -157,6 +157,7 @@ def test_limits_and_back_calculation_against_scipy():
     assert over[tracking] < over[np.inf] - 0.1 * STEP
 
 
+@pytest.mark.slow
 def test_samples_delay_and_limits_against_a_recursion():
     """Exact from sample to sample: the held force drives the mass by the exponential of its matrix."""
     h, delay, limits = 0.02, 2, [[0.05, 0.25]]

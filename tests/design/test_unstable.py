@@ -68,6 +68,7 @@ def test_a_sweep_by_sparse_factors_says_so(name, compiled):
     assert np.all(np.isfinite(found[name]))
 
 
+@pytest.mark.slow
 def test_derivatives_and_optima_in_unstable_states_say_so():
     answers = {"height": ANSWERS["equilibrium"]}
     with pytest.warns(fm.FlexmbWarning, match=r"not stable.* concerns the sensitivities of height"):

@@ -107,6 +107,7 @@ def test_in_space_as_in_the_plane():
     assert np.min(np.abs(np.asarray(fm.frequencies(space.build()))[:4] / lowest - 1)) < 1e-7
 
 
+@pytest.mark.slow
 def test_tip_of_a_twisted_strip():
     """By quadrature of both bendings in axes that turn by 70 degrees along it."""
     length, turn = 0.2, np.radians(70)
@@ -121,6 +122,7 @@ def test_tip_of_a_twisted_strip():
     assert abs(found[1, 2]) == approx(lever @ (c * d) * (1 / 0.7 - 1 / 30), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_shape_and_mass_follow_the_curve():
     b = one(planar.spectral_beam(6), QUARTER[-1], fm.sections.curvature_through(QUARTER))
     b.gravity((0, -9.81))

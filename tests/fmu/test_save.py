@@ -492,6 +492,7 @@ def test_a_nonlinear_mechanism_moves_as_newton_says(tmp_path):
         fm.save_fmu(b.build(), path, loads={"mass.x": np.sin})
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_stop_that_is_met_and_left_within_one_step_of_co_simulation_throws_back(tmp_path):
     """Of a free flight any step is exact, so that its error tells nothing of a stop within it."""

@@ -64,6 +64,7 @@ def test_modes_are_paired_by_their_shapes_where_they_cross():
     assert by_number.parameters["left"] == pytest.approx(truth["right"], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_shape_without_partner_is_refused_by_its_number():
     b = {"left": (10.0, 1000.0), "right": (10.0, 1000.0)}
     # Both shapes move the cart on the left.

@@ -190,7 +190,7 @@ def test_damping_of_a_leaf_spring_by_a_ratio():
     np.testing.assert_allclose(ratios_of(fm.damped(model, ratio=0.01, elements=False)), 0.01, rtol=1e-9)
 
 
-@pytest.mark.slow("function")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given",
     [

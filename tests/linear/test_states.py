@@ -183,6 +183,7 @@ def test_an_equilibrium_is_stored_without_its_model(pressed):
     np.testing.assert_array_equal(stored.x, found.x)
 
 
+@pytest.mark.slow
 def test_an_equilibrium_is_a_state_to_ask_about(pressed):
     model, _ = pressed
     found = fm.equilibrium(model, increment=1.0)

@@ -23,6 +23,7 @@ def test_rotating_cantilever_stiffens():
         np.testing.assert_allclose(found[0], expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     # A point of mass m on a rod of length 1, its place x the degree of freedom: m xdd/(1 - x^2) + m x xd^2/(1 - x^2)^2
     # + m g x/sqrt(1 - x^2) = 0 from Lagrange's equations; by hand, its derivatives by xd and by x.

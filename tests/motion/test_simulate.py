@@ -370,6 +370,7 @@ def test_turns_are_counted_on_from_where_a_motion_begins(form, stops):
     )
 
 
+@pytest.mark.slow
 def test_a_motion_begins_with_the_turns_of_an_equilibrium():
     """Wheels that mesh, of which a torque has turned one by four radians and a spring the other back by eight."""
     b = meshing_wheels()

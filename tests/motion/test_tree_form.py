@@ -103,6 +103,7 @@ def test_a_tree_moves_as_all_coordinates_do():
     np.testing.assert_allclose(found.near, other.near, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_tree_in_space_is_accelerated_as_all_coordinates_are():
     """Somewhere, at some rates: its poses close all beams, whose constraints have multipliers there and none here."""
     model = spatial_frame()

@@ -646,7 +646,7 @@ def test_a_limit_load_of_what_nothing_elastic_resists_is_refused_by_its_name(wha
     assert info.value.code == "singular_stiffness"
 
 
-@pytest.mark.slow("True")
+@pytest.mark.slow
 @pytest.mark.parametrize("sparse", [False, True])
 def test_damping_takes_stability_of_a_load_that_follows(sparse):
     """Ziegler's column (1952): bars of one length, masses 2 and 1, hinges of stiffness 1 and one small damping.

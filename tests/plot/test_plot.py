@@ -133,6 +133,7 @@ def test_spatial_spectral_beam_ends_at_its_nodes():
     assert np.max(np.linalg.norm(arc[:, :2], axis=1)) == approx(sagitta, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_width_of_a_twisted_strip_turns_along_it():
     """By 40 degrees before any load; the section's local y at the first end is the given vector."""
     b = fm.Builder()

@@ -421,7 +421,7 @@ def test_buckling_loads_keep_their_derivative_beside_unbounded_ones():
     assert np.all(np.isfinite(found[:2]))
 
 
-@pytest.mark.slow("ask4", "equilibrium", "frequencies", "linearize")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ask",
     [fm.equilibrium, fm.frequencies, fm.linearize, fm.buckling_loads, functools.partial(fm.linearize, sparse=True)],

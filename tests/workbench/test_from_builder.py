@@ -287,7 +287,7 @@ def test_angles_about_global_axes(what):
     check_same_contents(rebuilt(document), b)
 
 
-@pytest.mark.slow("fold", "statement that is shared")
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared"])
 def test_clamps_of_a_model_are_found_again_or_stated(case):
     leaf = fm.Rectangle(0.05, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
