@@ -80,7 +80,7 @@ class BeamTheoryWarning(FlexmbWarning):
 
 
 class CoarseWarning(FlexmbWarning):
-    """A beam is bent or twisted too far for one beam, or stretched too far for cubic beams."""
+    """A beam is bent or twisted too far for one beam, stretched too far for cubic beams, or wide and bent too far."""
 
 
 class IdleWarning(FlexmbWarning):

@@ -29,6 +29,10 @@ DIRECTED_STRESS = 1e-9
 """A bending moment or a shear force on a ring has a direction where it exceeds this share of all that stresses the
 section. Below, its direction is round-off and has no derivative."""
 
+DISTORTION_SERIES = 1.0
+"""u^4 of a distorted strip up to which a quotient of power series replaces the closed form. The series is exact to
+round-off there, and the closed form loses digits."""
+
 STRIP_SERIES = 0.06
 """u^4 of a flattened strip up to which a quotient of power series replaces the closed form. The series is exact to
 1e-10 there, and the closed form loses digits."""
@@ -546,6 +550,9 @@ FIRST_ON_BRANCH = 0.02
 COARSE_ANGLE = 0.2
 """Angle between the chord of a beam and its end, or of its twist [rad], up to which one beam has an error of 6 % of the
 deflection of an arc, and 3 % of a twist. Both errors grow with its square."""
+
+WIDEST_BENT = 12.0
+"""u of (2.56), which grows with the curvature of a leaf spring, up to which its law is compared with solid elements."""
 
 STRETCHED_BEAM = 0.01
 """Strain up to which cubic beams, of any number, bend with an EI that is correct within 2 %."""

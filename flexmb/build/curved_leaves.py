@@ -1,4 +1,4 @@
-"""Warnings about leaf springs that are curved sharply, made of straight pieces, or of a width that varies fast."""
+"""Warnings about leaf springs that are curved sharply, of straight pieces, of a width that varies fast, or stocky."""
 
 import itertools
 from typing import Any
@@ -21,23 +21,28 @@ SHARP = 0.15
 STEEPEST = np.radians(20.0)
 # Slope of the width up to which stiffnesses are compared with solid elements.
 SLANT = 0.75
+# Length over width, and width over thickness, from which stiffnesses are compared with solid elements.
+SHORTEST, NARROWEST = 0.5, 4.0
 # Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 
 
 def warn_of_curved_leaves(builder: Description) -> None:
-    """Warn of leaf springs that are sharply curved, and of straight pieces that approximate a curved leaf spring.
+    """Warn of leaf springs that are sharply curved or stocky, and of straight pieces that approximate a curve.
 
     Source:
         Winkler's curved bars of rectangular section: the inner stress is h/(3 R) higher. Flattening of a curved strip:
         THEORY.md 2, eq. (2.44).
     """
     leaves = {name: leaf for name, leaf in builder.members.items() if _is_leaf(builder, leaf)}
+    joined = elements_at(builder)
     with jax.ensure_compile_time_eval():
         for name, leaf in leaves.items():
             _warn_of_sharp(name, leaf, _rectangle(leaf))
             _warn_of_slant(builder, name, leaf)
-        for node, names in elements_at(builder).items():
+            alone = all(other == name or other not in leaves for node in leaf.nodes for other in joined[node])
+            _warn_of_stocky(builder, name, leaf, alone)
+        for node, names in joined.items():
             for one, other in itertools.combinations([name for name in names if name in leaves], 2):
                 if _stand_for_a_curve(builder, node, leaves[one], leaves[other]):
                     warn(
@@ -88,6 +93,25 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
         warn(
             f"The width of element '{name}' changes by up to {steepest:.2f} of the distance along it. Up to {SLANT} its"
             " stiffnesses are compared with solid elements. Divide the leaf spring, or compare it yourself.",
+            BeamTheoryWarning,
+        )
+
+
+def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) -> None:
+    section = _rectangle(leaf)
+    width, long = float(section.width), float(span_of(builder, leaf)) / float(section.width)
+    # A piece of a leaf spring may be short.
+    if alone and long < SHORTEST:
+        warn(
+            f"Element '{name}' is {long:.2g} times as long as wide. From {SHORTEST} on, stiffnesses of leaf springs"
+            " agree with solid elements. Make what is shorter of solid or shell elements, or compare it yourself.",
+            BeamTheoryWarning,
+        )
+    wide = width / float(section.thickness)
+    if wide < NARROWEST:
+        warn(
+            f"Element '{name}' is {wide:.2g} times as wide as thick. From {NARROWEST:g} on, stiffnesses of leaf springs"
+            " agree with solid elements. Make what is thicker of beams, or compare it yourself.",
             BeamTheoryWarning,
         )
 

@@ -1,14 +1,15 @@
 """What a leaf spring has beyond a beam: clamps keep its cross-section flat, and its warping is restrained.
 
 A strip that bends wants to curve across its width the other way. Where an end is clamped it cannot: near there it bends
-as a plate, with E/(1 - nu^2) in place of E, and a little nearer it stretches so. Far from clamps a wide strip flattens
-of its own as its curvature grows. A strip that twists wants to warp; where it cannot, twist builds up over a distance
-of about a quarter of the width.
+as a plate, with E/(1 - nu^2) in place of E, and a little nearer it stretches so. Nor can shear warp the section there.
+Far from clamps a wide strip flattens of its own as its curvature grows, and gives way where it is also bent sideways.
+A strip that twists wants to warp; where it cannot, twist builds up over a distance of about a quarter of the width.
 
 Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectral beams of such sections.
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -18,19 +19,25 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compilation.record import Record
 from ..errors import ModelError
 from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
+from ..numerical_limits import DISTORTION_SERIES
 from .curves import curvature_at
 from .profile import NODES, Profile
 from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
-from .spectral import check_section, pieces_of, relative, rigidities, series_matrix, strains
+from .spectral import check_section, pieces_of, relative, rigidities, rigidity_of, series_matrix, strains
 
-# How far from a clamp a leaf spring stretches and bends, about its soft axis and sideways, as a plate, over its width.
-KEPT = ("EA", "EIy", "EIz")
-REACHES = np.array([[0.14], [0.40], [0.065]])
+# How far from a clamp a leaf spring stretches and bends, about its soft axis and sideways, as a plate, and shears
+# without warping, over its width; and how much further, over its thickness.
+KEPT = ("EA", "EIy", "EIz", "GAy")
+REACHES = np.array([[0.14], [0.40], [0.065], [0.10]])
+THICKER = np.array([[0.27], [0.0], [0.25], [0.0]])
+# So many of them bend or stretch; their jumps are breaks.
+BREAKS = 3
+# Of a thick strip the warping rigidity is smaller, by 1 over 1 and so many squares of thickness over width.
+OF_THICK = 12.0
 # Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
@@ -45,23 +52,28 @@ IN_PLANE = 0.30
 TINY = 1e-12
 
 
-class Slanted(Record):
-    """A rectangle whose width varies, with its shear counted: stress follows the edges that are not parallel.
+class Strip(Section):
+    """A rectangle as part of a leaf spring: stress follows edges that are not parallel, and a thick one warps less.
 
     Attributes:
-        rectangle: At this place.
-        slope: By how much the width grows along the leaf spring, () [-].
+        rectangle: At this place, with its shear counted.
+        slope: By how much the width grows along the leaf spring, () [-]; None where it is the same everywhere.
 
     Source:
-        THEORY.md 2, eq. (2.46).
+        THEORY.md 2, eq. (2.46) and (2.57).
     """
 
     rectangle: Rectangle
-    slope: Scalar
+    slope: Scalar | None = None
 
     def rigidity(self) -> Rigidity:
         """Rigidities, smaller than the rectangle's; the shear rigidity is the same."""
-        found, nu, square = self.rectangle.rigidity(), self.rectangle.material.poisson(), self.slope**2
+        found, nu = self.rectangle.rigidity(), self.rectangle.material.poisson()
+        thick = 1 + OF_THICK * (self.rectangle.thickness / self.rectangle.width) ** 2
+        found = dataclasses.replace(found, EIw=found.EIw / thick)
+        if self.slope is None:
+            return found
+        square = self.slope**2
         # Bending sideways is coupled to shear, see Leaf._slanting.
         coupled = 1 - square * found.shear_y / (4 * self.rectangle.width**2)
         sideways, across = (1 + IN_PLANE * square) * coupled, 1 + nu / (6 * (1 + nu)) * square
@@ -96,15 +108,14 @@ class Sheared(Section):
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
-    def at(self, place: Scalar, length: Any) -> Any:
+    def at(self, place: Scalar, length: Any) -> Strip:
         """The section at a place, () [-]."""
-        rectangle, slope = self.slanted(place, length)
-        return Slanted(rectangle, slope) if self.section.varies else rectangle
+        return Strip(*self.slanted(place, length))
 
     def slanted(self, place: Scalar, length: Any) -> tuple[Rectangle, Any]:
-        """The rectangle at a place, and by how much the width grows along the leaf spring there, () [-]."""
+        """The rectangle at a place, and by how much its width grows along there, () [-]; None where it never does."""
         if not self.section.varies:
-            return self.rectangle(place, length), 0.0
+            return self.rectangle(place, length), None
 
         def width(place: Scalar):
             rectangle = self.rectangle(place, length)
@@ -129,7 +140,7 @@ class Leaf(Sheared):
         initial: Initial curvature as the beam has it, or None where it is straight.
 
     Source:
-        THEORY.md 2, eq. (2.22) and (2.42).
+        THEORY.md 2, eq. (2.22), (2.42), (2.55) and (2.58).
     """
 
     clamped: Float[Array, "2"]
@@ -140,9 +151,13 @@ class Leaf(Sheared):
         """The section without clamps, with its shear counted where it varies."""
         return Sheared(self.section) if self.section.varies else self.section
 
+    def _strips(self, length: Any) -> Section:
+        """The section without clamps, with its shear counted, whether it varies or not."""
+        return self.plain() if self.section.varies else self.at(0.0, length)
+
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
         """Where a clamp's influence on bending sideways, on stretching and on bending ends."""
-        first, last = self.kept(length)[0].T
+        first, last = self.kept(length)[0][:BREAKS].T
         return tuple(jnp.sort(jnp.concatenate([first, 1 - last])))
 
     def layers(self, length: Any) -> tuple[Scalar, Scalar]:
@@ -150,8 +165,7 @@ class Leaf(Sheared):
 
         Returns sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
-        section = self.plain() if self.section.varies else self.rectangle(0.0, length)
-        twists, warps = rigidities(section, jnp.asarray(ENDS), length, ("GIt", "EIw")).T
+        twists, warps = rigidities(self._strips(length), jnp.asarray(ENDS), length, ("GIt", "EIw")).T
         first, last = jnp.sqrt(warps / twists) / length
         return first, last
 
@@ -159,22 +173,24 @@ class Leaf(Sheared):
         """Rectangles at the first end and at the last; one where the section does not vary."""
         return [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
 
-    def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "2"]]:
+    def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "kept 2"]]:
         """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
 
         Two clamps share a leaf spring that both reach all over. At an end without clamp the distance has no meaning.
 
         Returns:
-            Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (3, 2) [-]; nu^2 at a
-            clamped end and 0 at another, (2,) [-].
+            Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (4, 2) [-]; at a
+            clamped end nu^2, of shear 1 - k, and 0 at another, (4, 2) [-].
         """
         rectangles = self._at_ends(length)
-        widths = jnp.stack([jnp.asarray(r.width / length, float) for r in rectangles])
-        squares = jnp.stack([jnp.asarray(r.material.poisson() ** 2, float) for r in rectangles])
-        widths, squares = jnp.broadcast_to(widths, (2,)), jnp.broadcast_to(squares, (2,))
-        reaches = jnp.clip(REACHES * widths - self.beyond / length, 0.0, 0.5 + 0.5 * self.clamped)
+        sizes = [(r.width / length, r.thickness / length, r.material.poisson()) for r in rectangles]
+        wide, thick, nu = jnp.broadcast_to(jnp.array(sizes, float).T, (3, 2))
+        # Cowper's k, 10 (1 + nu)/(12 + 11 nu), is that of a section which may warp.
+        shares = jnp.stack([nu**2] * BREAKS + [(2 + nu) / (12 + 11 * nu)])
+        reaches = REACHES * wide + THICKER * thick - self.beyond / length
+        reaches = jnp.clip(reaches, 0.0, 0.5 + 0.5 * self.clamped)
         overlap = jnp.maximum(jnp.sum(reaches, axis=1, keepdims=True) - 1, 0.0)
-        return reaches - overlap * (1 + self.clamped[::-1] - self.clamped) / 2, self.clamped * squares
+        return reaches - overlap * (1 + self.clamped[::-1] - self.clamped) / 2, self.clamped * shares
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Compliances at places over what they are without clamps."""
@@ -183,10 +199,12 @@ class Leaf(Sheared):
         base = relative(self.plain(), places, length, names) if self.section.varies else 1.0
         return base * (1 - own)
 
-    def _flat(self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "2"]) -> Float[Array, "kept n"]:
+    def _flat(
+        self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "kept 2"]
+    ) -> Float[Array, "kept n"]:
         """Of each strain of ``KEPT``, at places near the first end its share, near the last its own, else zero."""
         ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
-        return jnp.einsum("fen,e->fn", (ends < reaches[:, :, None]).astype(float), shares)
+        return jnp.einsum("fen,fe->fn", (ends < reaches[:, :, None]).astype(float), shares)
 
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
@@ -203,9 +221,10 @@ class Leaf(Sheared):
         whole = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
         places, weights = whole.spread(nodes).ravel(), (whole.sizes[:, None] * weights).ravel()
-        flat = self._flat(places, self.kept(length)[0], self.clamped)
+        reaches = self.kept(length)[0][:BREAKS]
+        flat = self._flat(places, reaches, jnp.broadcast_to(self.clamped, reaches.shape))
         material = self.rectangle(0.5, length).material
-        larger = {name: 1 + material.poisson() * flat[i] for i, name in enumerate(KEPT)}
+        larger = {name: 1 + material.poisson() * flat[i] for i, name in enumerate(KEPT[:BREAKS])}
         free = {"EA": change[0] + (change[1] - change[0]) * places, **bends}
         wanted = [
             material.alpha * length * larger.get(n, 1.0) * free.get(n, 0.0) * jnp.ones_like(places) for n in names
@@ -221,12 +240,11 @@ class Leaf(Sheared):
         """Within each step what is near a clamped end: places, their weights, and strains without clamps there.
 
         Returns:
-            Places and weights, of those strains of ``KEPT`` that there are at both ends, (k, 2, s, count); the weights
-            hold by which share strains are smaller. Strains, (k, 2, s, count, order).
+            Places and weights, of those strains of ``KEPT`` that there are at both ends, (k, 2, s, count). Strains,
+            (k, 2, s, count, order). By which share they are smaller, (k, 2).
         """
-        reaches, less = self.kept(length)
         kept = [name for name in KEPT if name in names]
-        reaches = reaches[np.array([KEPT.index(name) for name in kept])]
+        reaches, less = (own[np.array([KEPT.index(name) for name in kept])] for own in self.kept(length))
         nodes, weights = gauss(count)
         first = jnp.stack(
             [jnp.broadcast_to(starts, (len(kept), len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1
@@ -239,7 +257,7 @@ class Leaf(Sheared):
             at = relative(self.plain(), places.reshape(-1), length, names)
             at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept)])
             shapes = at[..., None] * shapes
-        return places, sizes[..., None] * weights * less[:, None, None], shapes
+        return places, sizes[..., None] * weights, shapes, less
 
     def twist(self, order: int, places: Any, length: Any) -> Float[Array, "n c"]:
         """Twist rates over length of each coefficient and of the warping of each end.
@@ -284,7 +302,8 @@ class Leaf(Sheared):
         tests = back @ (legendre_values(3, nodes) * weights[:, None]).T
         own = strains(order, self.plain(), places, length, names).reshape(len(steps), count, fields, order)
         twist = self.twist(order, places, length).reshape(len(steps), count, order + 2)
-        within, shares, shapes = self.near(order, starts, ends, length, names, count)
+        within, shares, shapes, less = self.near(order, starts, ends, length, names, count)
+        shares = shares * less[:, :, None, None]
         sizes = jnp.where(jnp.asarray(steps) > 0, steps, 1.0)[:, None]
         tested = legendre_values_at(3, (within - starts[:, None]) / sizes) * (shares / sizes)[..., None]
         cut = jnp.einsum("gj,feskj,fesko->fsgo", back, tested, shapes)
@@ -307,16 +326,15 @@ class Leaf(Sheared):
         fields, elastic = len(names), of is None
         damping: Any = of
         if elastic:
-            of = self.plain() if self.section.varies else self.rectangle(0.0, length)
+            of = self._strips(length)
         found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
         # The steps of an order up to six along the leaf spring: what is computed there is computed once.
         steps = np.diff(lobatto(STEPS + 1)[0])
         ends = np.cumsum(steps)
         starts = ends - steps
-        places, shares, shapes = self.near(order, starts, ends, length, names, max(DENSE, order // 2 + 3))
-        if not elastic:
-            # Strains are smaller by 1 - nu^2 there, and damping is not larger.
-            shares = shares * (2 - self.kept(length)[1])[:, None, None]
+        places, shares, shapes, less = self.near(order, starts, ends, length, names, max(DENSE, order // 2 + 3))
+        # Strains are smaller there, and damping is not larger.
+        shares = shares * (less if elastic else less * (2 - less))[:, :, None, None]
         kept = [name for name in KEPT if name in names]
         placed = np.eye(fields)[[names.index(name) for name in kept]]
         if elastic and self.section.varies:
@@ -324,7 +342,7 @@ class Leaf(Sheared):
             stiff = jnp.stack([stiff[i, ..., i] for i in range(len(kept))])
         else:
             constant = of.rigidity() if isinstance(of, Section) else of
-            stiff = jnp.stack([jnp.asarray(getattr(constant, name), float) for name in kept])[:, None, None, None]
+            stiff = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in kept])[:, None, None, None]
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
         found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
         if elastic and self.section.varies and "EIz" in names:
@@ -364,12 +382,16 @@ class Leaf(Sheared):
         if self.initial is None or not elastic:
             return 0.0
         places, weights, free = self._parts(length)
-        stretch, bent, rate = self._large(order, places, length, names)
+        stretch, bent, sideways, rate = self._large(order, places, length, names)
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
-        kept = curving(3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2)
-        own = jnp.einsum("n,na,nb->ab", weights * free * bending * nu**2 / (1 - nu**2) * (1 - kept), bent, bent)
+        fourth = 3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2
+        own = jnp.einsum(
+            "n,na,nb->ab", weights * free * bending * nu**2 / (1 - nu**2) * (1 - curving(fourth)), bent, bent
+        )
         if rate is not None:
+            softer = self.distorted(places, length) * stiff * wide**2 / 12 * (distorting(fourth) - 1)
+            own = own + jnp.einsum("n,na,nb->ab", weights * softer, sideways, sideways)
             drawn = stiff * wide**2 * twisted
             both = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
             own = own + both + both.T
@@ -393,47 +415,65 @@ class Leaf(Sheared):
         free = 1 - jnp.stack([self.clamped[0], 0.0, self.clamped[1]])
         return places, (sizes[:, None] * weights).ravel(), jnp.repeat(free, PARTS)
 
+    def distorted(self, places: Float[Array, "n"], length: Any) -> Float[Array, "n"]:
+        """Where the cross-section is free to distort, 1, and towards a clamp less, down to 0. Source: eq. (2.56)."""
+        wide = jnp.stack([jnp.asarray(rectangle.width, float) for rectangle in self._at_ends(length)])
+        away = (jnp.stack([places, 1 - places], axis=1) * length + self.beyond) / (REACHES[1] * wide)
+        first, last = (self.clamped * (1 - jnp.minimum(away, 1.0) ** 4) ** 2).T
+        return (1 - first) * (1 - last)
+
     def _large(
         self, order: int, places: Float[Array, "n"], length: Any, names: Sequence[str]
-    ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Float[Array, "n c"] | None]:
-        """Elongation, bending and, in space, rate of twist at places, of each coefficient, (n, coefficients) [1/m]."""
-        reaches, shares = self.kept(length)
-        own = strains(order, self.plain(), places, length, KEPT[:2])
-        own = own * (1 - self._flat(places, reaches[:2], shares)).T[:, :, None] / length
+    ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Any, Any]:
+        """Elongation and bending, in space also bending sideways and rate of twist, at places, of each coefficient.
+
+        Each (n, coefficients) [1/m], None in the plane.
+        """
+        kept = [name for name in KEPT[:BREAKS] if name in names]
+        reaches, shares = (own[: len(kept)] for own in self.kept(length))
+        own = strains(order, self.plain(), places, length, kept)
+        own = own * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
         whole = len(names) * order + (2 if "GIt" in names else 0)
-        rows = [np.eye(whole)[names.index(name) * order :][:order] for name in KEPT[:2]]
-        stretch, bent = (own[:, i] @ rows[i] for i in range(2))
-        if "GIt" not in names:
-            return stretch, bent, None
-        at = names.index("GIt") * order
-        turned = np.concatenate([np.eye(whole)[at : at + order], np.eye(whole)[-2:]])
-        return stretch, bent, self.twist(order, places, length) @ turned / length
+        rows = [np.eye(whole)[names.index(name) * order :][:order] for name in kept]
+        stretch, bent, *others = (own[:, i] @ rows[i] for i in range(len(kept)))
+        rate = None
+        if "GIt" in names:
+            at = names.index("GIt") * order
+            turned = np.concatenate([np.eye(whole)[at : at + order], np.eye(whole)[-2:]])
+            rate = self.twist(order, places, length) @ turned / length
+        return stretch, bent, others[0] if others else None, rate
 
     def energy(self, order: int, c: Float[Array, "c"], length: Any, names: Sequence[str]) -> Float[Array, ""]:
         """What large strains take beyond the quadratic energy of :meth:`matrix`.
 
         A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway, and the stress that this
-        takes stiffens its torsion; and twist makes the fibres off the axis longer than the axis. Returns () [J], of
-        third order in the coefficients at least. Source: THEORY.md 2, eq. (2.23), (2.25) and (2.30).
+        takes stiffens its torsion; where it is also bent sideways, its cross-section distorts. And twist makes the
+        fibres off the axis longer than the axis. Returns () [J], of third order in the coefficients at least. Source:
+        THEORY.md 2, eq. (2.23), (2.25), (2.30) and (2.56).
 
         Args:
             c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
         """
         places, weights, free = self._parts(length)
-        stretches, bends, rates = self._large(order, places, length, names)
+        stretches, bends, sideways, rates = self._large(order, places, length, names)
         stretch, bent = stretches @ c, bends @ c
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
         # u^4, which is smooth in the curvature.
         fourth = 3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2
         bending, keeps = bending * nu / (1 - nu**2), curving(fourth)
-        flatter = bending * (1 - keeps)
+        flatter, initial = bending * (1 - keeps), None
         if self.initial is not None:
             # What is quadratic is in the matrix.
-            flatter = bending * (curving(3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2) - keeps)
+            initial = 3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2
+            flatter = bending * (curving(initial) - keeps)
         found = 0.5 * length * (weights * free) @ (nu * flatter * bent**2)
         if rates is None:
             return found
+        # Of a strip bent sideways the cross-section distorts.
+        softer = distorting(fourth) - (1 if initial is None else distorting(initial))
+        softer = softer * self.distorted(places, length) * stiff * wide**2 / 12
+        found = found + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
         rate = rates @ c
         square = (wide * rate) ** 2
         drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
@@ -492,6 +532,24 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     above = less**2 / 2 + 2 * sine**2 * (1 + less)
     below = 2 * sine * cosine * (1 + less) - less * (2 + less) / 2
     return 2 / u * above / below
+
+
+@pointwise
+def distorting(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """How much of its stiffness sideways a strip keeps that is bent, as its cross-section distorts.
+
+    Returns (3/u) (sinh u - sin u)/(cosh u - cos u), the same shape [-]: 1 for small u, 3/u for large. Source: THEORY.md
+    2, eq. (2.56).
+    """
+    small = fourth < DISTORTION_SERIES
+    v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
+    above, below = (
+        sum(v**k * (math.factorial(first) / math.factorial(4 * k + first)) for k in range(4)) for first in (3, 2)
+    )
+    # Over exp(u)/2, so that nothing overflows.
+    once = jnp.exp(-u)
+    large = 3 / u * (1 - once**2 - 2 * once * jnp.sin(u)) / (1 + once**2 - 2 * once * jnp.cos(u))
+    return jnp.where(small, above / below, large)
 
 
 def faults_of_leaf(section: Section, ref: Any, curvature: Any = None, count: int = NODES) -> list[str]:

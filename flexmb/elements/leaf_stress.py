@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from ..numerical_limits import STRIP_SERIES
 from . import surface
-from .leaf import REACHES, Leaf, curving, share_of_change
+from .leaf import REACHES, Leaf, curving, distorting, share_of_change
 from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
@@ -31,7 +31,7 @@ def leaf_stress(
     """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
     Returns the stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2,
-    eq. (2.27) to (2.29).
+    eq. (2.27) to (2.29) and (2.56).
 
     Args:
         twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.
@@ -53,6 +53,10 @@ def leaf_stress(
         shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
         resultants = resultants.at[3].set(numbers.GIt * rate)
+        # Bent sideways, fibres between the edges give way.
+        kept = distorting(3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2)
+        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (kept - 1)
+        resultants = resultants.at[5].divide(1 + softer)
     sigma, tau = rectangle.stress(resultants)
     stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Each end in turn, in widths.

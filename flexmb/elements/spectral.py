@@ -100,7 +100,7 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
         names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
     """
     own = _along(section, jnp.asarray(places), length) if section.varies else section.at(0.0, length).rigidity()
-    found = [jnp.broadcast_to(jnp.asarray(_of(own, name), float), places.shape) for name in names]
+    found = [jnp.broadcast_to(jnp.asarray(rigidity_of(own, name), float), places.shape) for name in names]
     return jnp.stack(found, axis=1)
 
 
@@ -114,7 +114,7 @@ def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]
     return jax.vmap(numbers)(places)
 
 
-def _of(s: Any, name: str):
+def rigidity_of(s: Any, name: str):
     """An attribute of rigidities or damping; zero where it has none."""
     if isinstance(s, Rigidity) and name.startswith("GA"):
         return s.EIz / s.shear_y if name == "GAy" else s.EIy / s.shear_z
@@ -174,7 +174,7 @@ def series_matrix(
     """
     if section is None or not section.varies:
         constant = of.rigidity() if isinstance(of, Section) else of
-        own = jnp.stack([jnp.asarray(_of(constant, name), float) for name in names])[:, None] / length
+        own = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in names])[:, None] / length
         own = own / (2.0 * np.arange(order) + 1)
         return jnp.diag(jnp.concatenate([jnp.zeros(closure), own.ravel()]))
     nodes, weights = gauss(NODES)
@@ -183,7 +183,7 @@ def series_matrix(
     if isinstance(of, Section):
         stiff = rigidities(of, places, length, names)
     else:
-        stiff = jnp.stack([jnp.asarray(_of(of, name), float) for name in names])
+        stiff = jnp.stack([jnp.asarray(rigidity_of(of, name), float) for name in names])
     shapes = strains(order, section, places, length, names)
     weighted = (whole.sizes[:, None] * weights).ravel()[:, None] * stiff / length
     own = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)

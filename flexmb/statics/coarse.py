@@ -1,4 +1,4 @@
-"""Warnings of cubic beams that are bent, twisted or stretched further than they are accurate for."""
+"""Warnings of cubic beams that are bent, twisted or stretched, and of leaf springs bent, further than is accurate."""
 
 from typing import Any
 
@@ -6,12 +6,16 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..display import listed
+from ..elements.sections import Rectangle
+from ..elements.spectral_spatial import FIELDS
 from ..errors import CoarseWarning, warn
 from ..model.model import Model
-from ..numerical_limits import COARSE_ANGLE, STRETCHED_BEAM
+from ..numerical_limits import COARSE_ANGLE, STRETCHED_BEAM, WIDEST_BENT
 
 # Number of elements named in a warning.
 NAMED = 3
+# Number of the node, of those of a leaf spring, that is its last point.
+LAST = 3
 
 
 def warn_of_coarse(model: Model, e: Any) -> None:
@@ -21,13 +25,16 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).
     """
     blocks = [block for block in model.topology.blocks if block.element.angles and "deformation" in block.companions]
-    if not blocks or not is_concrete((model.parameters.reference, e)):
+    leaves = _leaf_springs(model)
+    if not (blocks or leaves) or not is_concrete((model.parameters.reference, e)):
         return
-    e = np.abs(np.asarray(e)).reshape(-1, model.topology.n_e)
+    e = np.array(e).reshape(-1, model.topology.n_e)
     e[~np.isfinite(e)] = 0.0
     # Most states are without loads.
     if not e.any():
         return
+    _warn_of_bent(model, leaves, e)
+    e = np.abs(e)
     reference, dims = np.asarray(model.parameters.reference), len(model.topology.axes)
     held = np.concatenate([np.asarray(model.topology.e.fixed), np.asarray(model.topology.e.prescribed)])
     turned: dict[str, float] = {}
@@ -59,6 +66,42 @@ def warn_of_coarse(model: Model, e: Any) -> None:
             f"{_named(stretched)}: the strain along the beam reaches {largest:.2g}. Cubic beams bend there with"
             f" EI (1 + strain)^2 in place of EI, which is off by about {2 * largest:.0%}, however many they are. Use"
             " spectral beams.",
+            CoarseWarning,
+        )
+
+
+def _leaf_springs(model: Model) -> list[tuple[Any, dict[str, Any]]]:
+    """Blocks of leaf springs in space whose sections are rectangles, with their properties."""
+    pairs = zip(model.topology.blocks, model.parameters.properties, strict=True)
+    found = [(block, own) for block, own in pairs if "clamped" in own and len(block.element.fields) == len(FIELDS)]
+    return [(block, own) for block, own in found if isinstance(own["section"], Rectangle) and is_concrete(own)]
+
+
+def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
+    """Warn of leaf springs bent so far for their width that their stiffness sideways is not compared with solids.
+
+    Curvature is looked at where it is largest as a rule, at the ends. Source: THEORY.md 2, eq. (2.56).
+    """
+    bent: dict[str, float] = {}
+    reference = np.asarray(model.parameters.reference)
+    for block, own in leaves:
+        numbers, section = (
+            np.asarray(block.e)[:, np.array(block.element.fields[FIELDS.index("EIy")]) - 1],
+            own["section"],
+        )
+        odd = (-1.0) ** np.arange(numbers.shape[1])
+        curves = np.abs(np.stack([e[:, numbers].sum(axis=2), e[:, numbers] @ odd])).max(axis=(0, 1))
+        points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
+        curves = curves / np.linalg.norm(points[LAST] - points[0], axis=1)
+        nu, thickness = np.asarray(section.material.poisson()), np.asarray(section.thickness)
+        u = np.sqrt(np.sqrt(3 * (1 - nu**2)) * curves / thickness) * np.asarray(section.width)
+        for i in np.flatnonzero(u > WIDEST_BENT):
+            bent[str(model.labels.e[numbers[i, 0]].of)] = float(u[i])
+    if bent:
+        warn(
+            f"{_named(bent)}: bent far for its width, u = {max(bent.values()):.3g}. Up to {WIDEST_BENT:g} the stiffness"
+            " of a bent leaf spring that is bent sideways too is compared with solid elements. Make it narrower or"
+            " thicker, or compare it yourself.",
             CoarseWarning,
         )
 

@@ -48,7 +48,7 @@ def test_restrained_warping_beside_its_closed_form():
     torque = 1e-5
     found = fm.stress(strip(moment=(torque, 0, 0)), points=21)
     torsion = STEEL.G * W * T**3 * (1 / 3 - 64 / np.pi**5 * T / W * 1.0045237627951384)
-    layer = np.sqrt(E / (1 - NU**2) * (W * T) ** 3 / 144 / torsion)
+    layer = np.sqrt(E / (1 - NU**2) * (W * T) ** 3 / 144 / (1 + 12 * (T / W) ** 2) / torsion)
     away = (np.linspace(0, L, 21) - L / 2) / layer
     slope = -np.sinh(away) / layer / np.cosh(L / 2 / layer) * torque / torsion
     rate = (1 - np.cosh(away) / np.cosh(L / 2 / layer)) * torque / torsion
