@@ -52,6 +52,13 @@ SAME_END = 1e-9
 SAME_DAMPING = 1e-12
 """Damping of a material along a section varies where it differs by more than this, which is round-off."""
 
+SAME_STIFFNESS = 1e-6
+"""A stiffness matrix is symmetric up to this share of the roots of its diagonal. Printed numbers have seven digits."""
+
+LEAST_OF_STIFFNESS = 1e-12
+"""Smallest eigenvalue of a positive definite stiffness matrix of a section with ones on its diagonal. Below stands
+round-off."""
+
 SMOOTH_COMPLIANCE = 1e-3
 """Largest error of mean compliances by the Gauss nodes of a beam. Beyond, a section is not smooth between breaks."""
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, SECTIONAL, Element
+from ..elements.general import General
 from ..elements.nodes import ROTATION3, NodeKind, unit_norm
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity
@@ -258,12 +259,12 @@ def _source(companion: str, properties: dict[str, Any]) -> str:
 def _structure(properties: dict[str, Any]) -> Any:
     """Everything that stacked elements must have in common, without their numbers and kinds of section.
 
-    Varying sections are stacked only with sections of the same function, and sections of leaf springs only with their
-    kind, since the deformations depend on the sides.
+    Varying sections are stacked only with sections of the same function, general ones only with each other, and
+    sections of leaf springs only with their kind, since the deformations depend on the sides.
     """
     options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
     rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
-    if isinstance(section := properties.get("section"), Profile) or "clamped" in properties:
+    if isinstance(section := properties.get("section"), Profile | General) or "clamped" in properties:
         rest["section"] = section
     leaves, structure = jax.tree.flatten(rest)
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements import planar, spatial
+from ..elements.general import General
 from ..elements.profile import Profile
 from ..elements.section import Section
 from ..elements.sections import Circle, Rectangle
@@ -190,7 +191,7 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
 
 def _is_plain(builder: Description, member: Member) -> bool:
     counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
-    if counted or member.element.usual not in PLAIN or member.properties.get("section") is None:
+    if counted or member.element.usual not in PLAIN or isinstance(member.properties.get("section"), General | None):
         return False
     p, q = parts_of(member, "position")
     starts = builder.nodes[p].start, builder.nodes[q].start

@@ -14,6 +14,7 @@ from ..lazy import only
 from . import surface
 from .curves import curvature_along as curvature_along
 from .curves import curvature_through as curvature_through
+from .general import General as General
 from .profile import Profile as Profile
 from .profile import stepped as stepped
 from .profile import taper as taper

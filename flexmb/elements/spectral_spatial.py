@@ -15,6 +15,7 @@ from ..math.rotation import CONJUGATE, CROSS, initial_frame, rotation_matrix, tu
 from . import beams
 from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_ends
 from .element import Element
+from .general import General
 from .leaf import Leaf
 from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
@@ -162,6 +163,8 @@ def _fields(*, order: int, shear: bool):
 
 
 def _stiffness(*, ref, section, order, shear, curvature=None):
+    if isinstance(section, General):
+        return jnp.pad(section.series_matrix(order, _length(ref, curvature, order), shear), (6, 0))
     return series_matrix(section, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
 
 
@@ -171,6 +174,9 @@ def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=Non
 
 def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
     """Mass and second moments of the section per place, at the nodes: (n,) [kg], (n, 3, 3) [kg m^2]."""
+    if isinstance(section, General):
+        mass, _, second = section.moments_of_mass()
+        return jnp.full(rule.weights.size, mass * length), jnp.broadcast_to(second * length, (rule.weights.size, 3, 3))
     numbers = rigidities(section, rule.nodes, length, ("mass", "Jx", "Jy", "Jz", "Jyz")) * length
     return numbers[:, 0], jnp.tensordot(numbers[:, 1:], beams.SECOND_MOMENTS, 1)
 
@@ -188,7 +194,11 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     n = rule.weights.size
     h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(jnp.diag(mass * rule.weights))
     spread = jnp.einsum("n,nij,nm->nimj", rule.weights, moments, np.eye(n))
-    return vectors, h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
+    h = h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
+    if isinstance(section, General):
+        beside = jnp.einsum("n,nm,i->nmi", rule.weights, np.eye(n), section.moments_of_mass()[1] * length)
+        h = h.at[:n, n:].set(beside.reshape(n, 3 * n)).at[n:, :n].set(beside.reshape(n, 3 * n).T)
+    return vectors, h
 
 
 def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
@@ -207,6 +217,10 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
         n = rule.weights.size
         pulls = mass[:, None] * (fall[:n] @ at_p)
         turning = second @ (fall[n:].reshape(n, 3, 3) @ at_p)
+        if isinstance(section, General):
+            beside = section.moments_of_mass()[1] * length
+            pulls = pulls + beside @ (fall[n:].reshape(n, 3, 3) @ at_p)
+            turning = turning + beside[:, None] * (fall[:n] @ at_p)[:, None]
         moments = jnp.cross((vectors[:n] - p) @ at_p, pulls)
         moments = moments + jnp.sum(jnp.cross((vectors[n:] @ at_p).reshape(n, 3, 3), turning), axis=1)
         loads = jnp.concatenate([pulls, moments], axis=1).reshape(-1, len(rule.inner), 6)
@@ -253,6 +267,8 @@ def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
     faults = faults or check_section(section, ref, curvature)
     if section is None or faults:
         return faults
+    if isinstance(section, General):
+        return []
     own = numbers_of(section, ref, curvature)
     return check_shear(shear, own.shear_y, own.shear_z)
 

@@ -13,6 +13,7 @@ from ..build.description import Description
 from ..build.properties import element_type
 from ..build.step import body_of_step
 from ..elements.element import Element
+from ..elements.general import General
 from ..errors import clean
 from .fields import ENDS_IN_WORDS, Call, calls
 
@@ -158,6 +159,8 @@ class Calls:
             self.left_out.append(f"{what}: a document cannot contain this {type(value).__name__}, since {why}")
             return None
         fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)} if not constant else {}
+        if isinstance(value, General):
+            fields["stiffness"] = value.triangle()
         args = self._arguments(what, call, fields)
         prefix, taken = str(call.entry["name"] or kind), {name for _, name in self._records}
         numbered = (f"{prefix} {number}" for number in range(2, len(taken) + 2))

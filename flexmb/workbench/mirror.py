@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..build.description import AXES
+from ..elements.general import OF_TRIANGLE, STRAINS
 from ..errors import clean
 from ..model.by_name import TURNS
 from ..numerical_limits import SAME_PLACE
@@ -23,6 +24,8 @@ from .references import call_of, references, referred
 from .sums import negated, reflected
 from .values import value_in
 
+# Strains of a section that change sign where one of its axes is reversed.
+REVERSED = {"y": ("shear_y", "twist", "curvature_z"), "z": ("shear_z", "twist", "curvature_y")}
 # Vectors about which something turns: their images have the other sign.
 AXIAL = ("moment",)
 
@@ -52,6 +55,21 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     kept = {thing["id"] for thing in things}
     number = made.data["next"] + len(kept - new)
     return made.with_things([*rest, *things], next=number), Report([thing["id"] for thing in things], [], "mirror")
+
+
+def _of_image(section: dict[str, Any], turned: bool) -> dict[str, Any]:
+    """Arguments of a section whose local z is reversed, or whose local y is where that is ``turned``."""
+    args = dict(section["args"])
+    if section["call"] not in ("Rigidity", "General"):
+        return args
+    changed = ["Jyz", "center_y" if turned else "center_z"]
+    stiffness = args.get("stiffness")
+    if isinstance(stiffness, list) and len(stiffness) in OF_TRIANGLE:
+        reversed_ = REVERSED["y" if turned else "z"]
+        signs = [-1 if name in reversed_ else 1 for name in STRAINS[OF_TRIANGLE[len(stiffness)]]]
+        pairs = itertools.combinations_with_replacement(signs, 2)
+        args["stiffness"] = [text if a == b else negated(text) for text, (a, b) in zip(stiffness, pairs, strict=True)]
+    return args | {name: negated(args[name]) for name in changed if args.get(name, "0") != "0"}
 
 
 class _Image:
@@ -84,7 +102,8 @@ class _Image:
     def of(self, thing: dict[str, Any]) -> dict[str, Any]:
         """The image of a thing, with the same references."""
         call = call_of(thing)
-        if call is None:
+        # Sections have their images in `with_sections`: their vectors are no directions.
+        if call is None or call.kind == "record":
             return thing
         if "step" in thing["args"]:
             raise EditError(f"{thing['id']}/step", "A body of a STEP file cannot be mirrored. Give its numbers.")
@@ -224,7 +243,7 @@ class _Image:
         return [negated(text) if k == turned else text for k, text in enumerate(value)]
 
     def with_sections(self, things: list[dict[str, Any]], ids: set[str], number: int) -> list[dict[str, Any]]:
-        """Things, with other sections for images if a section has a product of inertia."""
+        """Things, with other sections for images if a section has a product of inertia, or a general stiffness."""
         known, made = self.document.known, {}
         if self.d == 2:
             return things
@@ -232,14 +251,14 @@ class _Image:
         for thing in things:
             id = known.thing(("section",), thing["args"].get("section") or "")
             section = self.document.by_id[id] if id else None
-            product = section["args"].get("Jyz", "0") if section and section["call"] == "Rigidity" else "0"
-            if thing["id"] not in ids or section is None or product == "0":
+            call = call_of(thing)
+            args = _of_image(section, call is not None and call.kind == "block") if section else None
+            if thing["id"] not in ids or section is None or args == section["args"]:
                 found.append(thing)
                 continue
             if id not in made:
                 name = known.unused("section", f"{section['name']} mirrored")
-                args = {**section["args"], "Jyz": negated(product)}
-                made[id] = {"id": str(number + len(made)), "call": "Rigidity", "name": name, "args": args}
+                made[id] = {"id": str(number + len(made)), "call": section["call"], "name": name, "args": args}
             found.append({**thing, "args": {**thing["args"], "section": made[id]["name"]}})
         return [*made.values(), *found]
 

@@ -161,6 +161,19 @@ def test_every_feature_in_space():
     assert again.things == document.things
 
 
+def test_a_general_section_is_its_triangle():
+    b = fm.Builder()
+    b.node("A", (0, 0, 0))
+    b.node("B", (0.1, 0, 0))
+    section = fm.sections.General(np.diag([4.0, 3, 2, 1]) + 0.1, mass=0.5, center_y=0.01, damping=1e-4)
+    b.add(spatial.spectral_beam, "A", "B", name="box", section=section)
+    document, left_out = document_of(b)
+    assert left_out == []
+    given = next(thing["args"] for thing in document.things if thing["call"] == "General")
+    assert given["stiffness"] == ["4.1", "0.1", "0.1", "0.1", "3.1", "0.1", "0.1", "2.1", "0.1", "1.1"]
+    check_same_contents(rebuilt(document), b)
+
+
 @pytest.mark.slow
 def test_rotation_prescribed_in_space():
     b = fm.Builder()
