@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -63,15 +62,10 @@ def combined(signals: tuple[Signal, ...], weights: Any) -> Float[Array, "n terms
 
 def rotation_measured(
     lam: Float[Array, "4"], start: Float[Array, "4"], reference: Float[Array, "4"], axis: Any, local: bool
-) -> tuple[Float[Array, ""], Float[Array, "4"]]:
-    """Rotation about an axis as a sensor measures it [rad], and its derivative by the Euler parameters.
+) -> Float[Array, ""]:
+    """Rotation about an axis as a sensor measures it [rad].
 
     This is a component of the rotation vector from the undeformed mechanism to the start, plus one from the start to
     now. It is the angle about a fixed axis, and the linearised rotation to first order about the start.
     """
-
-    def since(lam: Float[Array, "4"]):
-        return rotation_since(start, lam, local)[axis]
-
-    value, slope = jax.value_and_grad(since)(lam)
-    return value + rotation_since(reference, start, local)[axis], slope
+    return rotation_since(start, lam, local)[axis] + rotation_since(reference, start, local)[axis]

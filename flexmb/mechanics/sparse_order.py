@@ -16,13 +16,11 @@ from ..compilation.host import call_host
 from ..compilation.record import Record, static
 from ..errors import AnalysisError
 from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
-from ..model.topology import Topology
-from .levels import WIDE, Levels, is_elastic, levels_of, moving_blocks, product_of, unknowns_of
+from ..model.topology import Block, Topology
+from .blocks import scatter_vector
 
 # Number of stored factors: two of a step, and the factors of the projection onto the constraints.
 MOST_FACTORS = 4
-# Basis of a solution: BlockFactors of levels, or the entries that the host factors.
-Factors = Any
 
 
 class Places:
@@ -93,66 +91,81 @@ class SparseOrder(Record):
     holds: tuple[bool, ...] = static()
     places: Places = static()
 
-    def factors(self, pieces: tuple[Array, ...], diagonal: Array | None = None) -> Inexact[Array, "entries"]:
-        """Entries of the sum of element matrices and a diagonal, which are factored when a solution is asked for."""
-        if diagonal is None:
-            diagonal = jnp.zeros(self.places.count, pieces[0].dtype)
-        return jnp.concatenate([*(piece.reshape(-1) for piece in pieces), diagonal])
+    def solved(
+        self,
+        pieces: tuple[Inexact[Array, "elements k k"], ...],
+        diagonal: Inexact[Array, "unknowns"],
+        right: Inexact[Array, "unknowns"],
+        transposed: bool = False,
+    ):
+        """Solution with element matrices and a diagonal, or of the transposed equations, in the order of the unknowns.
 
-    def solved(self, factors: Inexact[Array, "entries"], right: Inexact[Array, "unknowns"], transposed: bool = False):
-        """Solution, or of the transposed equations, in the order of the unknowns."""
+        The host keeps the factors of the last matrices.
+        """
         like = jax.ShapeDtypeStruct(right.shape, right.dtype)
         solution = functools.partial(self.places.solution, transposed=True) if transposed else self.places.solution
-        return call_host(solution, like, factors, right)
+        return call_host(solution, like, jnp.concatenate([*(piece.reshape(-1) for piece in pieces), diagonal]), right)
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
         """Product of the sum of element matrices and a change of the unknowns."""
-        return product_of(self.unknowns, pieces, change)
+        padded = jnp.append(change, 0.0)
+        every = zip(self.unknowns, pieces, strict=True)
+        products = [(places, jnp.sum(own * padded[places][:, None, :], axis=2)) for places, own in every]
+        return scatter_vector(padded.shape[0], products)[:-1]
 
 
 @jax.custom_jvp
 def solution(
-    order: Levels | SparseOrder,
-    factors: Factors,
+    order: SparseOrder,
     pieces: tuple[Float[Array, "elements k k"], ...],
     diagonal: Float[Array, "unknowns"],
     right: Float[Array, "unknowns"],
 ) -> Float[Array, "unknowns"]:
-    """Solution of the equations by factors, differentiable in element matrices, diagonal and right-hand side."""
-    del pieces, diagonal
-    return order.solved(factors, right)
+    """Solution of the equations, differentiable in element matrices, diagonal and right-hand side."""
+    return order.solved(pieces, diagonal, right)
 
 
 @solution.defjvp
 def _solution_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    order, factors, pieces, diagonal, _ = primals
+    order, pieces, diagonal, _ = primals
     z = solution(*primals)
-    *_, by_pieces, by_diagonal, by_right = tangents
+    _, by_pieces, by_diagonal, by_right = tangents
 
     def product(z: Float[Array, "unknowns"]):
         return order.product(pieces, z) + diagonal * z
 
     def solve(transposed: bool):
-        return lambda _, right: order.solved(factors, right, transposed)
+        return lambda _, right: order.solved(pieces, diagonal, right, transposed)
 
     left = by_right - order.product(by_pieces, z) - by_diagonal * z
     return z, lax.custom_linear_solve(product, left, solve(False), transpose_solve=solve(True))
 
 
-def order_of(topology: Topology) -> "Levels | SparseOrder":
-    """Order in which the equations of a large mechanism are solved: along a chain, or by sparse factors of the host.
+def order_of(topology: Topology) -> SparseOrder:
+    """Unknowns of a mechanism and the places of its matrices, on the host; found once for equal structures.
 
-    Levels exclude exchanges of rows, which multipliers require.
+    Unknowns (elements, k) are free coordinates, then multipliers if some are held; one past the last means none.
     """
-    levels = levels_of(topology, WIDE) if is_elastic(topology) else None
-    return sparse_order_of(topology) if levels is None else levels
+    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    n, count = len(free), len(free) + len(held)
+    of_x, of_e = np.full(topology.n_x, count), np.full(topology.n_e, count)
+    of_x[free], of_e[held] = np.arange(n), n + np.arange(len(held))
+    unknowns, holds = [], []
+    for block in moving_blocks(topology):
+        x, e = np.asarray(block.x), np.asarray(block.e)
+        own = of_e[e if "deformation" in block.companions else e[:, :0]]
+        holds.append(bool(np.any(own < count)))
+        unknowns.append(np.concatenate([of_x[x], own], axis=1) if holds[-1] else of_x[x])
+    return SparseOrder(tuple(jax.device_put(unknowns)), tuple(holds), _places(unknowns, count))
 
 
-def sparse_order_of(topology: Topology) -> SparseOrder:
-    """Unknowns of a mechanism and the places of its matrices, on the host; found once for equal structures."""
-    moving = moving_blocks(topology)
-    unknowns, holds, count = unknowns_of(topology, moving)
-    return SparseOrder(tuple(jax.device_put(unknowns)), holds, _places(unknowns, count))
+def moving_blocks(topology: Topology) -> list[Block]:
+    """Blocks whose elements deform or have mass, which :class:`SparseOrder` orders."""
+    return [
+        block
+        for block in topology.blocks
+        if ("deformation" in block.companions and block.e.shape[1]) or "inertia" in block.companions
+    ]
 
 
 # Equal structures share places, and code compiled with them, while one of them is in use.

@@ -1,7 +1,6 @@
 """Equations of motion of long chains and nets: all nodal coordinates and multipliers, with matrices element by element.
 
-No array is of the size of the mechanism squared. :mod:`flexmb.mechanics.levels` assembles and factorises chains,
-:mod:`flexmb.mechanics.sparse_order` everything else.
+No array is of the size of the mechanism squared. :mod:`flexmb.mechanics.sparse_order` assembles and factorises.
 """
 
 import dataclasses
@@ -13,27 +12,23 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
-from ..compilation.record import Record
 from ..math.indices import put
 from ..mechanics.blocks import scatter_vector
-from ..mechanics.levels import Levels, bordered, moving_blocks
-from ..mechanics.sparse_order import SparseOrder, solution
+from ..mechanics.sparse_order import SparseOrder, moving_blocks, solution
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model
 from ..model.topology import Topology
 from ..numerical_limits import CHAIN_RESIDUAL, REDUNDANT_COMPLIANCE
-from .coordinates_form import AllCoordinates, CoordinatesForm, coordinates_form
+from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
 from .element_forces import (
-    Kinematics,
     Moving,
     PreparedBlock,
-    acting_forces,
     deformed_elements,
     derivatives_of_elements,
     strained,
 )
-from .protocol import MotionState, WholeMotion
+from .protocol import MotionState, by_time
 
 
 def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
@@ -55,7 +50,7 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
 class ElementTangent(NamedTuple):
     """:class:`.protocol.Tangent` element by element: coordinates of an element, then its held deformations."""
 
-    order: Levels | SparseOrder
+    order: SparseOrder
     by_z: tuple[Float[Array, "elements k k"], ...]
     by_w: tuple[Float[Array, "elements k k"], ...]
     by_u: tuple[Float[Array, "elements k k"], ...]
@@ -69,10 +64,8 @@ class ElementTangent(NamedTuple):
 
     def solver(self, step: Any) -> Callable[[Float[Array, "r"]], Float[Array, "r"]]:
         """Function that solves with R_z + step R_w + step^2 R_u."""
-        order: Any = self.order
         pieces = tuple(z + step * (w + step * u) for z, w, u in zip(self.by_z, self.by_w, self.by_u, strict=True))
-        factors = order.factors(pieces)
-        return lambda right: solution(order, factors, pieces, jnp.zeros_like(right), right)
+        return lambda right: solution(self.order, pieces, jnp.zeros_like(right), right)
 
     def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
         """R_w w + R_u u, (n + m,)."""
@@ -80,123 +73,83 @@ class ElementTangent(NamedTuple):
         return self.order.product(self.by_w, jnp.append(w, none)) + self.order.product(self.by_u, jnp.append(u, none))
 
 
-class ChainForm(Record):
-    """Equations of motion of a chain, with the methods of :class:`CoordinatesForm`."""
+class ChainForm(CoordinatesForm):
+    """Equations of motion in all nodal coordinates, with matrices element by element.
 
-    form: CoordinatesForm
-    order: Levels | SparseOrder
+    Attributes:
+        order: Order of the unknowns.
+        stiffness, damping: Constant matrices of the elements of each block, or None.
+    """
+
+    order: SparseOrder
     stiffness: tuple[Float[Array, "elements d d"] | None, ...]
     damping: tuple[Float[Array, "elements d d"] | None, ...]
 
-    @property
-    def states(self) -> int:
-        """Number of states of a controller."""
-        return 0
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates that move."""
-        return self.form.size
-
-    def state_of(
-        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
-    ) -> MotionState:
-        """State of nodal coordinates."""
-        return self.form.state_of(x, xd, near)
-
-    def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
-        """Coordinates, velocities and deformations of a state; no inputs."""
-        return self.form.whole_motion(t, state)
-
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
         """Stress resultants as a function of deformations and rates, with multipliers at held deformations."""
-        form = self.form
-        drive = form.drive(t)
+        drive = self.drive(t)
 
         def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            strain = strain_of(form.topology, form.parameters, drive.loads, e)
+            strain = strain_of(self.topology, self.parameters, drive.loads, e)
             pieces = self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)
             sigma = scatter_vector(e.shape[0], pieces)
             for more in (drive.loads.prestress, drive.stress):
                 sigma = sigma if more is None else sigma + more
-            return put(sigma, form.held, multipliers)
+            return put(sigma, self.held, multipliers)
 
         return stress
 
     def _pulled(self, matrices: tuple[Array | None, ...], rates: Float[Array, "n_e"]):
-        blocks = zip(self.form.elements, matrices, strict=True)
+        blocks = zip(self.elements, matrices, strict=True)
         return [(b.e, jnp.sum(matrix * rates[b.e][:, None, :], axis=2)) for b, matrix in blocks if matrix is not None]
 
     def elastic_stress(self, strain: Float[Array, "n_e"]):
         """Stress resultants of elements of constant stiffness."""
         return scatter_vector(strain.shape[0], self._pulled(self.stiffness, strain))
 
-    def forces(
-        self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
-    ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
-        """Kinematics, stress resultants, nodal forces out of balance, and all coordinates."""
-        form, n = self.form, self.size
-        at = form.whole(t, state.u, state.w, z[:n])
-        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
-        acting = acting_forces(form.elements, moving, form.falling, self.stress_of(t, z[n:]))
-        return acting.kinematics, acting.sigma, acting.force - form.applied(t, at.x), at
-
-    def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Forces out of balance and second rates of the held deformations (THEORY.md 5 and 9 (b), eq. (9.1))."""
-        form = self.form
-        kin, _, force, at = self.forces(t, state, z)
-        return jnp.concatenate([force[form.free] * form.sizes, kin.edd[form.held] - at.edd])
-
-    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> ElementTangent:
+    def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
         """Derivatives of :meth:`residual` (THEORY.md 6)."""
-        form, n = self.form, self.size
-        at = form.whole(t, state.u, state.w, z[:n])
-        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
+        n = self.size
+        at = self.whole(t, state.u, state.w, z[:n])
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         stress = self.stress_of(t, z[n:])
         # Multipliers are unknowns: the stiffness of held deformations must not act.
-        loose = put(jnp.ones(form.topology.n_e), form.held, 0.0)
+        loose = put(jnp.ones(self.topology.n_e), self.held, 0.0)
         tangents = [
             tuple(
                 None if matrix is None else matrix * loose[block.e][:, :, None]
-                for matrix, block in zip(matrices, form.elements, strict=True)
+                for matrix, block in zip(matrices, self.elements, strict=True)
             )
             for matrices in (self.stiffness, self.damping)
         ]
-        derivatives = derivatives_of_elements(form.elements, moving, form.falling, stress, *tangents)
-        sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
+        derivatives = derivatives_of_elements(self.elements, moving, self.falling, stress, *tangents)
+        sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
         tangent_pieces = []
-        for block, holds, derivative in zip(form.elements, self.order.holds, derivatives, strict=True):
+        for block, holds, derivative in zip(self.elements, self.order.holds, derivatives, strict=True):
             size = sizes[block.x]
             both = size[:, :, None] * size[:, None, :]
             by_z, by_w, by_u = (both * matrix for matrix in (derivative.mass, derivative.by_v, derivative.by_x))
             if holds:
                 rows: Any = (derivative.e, derivative.ed, derivative.edd)
                 e, ed, edd = (row * size[:, None, :] for row in rows)
-                by_z = bordered(by_z, e, e.mT, self._corner(block, e))
-                by_w, by_u = bordered(by_w, 2 * ed), bordered(by_u, edd)
+                by_z = _bordered(by_z, e, e.mT, self._corner(block, e))
+                by_w, by_u = _bordered(by_w, 2 * ed), _bordered(by_u, edd)
             tangent_pieces.append((by_z, by_w, by_u))
-        by_t = None
-        if form.driven:
-            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        by_t = by_time(self, t, state, z) if self.driven else None
         by_z, by_w, by_u = (tuple(pieces) for pieces in zip(*tangent_pieces, strict=True))
-        return ElementTangent(self.order, by_z, by_w, by_u, by_t, form.held.shape[0])
+        return ElementTangent(self.order, by_z, by_w, by_u, by_t, self.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
         """Corner that keeps redundant constraints solvable, as in :func:`.coordinates_form.bordered`."""
-        mobility = put(jnp.zeros(self.form.topology.n_x), self.form.free, self.form.mobility)[block.x]
+        mobility = put(jnp.zeros(self.topology.n_x), self.free, self.mobility)[block.x]
         return (
             -REDUNDANT_COMPLIANCE * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
         )
 
-    @property
-    def unknowns(self) -> int:
-        """Number of accelerations and multipliers."""
-        return self.form.unknowns
-
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
-        z = jnp.zeros(self.size + self.form.held.shape[0])
+        z = jnp.zeros(self.unknowns)
         solve = self.tangent(t, state, z).solver(0.0)
 
         def corrected(z: Float[Array, "r"], _: None):
@@ -207,44 +160,33 @@ class ChainForm(Record):
         z, left = jax.lax.scan(corrected, z, None, length=3)
         return z, jnp.all(jnp.isfinite(z)) & (left[2] <= CHAIN_RESIDUAL * left[0])
 
-    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """The memory itself: no turns are counted."""
-        return state.memory
-
-    def gap(self, t: Float[Array, ""], state: MotionState):
-        """Held deformations minus their wanted values."""
-        return self.form.gap(t, state)
-
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """State brought back onto the constraints, by the masses of the undeformed shape (THEORY.md 9, eq. (9.3))."""
-        form, n = self.form, self.size
-        if not form.held.shape[0]:
+        n = self.size
+        if not self.held.shape[0]:
             return state
-        sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)
-        masses = jnp.append(1 / form.mobility, jnp.zeros(form.held.shape[0]))
+        sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
+        masses = jnp.append(1 / self.mobility, jnp.zeros(self.held.shape[0]))
 
         def corrected(_: Array, moving: tuple[Array, Array]):
-            at = form.whole(t, moving[0], moving[1], jnp.zeros(n))
-            deformed_blocks = deformed_elements(form.elements, at.x, form.near(state.memory))
+            at = self.whole(t, moving[0], moving[1], jnp.zeros(n))
+            deformed_blocks = deformed_elements(self.elements, at.x, self.near(state.memory))
             pieces, rates = [], []
-            for block, holds, deformed in zip(form.elements, self.order.holds, deformed_blocks, strict=True):
+            for block, holds, deformed in zip(self.elements, self.order.holds, deformed_blocks, strict=True):
                 k = block.x.shape[1]
                 square = jnp.zeros((block.x.shape[0], k, k))
                 if deformed is not None:
                     rates.append((block.e, jnp.sum(deformed[1] * at.v[block.x][:, None, :], axis=2)))
                     if holds:
                         rows = deformed[1] * sizes[block.x][:, None, :]
-                        square = bordered(square, rows, rows.mT, self._corner(block, rows))
+                        square = _bordered(square, rows, rows.mT, self._corner(block, rows))
                 pieces.append(square)
-            e = strained(form.elements, at.x, form.near(state.memory))
+            e = strained(self.elements, at.x, self.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
-            order: Any = self.order
-            pieces = tuple(pieces)
-            factors = order.factors(pieces, masses)
             back = [
-                solution(order, factors, pieces, masses, jnp.append(jnp.zeros(n), excess))[:n]
-                for excess in (e[form.held] - at.e, ed[form.held] - at.ed)
+                solution(self.order, tuple(pieces), masses, jnp.append(jnp.zeros(n), excess))[:n]
+                for excess in (e[self.held] - at.e, ed[self.held] - at.ed)
             ]
             return moving[0] - back[0], moving[1] - back[1]
 
@@ -253,7 +195,7 @@ class ChainForm(Record):
         return MotionState(u, w, state.memory)
 
 
-def chain_form(model: Model, driven: tuple[Driven, ...], order: Levels | SparseOrder) -> ChainForm:
+def chain_form(model: Model, driven: tuple[Driven, ...], order: SparseOrder) -> ChainForm:
     """Equations of motion of a chain; `order` orders its unknowns."""
     topology, parameters = model.topology, model.parameters
     # A derivative would carry dense matrices along.
@@ -265,4 +207,19 @@ def chain_form(model: Model, driven: tuple[Driven, ...], order: Levels | SparseO
         matrices = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
         return tuple(matrix for matrix, block in zip(matrices, topology.blocks, strict=True) if id(block) in moving)
 
-    return ChainForm(form, order, of_blocks("stiffness"), of_blocks("damping"))
+    fields = {field.name: getattr(form, field.name) for field in dataclasses.fields(form)}
+    return ChainForm(**fields, order=order, stiffness=of_blocks("stiffness"), damping=of_blocks("damping"))
+
+
+def _bordered(
+    square: Float[Array, "elements c c"],
+    rows: Float[Array, "elements d c"],
+    columns: Float[Array, "elements c d"] | None = None,
+    corner: Float[Array, "elements d d"] | None = None,
+) -> Float[Array, "elements k k"]:
+    """Element matrices by coordinates, bordered by rows and columns of the element's deformations, or by zeros."""
+    count, d, _ = rows.shape
+    columns = jnp.zeros_like(rows.mT) if columns is None else columns
+    corner = jnp.zeros((count, d, d)) if corner is None else corner
+    upper, lower = (jnp.concatenate(pair, axis=2) for pair in ((square, columns), (rows, corner)))
+    return jnp.concatenate([upper, lower], axis=1)

@@ -17,8 +17,7 @@ from ..mechanics.deformation import deformations
 from ..mechanics.signals import rotation_measured, rotation_row
 from .coordinates_form import CoordinatesForm
 from .drive import MOMENTS, Driven
-from .element_forces import Moving, force_derivatives
-from .protocol import MotionState, Tangent, WholeMotion
+from .protocol import MotionState, Tangent, WholeMotion, by_time
 
 
 class Feedback(Record):
@@ -92,7 +91,6 @@ class PortPlaces(Record):
 
 
 ROTATIONS = ("rotation", "local rotation")
-TURNING = ("angular velocity", "local angular velocity")
 # Quantities that depend on accelerations and multipliers, and so on the inputs of the same time.
 LATE = (
     "acceleration",
@@ -197,7 +195,7 @@ class ControlledForm(Record):
         values = self._early(t, own)
         for i, value in zip(self.places.late, self._late(t, own, z, u) if self.places.late else (), strict=True):
             values[i] = value
-        parts = jnp.stack(values) if values else jnp.zeros(0)
+        parts = jnp.array(values, float)
         return parts if self.places.read is None else self.places.read @ parts
 
     def _late(self, t: Float[Array, ""], own: MotionState, z: Any, u: Any):
@@ -233,7 +231,9 @@ class ControlledForm(Record):
             elif quantity in sources:
                 values.append(sources[quantity][self.places.outputs[i]])
             elif quantity in ROTATIONS:
-                values.append(self._rotation(i, at.x)[0])
+                turning, axis, local = self._turning(i)
+                reference = parameters.reference[turning]
+                values.append(rotation_measured(at.x[turning], self.start[turning], reference, axis, local))
             else:
                 turning, axis, local = self._turning(i)
                 values.append(rotation_row(at.x[turning], axis, local) @ at.v[turning])
@@ -243,13 +243,6 @@ class ControlledForm(Record):
         """Euler parameters' indices and axis of a measured rotation, and whether the axis turns along."""
         euler_indices = self.places.outputs[i] + jnp.arange(4)
         return euler_indices, self.places.axes[i], self.places.quantities[i].startswith("local")
-
-    def _rotation(self, i: int, x: Float[Array, "n_x"]):
-        """Measured rotation, and its derivative by the Euler parameters."""
-        euler_indices, axis, local = self._turning(i)
-        return rotation_measured(
-            x[euler_indices], self.start[euler_indices], self.form.parameters.reference[euler_indices], axis, local
-        )
 
     def _rate(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
         """Rates of the controller's states."""
@@ -326,8 +319,12 @@ class ControlledForm(Record):
         by_z = by_z.at[kept[:, None], kept].set(at.by_z + mechanism[3] if self.places.late else at.by_z)
         if self.places.late:
             by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(controller[3])
-        by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
-        return Tangent(self._joined(mechanism_u, controller_u), self._joined(mechanism_w, controller_w), by_z, by_t)
+        return Tangent(
+            self._joined(mechanism_u, controller_u),
+            self._joined(mechanism_w, controller_w),
+            by_z,
+            by_time(self, t, state, z),
+        )
 
     def _closed_derivatives(
         self,
@@ -358,7 +355,12 @@ class ControlledForm(Record):
         u: Float[Array, "n_u"] | None = None,
     ):
         """Derivatives of the outputs by positions and velocities; of late ones also by accelerations and inputs."""
-        by_u, by_w = self._early_derivatives(t, own)
+
+        def early(position: Float[Array, "n"], velocity: Float[Array, "n"]):
+            return jnp.array(self._early(t, own._replace(u=position, w=velocity)), float)
+
+        # In reverse, since outputs are few.
+        by_u, by_w = jax.jacrev(early, (0, 1))(own.u, own.w)
         by_z = by_input = None
         if self.places.late:
             late = np.array(self.places.late)
@@ -375,41 +377,6 @@ class ControlledForm(Record):
             )
         read, derivatives = self.places.read, (by_u, by_w, by_z, by_input)
         return tuple(matrix if matrix is None or read is None else read @ matrix for matrix in derivatives)
-
-    def _early_derivatives(self, t: Float[Array, ""], own: MotionState):
-        """Derivatives by positions and velocities of the parts of outputs that depend on the state alone."""
-        top, form = self.form.topology, self.form
-        at = form.whole(t, own.u, own.w, jnp.zeros(form.size))
-        rows, zero = jnp.eye(top.n_x), jnp.zeros((1, top.n_x))
-        by_x = None
-        if any("deformation" in quantity for quantity in self.places.quantities):
-            moving = Moving(at.x, at.v, jnp.zeros(top.n_x), form.near(own.memory))
-            by_x = force_derivatives(form.elements, moving, None, lambda e, ed: e)
-        rows_by_rate: tuple[list, list] = ([], [])
-        for i, quantity in enumerate(self.places.quantities):
-            j = self.places.outputs[i]
-            if quantity in LATE:
-                pair = (zero, zero)
-            elif quantity in ROTATIONS:
-                euler_indices, *_ = self._turning(i)
-                pair = (zero.at[0, euler_indices].set(self._rotation(i, at.x)[1]), zero)
-            elif quantity in TURNING:
-                euler_indices, axis, local = self._turning(i)
-                # The angular velocity 2 Lbar(lambda) lambda_dot is antisymmetric in the two.
-                by_rate = zero.at[0, euler_indices].set(rotation_row(at.x[euler_indices], axis, local))
-                pair = (zero.at[0, euler_indices].set(-rotation_row(at.v[euler_indices], axis, local)), by_rate)
-            elif by_x is None or "deformation" not in quantity:
-                row = rows[j][None]
-                pair = (row, zero) if quantity == "position" else (zero, row)
-            elif quantity == "deformation":
-                pair = (by_x.e[j][None], zero)
-            else:
-                pair = (by_x.ed[j][None], by_x.e[j][None])
-            for rows_of, row in zip(rows_by_rate, pair, strict=True):
-                rows_of.append(row)
-        return tuple(
-            (jnp.concatenate(r) if r else jnp.zeros((0, top.n_x)))[:, form.free] * form.sizes for r in rows_by_rate
-        )
 
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""

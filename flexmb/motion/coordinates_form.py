@@ -41,7 +41,7 @@ from .element_forces import (
     prepared_blocks,
     strained,
 )
-from .protocol import InertiaRates, MotionState, Tangent, WholeMotion
+from .protocol import InertiaRates, MotionState, Tangent, WholeMotion, by_time
 
 # Newton steps from a configuration one time step away: quadratic convergence leaves round-off.
 CORRECTIONS = 3
@@ -86,7 +86,7 @@ class CoordinatesForm(Record):
     sizes: Float[Array, "n"]
     held: Array
     mobility: Float[Array, "n"]
-    driven: tuple[Driven, ...] = ()
+    driven: tuple[Driven, ...]
 
     @property
     def states(self) -> int:
@@ -272,9 +272,7 @@ class CoordinatesForm(Record):
             k = k - drive.turning
         by_u = jnp.concatenate([self.scaled(k), self.columns(by_x.edd)])
         by_w = jnp.concatenate([self.scaled(by_x.by_v), 2 * self.columns(by_x.ed)])
-        by_t = None
-        if self.driven:
-            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        by_t = by_time(self, t, state, z) if self.driven else None
         return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
 
     def regular(self, by_z: Float[Array, "r r"]):

@@ -6,8 +6,6 @@ from typing import Any
 
 from ..arguments import check_choice, is_concrete
 from ..errors import ModelError
-from ..math.sparse import LARGE
-from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import Tree, tree_of
 from ..model.model import Model
@@ -17,9 +15,8 @@ from .drives_by_name import acted_on
 from .integrator import Integrator, is_energy_keeping
 
 FORMS = ("coordinates", "reduced", "chain", "tree")
-# Mechanisms with at least this number of coordinates that are no chains use the sparse solver by default. Dense
-# matrices take equal time at 320 to 340 coordinates, and twice as long at 480 (benchmarks/nets.py); the sparse form
-# takes longer to compile.
+# Mechanisms with at least this number of coordinates use the sparse solver by default. Dense matrices take equal time
+# at 320 to 340 coordinates, and twice as long at 480 (benchmarks/nets.py); the sparse form takes longer to compile.
 NET = 400
 
 
@@ -45,7 +42,7 @@ def check_form(integrator: Integrator, controlled: bool) -> None:
 
 def chosen_form(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
-) -> tuple[str, Levels | SparseOrder | None, Tree | None]:
+) -> tuple[str, SparseOrder | None, Tree | None]:
     """Form, the order of the unknowns for "chain", and the beams with computed last ends for "tree".
 
     Args:
@@ -74,7 +71,7 @@ def chosen_form(
 
 def _order(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
-) -> Levels | SparseOrder | None:
+) -> SparseOrder | None:
     """Order of the unknowns of a chain or a net; None if another form is chosen."""
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
@@ -90,7 +87,4 @@ def _order(
         return order_of(top)
     if why is not None or controlled or any(option is not None for option in options):
         return None
-    if (size := top.x.free.shape[0]) < LARGE:
-        return None
-    order = order_of(top)
-    return None if isinstance(order, SparseOrder) and size < NET else order
+    return None if top.x.free.shape[0] < NET else order_of(top)

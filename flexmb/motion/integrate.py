@@ -13,7 +13,6 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, with_derivative
 from ..mechanics.extent import sizes_of
-from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
@@ -64,7 +63,7 @@ class Problem(Record):
     feedback: Feedback | Sampled | None
     jumps: Float[Array, "k"] | None
     measured_from: Float[Array, "n_x"] | None
-    order: Levels | SparseOrder | None = None
+    order: SparseOrder | None = None
     tree: Tree | None = None
     still: bool = static(default=False)
     stops: Float[Array, "k"] | None = None

@@ -29,7 +29,6 @@ from ..errors import ModelError
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
 from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
-from ..mechanics.levels import Levels
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
@@ -316,7 +315,7 @@ def _observe(
     xd: Float[Array, "n_t n_x"],
     near: Float[Array, "n_t n_e"],
     u: Float[Array, "n_t n_u"],
-    order: Levels | SparseOrder | None,
+    order: SparseOrder | None,
 ):
     topology, parameters = model.topology, model.parameters
     undriven = coordinates_form(topology, parameters, driven)

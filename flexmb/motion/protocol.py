@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
+import jax
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..math.linear import factorise
@@ -149,3 +151,8 @@ class EnergyEquations(Equations, Protocol):
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
         """Allowed velocities closest to given rates of the inertia vectors s(x)."""
         ...
+
+
+def by_time(equations: Equations, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
+    """Derivative of the residual by time."""
+    return jax.jvp(lambda t: equations.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]

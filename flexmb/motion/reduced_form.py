@@ -13,7 +13,7 @@ from ..mechanics.inertia import mass_matrix
 from .coordinates_form import CoordinatesForm
 from .element_forces import Moving
 from .moving_matrices import carried, dynamic_balance, moving_matrices
-from .protocol import MotionState, Tangent, WholeMotion
+from .protocol import MotionState, Tangent, WholeMotion, by_time
 
 
 class ReducedForm(Record):
@@ -80,9 +80,7 @@ class ReducedForm(Record):
         """Derivatives of the residual (THEORY.md 6, eq. (6.1))."""
         at, _ = moving_matrices(self.form, t, self.everything(t, state, z))
         by_u, by_w, by_z = (self.sizes[:, None] * m * self.sizes for m in (at.K, at.C0 + at.D0, at.M0))
-        by_t = None
-        if self.form.driven:
-            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        by_t = by_time(self, t, state, z) if self.form.driven else None
         return Tangent(by_u, by_w, by_z, by_t)
 
     @jit_beside_options

@@ -19,7 +19,6 @@ from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
 from ..mechanics.signals import terms_of
-from ..mechanics.sparse_order import SparseOrder
 from ..model.model import Model, as_model
 from ..numerical_limits import ENERGY_OF_MOTION, ENERGY_ROUND_OFF, SOON_AFTER_START
 from ..results import RESULTS, check, collect, or_nan
@@ -182,7 +181,7 @@ def simulate(
         left = ((0, len(times) - len(x)), (0, 0))
         x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
     order = problem.order
-    if isinstance(order, SparseOrder) and order.places.too_large and is_concrete(result):
+    if order is not None and order.places.too_large and is_concrete(result):
         result = jnp.full_like(result, RESULTS.out_of_memory)
     name = type(given_solver).__name__ if given_solver is not None else "Rodas5P"
     motion = Motion(

@@ -29,7 +29,7 @@ from .element_forces import (
     second_rate,
     strained,
 )
-from .protocol import MotionState, Tangent, WholeMotion
+from .protocol import MotionState, Tangent, WholeMotion, by_time
 from .tree_beams import Bent, TreeBeams, tree_beams
 
 
@@ -317,9 +317,7 @@ class TreeForm(Record):
                 every = accumulate(every, e, block_rows)
             edd_by_u, edd_by_w, rows = jnp.split(self.held(every), 3, axis=1)
             by_u, by_w = jnp.concatenate([by_u, edd_by_u]), jnp.concatenate([by_w, edd_by_w])
-        by_t = None
-        if form.driven:
-            by_t = jax.jvp(lambda t: self.residual(t, state, z), (t,), (jnp.ones_like(t),))[1]
+        by_t = by_time(self, t, state, z) if form.driven else None
         return Tangent(by_u, by_w, bordered(mass, rows, self.mobility), by_t)
 
     def by_loads(self, t: Float[Array, ""], x: Float[Array, "n_x"]):

@@ -2,9 +2,18 @@
 
 from typing import Any
 
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..math.sparse import LARGE
 from ..model.model import Model
+from ..model.topology import Topology
+
+# Least number of coordinates, and of coordinates per bandwidth, from which sparse matrices solve an equilibrium of a
+# chain faster than dense; and the most bandwidth of a chain.
+LONG, LINKS, WIDEST = 120, 11, 16
 
 
 def solver_for(model: Model, sparse: bool | None, solver: Any) -> LinearSolver:
@@ -22,3 +31,19 @@ def named(solver: Any) -> Any:
     if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
         raise TypeError('Argument `solver` must be "sparse" or "dense" here. fm.equilibrium accepts other solvers too.')
     return solver
+
+
+def is_long_chain(topology: Topology) -> bool:
+    """Whether sparse matrices solve an equilibrium although the mechanism is not large: its matrices are narrow."""
+    if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
+        return False
+    joined = np.zeros((topology.n_x, topology.n_x), bool)
+    for block in topology.blocks:
+        coordinates = np.asarray(block.x)
+        joined[coordinates[:, :, None], coordinates[:, None, :]] = True
+    free = np.asarray(topology.x.free)
+    graph = csr_array(joined[free[:, None], free])
+    place = np.argsort(reverse_cuthill_mckee(graph, symmetric_mode=True))
+    rows, columns = graph.nonzero()
+    bandwidth = int(np.max(np.abs(place[rows] - place[columns]), initial=0))
+    return bandwidth <= WIDEST and len(free) > LINKS * bandwidth

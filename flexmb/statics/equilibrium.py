@@ -19,7 +19,6 @@ from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import Felt
-from ..mechanics.levels import is_long_chain
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
@@ -28,7 +27,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, told
-from .choice import solver_for
+from .choice import is_long_chain, solver_for
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements

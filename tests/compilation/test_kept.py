@@ -29,7 +29,7 @@ from flexmb.compilation.program import of_time
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
-from flexmb.mechanics.sparse_order import SparseOrder, sparse_order_of
+from flexmb.mechanics.sparse_order import SparseOrder, order_of
 from flexmb.model.model import Entry
 from flexmb.motion import drive
 from flexmb.motion.rosenbrock import Rodas5P
@@ -625,9 +625,9 @@ def test_what_calls_the_host_is_kept(folder, caplog, monkeypatch):
     solved = jit(SparseOrder.solved)
 
     def answer():
-        order = sparse_order_of(cantilever(planar.beam).topology)
+        order = order_of(cantilever(planar.beam).topology)
         pieces = tuple(np.full((len(of), 1, 1), 2.0) * np.eye(len(of[0])) for of in order.unknowns)
-        return solved(order, order.factors(pieces), np.ones(order.places.count))
+        return solved(order, pieces, np.zeros(order.places.count), np.ones(order.places.count))
 
     found = answer()
     kept_now = names(folder)

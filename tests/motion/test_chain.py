@@ -7,7 +7,6 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.mechanics.levels import levels_of
 
 TIMES = np.linspace(0.0, 0.1, 6)
 SECTION = fm.Rigidity(EA=1e4, EIy=1.0, EIz=1.3, GIt=0.8, mass=1.0, Jx=1e-3, Jy=5e-4, Jz=5e-4)
@@ -64,21 +63,6 @@ def test_motion_and_what_follows_from_it_are_those_of_the_dense_form(plane):
     np.testing.assert_allclose(seen.power, wanted.power, atol=1e-2)
 
 
-def test_elements_join_neighbouring_levels_alone():
-    levels = levels_of(arm(5).topology)
-    place = np.asarray(levels.place)
-    count = len(levels.back)
-    # Three of position and four Euler parameters with the multiplier of their norm.
-    assert place.shape[0] == 8
-    level = np.full(count + 1, -1)
-    for number, column in enumerate(place.T):
-        level[column] = number
-    for unknowns in levels.unknowns:
-        for row in np.asarray(unknowns):
-            assert np.ptp(level[row[row < count]]) <= 1
-    np.testing.assert_array_equal(place.reshape(-1)[np.asarray(levels.back)], np.arange(count))
-
-
 def test_what_the_form_does_not_cover_is_refused_by_name():
     model = arm(1)
     with pytest.raises(ValueError, match="Leave `solver` out"):
@@ -99,9 +83,9 @@ def test_what_the_form_does_not_cover_is_refused_by_name():
 def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
     model = arm(3)
     assert fm.simulate(model, TIMES, rtol=1e-8).form == "coordinates"
-    monkeypatch.setattr("flexmb.motion.form_choice.LARGE", 10)
+    monkeypatch.setattr("flexmb.motion.form_choice.NET", 10)
     assert fm.simulate(model, TIMES, rtol=1e-7).form == "chain"
-    # With lengths that are held it is to be asked for.
+    # Fewer coordinates take dense matrices.
     assert fm.simulate(pendulum(4), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"
 
 

@@ -142,7 +142,7 @@ def test_what_is_found_of_a_chain_within_a_trace_serves_others():
 @pytest.mark.slow("pendulum")
 @pytest.mark.parametrize("kind", [arm, pendulum])
 def test_solutions_and_their_derivatives_are_those_of_the_dense_matrix(kind):
-    """Of a chain, which is eliminated level by level, and of what the host factors."""
+    """Of an elastic chain, and of a chain with constraints."""
     topology = kind(2).topology
     order = order_of(topology)
     count = topology.x.free.shape[0] + topology.e.held.shape[0]
@@ -154,7 +154,7 @@ def test_solutions_and_their_derivatives_are_those_of_the_dense_matrix(kind):
         return jax.vmap(lambda one: order.product(pieces, one), 1, 1)(jnp.eye(count)) + jnp.diag(diagonal)
 
     def solved(pieces, diagonal, right):
-        return solution(order, order.factors(pieces, diagonal), pieces, diagonal, right)
+        return solution(order, pieces, diagonal, right)
 
     def densely(pieces, diagonal, right):
         return jnp.linalg.solve(dense(pieces, diagonal), right)

@@ -38,7 +38,6 @@ def net(n: int = 2, m: int = 3):
 
 def large(monkeypatch):
     """Thirty beams count as many."""
-    monkeypatch.setattr("flexmb.motion.form_choice.LARGE", 10)
     monkeypatch.setattr("flexmb.motion.form_choice.NET", 10)
 
 
@@ -72,9 +71,6 @@ def bob(angle=1.0, mass=1e-6, g=9.81):
 
 
 def test_too_little_memory_is_named(monkeypatch):
-    # What is no chain is a net.
-    monkeypatch.setattr("flexmb.mechanics.sparse_order.levels_of", lambda *_: None)
-
     def full(*_, **__):
         raise MemoryError
 
@@ -92,7 +88,7 @@ def test_a_bob_of_a_milligram_falls_along_its_circle():
     def of(x):
         form = chain_form(model, (), order_of(model.topology))
         found, massive = form.acceleration(jnp.zeros(()), form.state_of(x, jnp.zeros_like(x), None))
-        return found, massive, form.form.sizes
+        return found, massive, form.sizes
 
     found, massive, sizes = of(model.parameters.reference)
     assert massive
