@@ -449,10 +449,7 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
 
     def at(index: list[Place]) -> str:
         batch, rest = index[: len(lb)], index[len(lb) :]
-        places = (
-            [*batch, *rest[: len(own)], *rest[len(own) + len(other) :]],
-            [*batch, *rest[len(own) :]],
-        )
+        places = ([*batch, *rest[: len(own)], *rest[len(own) + len(other) :]], [*batch, *rest[len(own) :]])
         texts = []
         for operand, order, found in zip((left, right), orders, places, strict=True):
             by_axis = dict(zip(order, found, strict=True))

@@ -264,13 +264,7 @@ def modes(
     finite = int(np.sum(np.isfinite(values)))
     some = finite if count is None else min(count, finite)
     return Modes(
-        values[:some],
-        hertz[:some],
-        shapes[:, :some],
-        q_shapes[:, :some],
-        values.shape[0] - finite,
-        bool(stable),
-        lin,
+        values[:some], hertz[:some], shapes[:, :some], q_shapes[:, :some], values.shape[0] - finite, bool(stable), lin
     )
 
 

@@ -38,9 +38,7 @@ def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
     return jnp.moveaxis(d2x, -1, 0), jnp.moveaxis(d2e, -1, 0)
 
 
-def second_transfer(
-    lin: Linearization,
-) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
+def second_transfer(lin: Linearization) -> tuple[Float[Array, "n_x n_q n_q"], Float[Array, "n_e n_q n_q"]]:
     """Return the second-order geometric transfer functions about the linearised state.
 
     Args:

@@ -163,12 +163,7 @@ def _matrices(
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
 def _found(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    at: Balanced,
-    count: Array,
-    solver: LinearSolver,
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array, solver: LinearSolver
 ) -> tuple[Buckled, Float[Array, ""]]:
     """Smallest multipliers about a state with their modes, and the motion by the scaled loads."""
     near, (free, _, held) = _deformed(topology, parameters, at), unknowns(topology)
@@ -192,12 +187,7 @@ def _deformed(topology: Topology, parameters: Parameters, at: Balanced) -> Array
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(5,))
 def _load_multipliers(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    at: Balanced,
-    count: Array,
-    solver: LinearSolver,
+    topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array, solver: LinearSolver
 ) -> tuple[Float[Array, "k"], Float[Array, ""]]:
     buckled, moved = _found(topology, parameters, factors, at, count, solver)
     return buckled.values, moved

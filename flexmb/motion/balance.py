@@ -113,11 +113,7 @@ class StepError(NamedTuple):
 
 
 def balanced_error(
-    equations: Any,
-    times: tuple[Any, Any],
-    states: tuple[MotionState, MotionState],
-    z: Float[Array, "r"],
-    taken: Taken,
+    equations: Any, times: tuple[Any, Any], states: tuple[MotionState, MotionState], z: Float[Array, "r"], taken: Taken
 ) -> StepError:
     """Error of a Rosenbrock step with its energy balance; `z` are accelerations and multipliers at its begin."""
     (t0, t1), n = times, states[0].u.shape[0]

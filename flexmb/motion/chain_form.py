@@ -21,13 +21,7 @@ from ..model.topology import Topology
 from ..numerical_limits import CHAIN_RESIDUAL, REDUNDANT_COMPLIANCE
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
-from .element_forces import (
-    Moving,
-    PreparedBlock,
-    deformed_elements,
-    derivatives_of_elements,
-    strained,
-)
+from .element_forces import Moving, PreparedBlock, deformed_elements, derivatives_of_elements, strained
 from .protocol import MotionState, by_time
 
 

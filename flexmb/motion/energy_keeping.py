@@ -43,16 +43,7 @@ class EnergyKeeping(SecondOrderSolver):
         return equations.acceleration(t0, y0)[0], equations.inertia_rates(t0, y0)
 
     @jit_beside_options
-    def step(
-        self,
-        terms: MotionTerm,
-        t0: Any,
-        t1: Any,
-        y0: MotionState,
-        args: Any,
-        solver_state: Any,
-        made_jump: Any,
-    ):
+    def step(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any, solver_state: Any, made_jump: Any):
         """Return the result of one step.
 
         Args:

@@ -43,16 +43,7 @@ class GeneralizedAlpha(SecondOrderSolver):
         return z, z[: y0.u.shape[0]]
 
     @jit_beside_options
-    def step(
-        self,
-        terms: MotionTerm,
-        t0: Any,
-        t1: Any,
-        y0: MotionState,
-        args: Any,
-        solver_state: Any,
-        made_jump: Any,
-    ):
+    def step(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any, solver_state: Any, made_jump: Any):
         """Return the result of one step.
 
         Args:

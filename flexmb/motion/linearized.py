@@ -87,11 +87,7 @@ def _steady(topology: Topology, parameters: Parameters, driven: tuple[Driven, ..
 
 
 def steady_motion(
-    model: Model,
-    motion: Mapping[str, Callable],
-    *,
-    time: float = 0.0,
-    throw: bool = True,
+    model: Model, motion: Mapping[str, Callable], *, time: float = 0.0, throw: bool = True
 ) -> Linearization:
     """Return the linearised equations of a steady motion under prescribed motion, such as rotation at constant speed.
 

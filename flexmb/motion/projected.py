@@ -62,16 +62,7 @@ class Projected(diffrax.AbstractWrappedSolver):
         """From the solver."""
         return self.solver.func(terms, t0, y0, args)
 
-    def step(
-        self,
-        terms: Any,
-        t0: Any,
-        t1: Any,
-        y0: MotionState,
-        args: Any,
-        solver_state: Any,
-        made_jump: Any,
-    ):
+    def step(self, terms: Any, t0: Any, t1: Any, y0: MotionState, args: Any, solver_state: Any, made_jump: Any):
         """A step of the solver, then projection onto the constraints."""
         y1, error, dense, state, result = self.solver.step(terms, t0, t1, y0, args, solver_state, made_jump)
         return equations_of(terms).settle(t1, y1), error, dense, state, result

@@ -119,11 +119,7 @@ class TreeBeams(Record):
         return Moved(s, sd, sdd)
 
     def moved_and_derived(
-        self,
-        at: AllCoordinates,
-        falling: Float[Array, "n_x"] | None,
-        bent: tuple[Bent, ...],
-        slopes: tuple[Bent, ...],
+        self, at: AllCoordinates, falling: Float[Array, "n_x"] | None, bent: tuple[Bent, ...], slopes: tuple[Bent, ...]
     ) -> tuple[Moved, Moved]:
         """:meth:`moved`, and its derivatives by the beams' coordinates, which are last."""
 

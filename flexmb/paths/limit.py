@@ -122,11 +122,7 @@ def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
 
 
 def _find_limit(
-    topology: Topology,
-    parameters: Parameters,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
-    in_coordinates: bool,
+    topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""], in_coordinates: bool
 ) -> _Limit:
     form = SPARSE_PATH if in_coordinates else DENSE_PATH
     ramp, point, tangent, scale, result = _begin(topology, parameters, in_coordinates)

@@ -368,12 +368,7 @@ def _sparse_path(
     return path_of(equations, walker, walker.steps, code), walker
 
 
-def _walked(
-    walker: Walker,
-    max_steps: int,
-    to_switch: dict[int, int],
-    progress: Any,
-) -> RESULTS:
+def _walked(walker: Walker, max_steps: int, to_switch: dict[int, int], progress: Any) -> RESULTS:
     """Walk, and return why the walk ended."""
     for limit in walker.conditions:
         if limit.name == STRESS and (begun := limit.of(walker.steps[0])) >= limit.target:

@@ -17,13 +17,7 @@ from ..mechanics.residual import State, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..numerical_limits import (
-    REUSED_CORRECTION,
-    SMALLEST_COSINE,
-    SMALLEST_SCALE,
-    STEP_TOLERANCE,
-    STRAIGHT_PATH,
-)
+from ..numerical_limits import REUSED_CORRECTION, SMALLEST_COSINE, SMALLEST_SCALE, STEP_TOLERANCE, STRAIGHT_PATH
 from ..results import RESULTS
 from ..statics.newton import ACROSS_PATH, Number
 from ..statics.newton_search import Iterate, held_values

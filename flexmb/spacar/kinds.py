@@ -169,12 +169,7 @@ KINDS = (
         numbers=(("rp", "radius_p"), ("rq", "radius_q")),
     ),
     ElementKind(
-        "PLBELT",
-        planar.belt_to_point,
-        "element xp rotp xq rp",
-        ("EA",),
-        damping=("EA",),
-        numbers=(("rp", "radius_p"),),
+        "PLBELT", planar.belt_to_point, "element xp rotp xq rp", ("EA",), damping=("EA",), numbers=(("rp", "radius_p"),)
     ),
 )
 FORMS = {kind.keyword: " | ".join(k.form for k in KINDS if k.keyword == kind.keyword) for kind in KINDS}

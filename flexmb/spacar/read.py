@@ -26,18 +26,7 @@ from . import outlines, trajectories
 from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS, ElementKind
-from .lines import (
-    BLOCKS,
-    DRAWING,
-    Fault,
-    Statement,
-    first_parameter,
-    known,
-    parse,
-    placeholders,
-    read_text,
-    statements,
-)
+from .lines import BLOCKS, DRAWING, Fault, Statement, first_parameter, known, parse, placeholders, read_text, statements
 from .reading import AlreadyReported, Declared, Reading
 
 # A file of another kind has a fault in each line.

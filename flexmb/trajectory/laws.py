@@ -299,11 +299,7 @@ def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
 
 
 def stretched(
-    law: Law,
-    *,
-    velocity: float | None = None,
-    acceleration: float | None = None,
-    jerk: float | None = None,
+    law: Law, *, velocity: float | None = None, acceleration: float | None = None, jerk: float | None = None
 ) -> Law:
     """The same law over the shortest duration within limits, such as a spline with a known way and unknown duration.
 

@@ -49,7 +49,6 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
     with recorded() as models, built() as builders:
         returned = source(**floats, **rest)
     # Only the builder of a model knows what was named and what was found.
-    # A model is no more than its numbers: the builder that it came from knows what was named and what was found.
     at = next((i for i, model in enumerate(models) if model is returned and len(builders) == len(models)), None)
     known = Calls(_builder_in(returned) if at is None else builders[at])
     left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(returned)

@@ -58,12 +58,7 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
         _choice("law", ["quintic", "septic", "scurve"], "Motion law.", "quintic"),
     ],
     "stroke": lambda document: [
-        _choice(
-            "coordinate",
-            _coordinates(document),
-            "Driven; default the one input or degree of freedom.",
-            must=True,
-        ),
+        _choice("coordinate", _coordinates(document), "Driven; default the one input or degree of freedom.", must=True),
         _number("to", "m, rad", "0.001", "Stroke to each side.", optional=False),
         _number("steps", "", "4", "Number of strokes to each side.", whole=True),
         _choice("node", list(positions(document)), "Node for the support stiffness."),

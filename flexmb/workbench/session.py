@@ -222,7 +222,6 @@ class Session:
         file = Path(path).expanduser().absolute() if path else current
         if file is None:
             raise Refused("save: this mechanism has no file yet. Give a path.")
-            raise Refused("save: this mechanism has no file yet: give a path.")
         lost = lost_in(self.history.document, file)
         if not anyway and not self._agreed.issuperset(lost):
             return {"saved": False, "cannot_hold": lost}

@@ -48,11 +48,7 @@ class Watched(Protocol):
 
 
 def meet(
-    document: Document,
-    wants: Sequence[Mapping[str, Any]],
-    free: Sequence[str],
-    job: Watched,
-    node: str | None = None,
+    document: Document, wants: Sequence[Mapping[str, Any]], free: Sequence[str], job: Watched, node: str | None = None
 ) -> dict[str, Any]:
     """Find the dimensions nearest to the present ones that meet the targets; "ops" of the result would write them."""
     # The page shows warnings beside the drawing.

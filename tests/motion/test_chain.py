@@ -86,7 +86,7 @@ def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
     monkeypatch.setattr("flexmb.motion.form_choice.NET", 10)
     assert fm.simulate(model, TIMES, rtol=1e-7).form == "chain"
     # Fewer coordinates take dense matrices.
-    assert fm.simulate(pendulum(4), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"
+    assert fm.simulate(pendulum(2), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"
 
 
 @pytest.mark.slow
