@@ -19,7 +19,6 @@ NOT_SOLVED = ("arc at strokes", "cosine arch at strokes")
 NOT_YET = {
     **dict.fromkeys(("arc at strokes", "cosine arch", "cosine arch at strokes"), "no mechanism of it is written yet"),
     "slot": "no section has a hole",
-    **{name: "no clamp is skew" for name in shapes.SHAPES if name.startswith("skew")},
 }
 
 
@@ -62,6 +61,21 @@ def arc() -> Callable:
     return curved(2 * radius * np.sin(angle / 2), Leaf(width, thickness), (0.0, 1 / radius, 0.0))
 
 
+def skew(foot: float, tip: float) -> Callable:
+    """Strip whose ends are cut at angles."""
+    length, width, thickness = shapes.SKEW
+
+    def ask(kind):
+        del kind
+
+        def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+            return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS, skew=(foot, tip))]
+
+        return tip_of(cantilever(whole, Leaf(width, thickness), tip=length)[0])
+
+    return ask
+
+
 def in_line(lengths, leaves) -> Callable:
     """Strips one after the other."""
 
@@ -101,6 +115,11 @@ CASES: dict[str, Callable] = {
     "twisted leaf spring": curved(
         shapes.TWISTED[0], Leaf(*shapes.TWISTED[1:]), (shapes.TWIST / shapes.TWISTED[0], 0.0, 0.0)
     ),
+    **{
+        f"skew {np.degrees(a):.0f} degrees, {'both ends' if tip else 'foot alone'}": skew(a, a if tip else 0.0)
+        for tip in (True, False)
+        for a in shapes.SKEWNESS
+    },
     "wide fold": lambda kind: fold(kind, shapes.FOLDED, shapes.FOLD_STROKES),
     "guided leaf spring 50 mm wide, far": lambda kind: guided_leaf(kind, shapes.GUIDED_STROKES),
 }

@@ -49,6 +49,9 @@ SAME_LINE = 1e-6
 SAME_END = 1e-9
 """A curve of a given chord is found where its chord is right to this share."""
 
+SAME_SIZE = 1e-9
+"""Leaf springs in line have no step in width or thickness if these differ by less than this share."""
+
 SAME_DAMPING = 1e-12
 """Damping of a material along a section varies where it differs by more than this, which is round-off."""
 

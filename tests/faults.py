@@ -2392,6 +2392,40 @@ FAULTS = [
     Fault("model/model.py", '"ndof": nx - nxo - neo}', '"ndof": nx - nxo}', "checks/test_mobility.py -k self_stress"),
     # Leaf springs.
     Fault("elements/leaf.py", "[[0.14], [0.40]", "[[0.14], [0.10]", "elements/test_leaf.py -k tip_of", slow=True),
+    Fault("elements/leaf_ends.py", "TURNED) if end", "TURNED) if 0", "elements/test_leaf_ends.py -k seen_from"),
+    Fault(
+        "elements/leaf_ends.py", "EVEN, ODD = (2,", "EVEN, ODD = (4,", "elements/test_leaf_ends.py -k skew_c", slow=True
+    ),
+    Fault(
+        "elements/leaf_ends.py",
+        'rows["GIt"] = placed["GIt"] * _torque(leaf, order, length)',
+        "pass",
+        "elements/test_leaf_ends.py -k leave_a_leaf_spring_stable",
+        slow=True,
+    ),
+    Fault("elements/leaf_ends.py", "jnp.where(a < 1, shared, 0.0)", "0.0", "elements/test_leaf_ends.py -k lengths"),
+    Fault(
+        "elements/leaf_ends.py",
+        '"GIt" in names else -1.0}',
+        '"GIt" in names else 1.0}',
+        "elements/test_leaf_ends.py -k own",
+    ),
+    Fault("elements/spectral_planar.py", "turn - jnp.sum(at_ends[:, 2])", "turn", "elements/test_leaf_ends.py -k own"),
+    Fault(
+        "elements/roots.py", "* spread(share) * per_width", "* per_width", "elements/test_leaf_ends.py -k half_space"
+    ),
+    Fault(
+        "build/ends_in_line.py",
+        "thickness, width, wide)",
+        "thickness, wide, wide)",
+        "elements/test_leaf_ends.py -k have",
+    ),
+    Fault(
+        "build/ends_in_line.py",
+        "np.linalg.eigvalsh(strained / np.outer(scale, scale))[0] < 0",
+        "0",
+        "elements/test_leaf_ends.py -k too_short",
+    ),
     Fault("elements/leaf.py", "- self.beyond / length", "", "elements/test_leaf.py -k as_one_piece"),
     Fault("elements/leaf.py", "0.5 + 0.5 * self.clamped", "0.5", "elements/test_leaf.py -k whole_of_a_short"),
     Fault("build/clamps.py", "if _is_fold(", "if not _is_fold(", "elements/test_leaf.py -k as_one_piece"),

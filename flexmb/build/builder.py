@@ -39,6 +39,7 @@ from .clamps import with_clamps
 from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete
+from .ends_in_line import warn_of_ends, with_steps
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .plain_beams import warn_of_plain_beams
@@ -812,7 +813,9 @@ class Builder(Description):
             warn_of_curved_leaves(self)
         note_builder(self)
         before = next_carried()
-        described = with_clamps(self, before)
+        described = with_steps(with_clamps(self, before), self)
+        if check:
+            warn_of_ends(described)
         model = assemble(described)
         blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
         if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):

@@ -57,8 +57,9 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     """A builder whose leaf springs know which of their ends are clamped, and with warping held where it is restrained.
 
     An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
-    at least three times as thick. At a fold the cross-section is kept flat, and its warping is shared. What does not
-    twist, since that is FIXED, does not warp. A clamp reaches into the leaf springs that go on in line.
+    at least three times as thick. At a fold, and beside a leaf spring that is so thick, the cross-section is kept flat,
+    and its warping is shared. What does not twist, since that is FIXED, does not warp. A clamp reaches into the leaf
+    springs that go on in line.
 
     Returns:
         A copy; the builder itself where there are neither leaf springs nor warping beams.
@@ -80,7 +81,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         given = member.properties["clamped"]
         flat, restrained = [], []
         untwisted = _is_untwisted(member)
-        for end in _ends(name, member):
+        for end in ends_of_leaf(name, member):
             was = None
             if given is not None:
                 found = Clamped(bool(given[end.number]), bool(given[end.number]))
@@ -132,7 +133,8 @@ def parts_of(member: Member, part: str) -> list[str]:
     return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
 
 
-def _ends(name: str, member: Member) -> list[End]:
+def ends_of_leaf(name: str, member: Member) -> list[End]:
+    """The first end and the last of a leaf spring or warping beam."""
     return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
 
 
@@ -146,7 +148,7 @@ def _reach_in_line(
         kept: Whether the ends of leaf springs and warping beams, by element and number of the end, are kept flat.
     """
     leaves = {name: member for name, member in builder.members.items() if (name, 0) in kept and member.element.fields}
-    ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in _ends(name, member)}
+    ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in ends_of_leaf(name, member)}
     found: dict[tuple[str, int], Any] = {}
     for (name, number), end in ends.items():
         beyond, at, passed = 0.0, end, {name}
@@ -155,7 +157,7 @@ def _reach_in_line(
             if len(following) != 1 or following[0] in passed:
                 break
             near = parts_of(leaves[following[0]], "rotation").index(at.rotation)
-            if _is_fold(builder, at, ends[following[0], near]):
+            if is_fold(builder, at, ends[following[0], near]):
                 break
             passed.add(following[0])
             beyond = beyond + span_of(builder, leaves[following[0]])
@@ -173,7 +175,7 @@ def _reach_in_line(
         twin.members[name] = dataclasses.replace(own, properties={**own.properties, "clamped": clamped})
 
 
-def _is_fold(builder: Description, *ends: End) -> bool:
+def is_fold(builder: Description, *ends: End) -> bool:
     """Whether two leaf springs are known to meet at an angle, along or across."""
     axes = [axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends]
     return is_concrete(axes) and any(abs(one @ two) < np.cos(FOLD) for one, two in zip(*axes, strict=True))
@@ -185,7 +187,7 @@ def span_of(builder: Description, member: Member) -> Any:
     curvature = member.properties.get("curvature")
     library: Any = np if is_concrete((p, q)) else jnp
     chord = library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
-    with _kept_known((chord, curvature)):
+    with kept_known((chord, curvature)):
         return chord if curvature is None else curve_length(chord, curvature)
 
 
@@ -266,13 +268,15 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
         if thin is None or thick is None:
             return None
         clamps: Any = jnp.min(jnp.stack(thick)) >= THICK * jnp.min(jnp.stack(thin))
+        warps = False if other.element.fields and leaf.element.fields else clamps
         if "clamped" in other.properties:
             (along, across), (along_other, across_other) = (
                 axes_of(builder, of, jnp, at) for of, at in ((leaf, end.number), (other, number))
             )
-            clamps |= jnp.abs(across @ across_other) < np.cos(FOLD)
+            angled = jnp.abs(across @ across_other) < np.cos(FOLD)
+            clamps, warps = clamps | angled, warps | angled
             flat |= jnp.abs(along @ along_other) < np.cos(FOLD)
-        flat, restrained = flat | clamps, restrained | clamps
+        flat, restrained = flat | clamps, restrained | warps
     return flat, restrained
 
 
@@ -294,12 +298,14 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         return held, held
     number = parts_of(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
-    if _is_thick(builder, leaf, end.number, other, number):
-        return True, True
-    if "clamped" not in other.properties:
-        return False, False
+    thick = _is_thick(builder, leaf, end.number, other, number)
+    # Leaf springs in line share their warping, however thick they are.
+    if "clamped" not in other.properties or (thick and not (element.fields and leaf.element.fields)):
+        return thick, thick
     axes = [axes_of(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
     if not is_concrete(axes):
+        if thick:
+            return True, False
         raise _Unknown("it depends on where they are, and these numbers are traced")
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
@@ -308,7 +314,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
             " other. Say with `clamped` whether they do."
         )
         return True, True
-    return bool(abs(along @ along_other) < np.cos(FOLD)), False
+    return thick or bool(abs(along @ along_other) < np.cos(FOLD)), False
 
 
 def _own_roles(member: Member) -> list[Role]:
@@ -350,7 +356,7 @@ def _alike(one: Section, other: Section) -> bool:
 def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
     """Sides of a section at an end of an element, None where it has none."""
     given: Section = member.properties["section"]
-    with _kept_known(given):
+    with kept_known(given):
         section = given.at(float(end), _length(builder, member))
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
@@ -362,7 +368,7 @@ def _length(builder: Description, member: Member) -> Any:
     return float(length) if is_concrete(length) else 1.0
 
 
-def _kept_known(numbers: Any) -> contextlib.AbstractContextManager[Any]:
+def kept_known(numbers: Any) -> contextlib.AbstractContextManager[Any]:
     """Within it, known numbers stay known where something else of the mechanism is traced."""
     return jax.ensure_compile_time_eval() if is_concrete(numbers) else contextlib.nullcontext()
 
@@ -379,7 +385,7 @@ def axes_of(builder: Description, member: Member, library: Any = np, end: int | 
         return p, q, y
     if end is not None and curvature is not None:
         y = None if y is None else jnp.asarray(y, float)
-        with _kept_known((p, q, y, curvature)):
+        with kept_known((p, q, y, curvature)):
             axes = axes_of_end(curvature, jnp.asarray(q, float) - jnp.asarray(p, float), y, end)
         return tuple(library.asarray(axis) for axis in axes)
     p, q = library.asarray(p, float), library.asarray(q, float)

@@ -17,6 +17,7 @@ from ..compilation.kept import remembered
 from ..compilation.record import Record
 from ..elements.curves import CurvedLine, curvature_along
 from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
+from ..elements.leaf_ends import PlanarRoots, Roots
 from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
@@ -25,6 +26,8 @@ from .assemble import is_option, stack
 EMPTY = inspect.Parameter.empty
 # Annotation of a property with one truth value for each end.
 ENDS = tuple[bool, bool]
+# Annotations of stiffnesses of both ends, with how many there are of each.
+ROOTS = {PlanarRoots: 3, Roots: 6}
 # Companions whose shapes depend on no property. Companions of this package are not checked.
 SURE = ("inertia", "force", "resultants", "surface", "thermal")
 
@@ -145,6 +148,8 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
             raise ModelError(f"{what} must be {wanted}, not {shown(value)}.")
     elif ENDS in hints:
         return _of_ends(what, value)
+    elif roots := [ROOTS[h] for h in hints if h in ROOTS]:
+        return _of_roots(what, value, roots[0])
     elif bool in hints:
         if not isinstance(value, bool):
             raise ModelError(f"{what} must be True or False, not {shown(value)}.")
@@ -174,6 +179,25 @@ def _of_ends(what: str, value: Any) -> np.ndarray:
     if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
         raise ModelError(f"{what} must be True or False, or two of them, one for each end, not {shown(value)}.")
     return np.array(flags, float)
+
+
+def _of_roots(what: str, value: Any, count: int) -> tuple[Any, Any] | None:
+    """Stiffnesses of the roots at both ends, None for a rigid one: the same for both, or each its own."""
+    ends = list(value) if isinstance(value, list | tuple) else []
+    if len(ends) != 2 or any(one is not None and np.ndim(one) != 1 for one in ends):
+        check_numbers(what, value, fault=ModelError)
+        flat = (stack(ends) if ends else stack([value])[0]).reshape(-1)
+        if flat.size not in (count, 2 * count):
+            raise ModelError(
+                f"{what} must be the {count} stiffnesses of a root, or those of the first end and of the last, None for"
+                f" a rigid end, not {shown(value)}."
+            )
+        ends = [flat[:count], flat[-count:]]
+    for one in ends:
+        if one is not None:
+            check_numbers(what, one, (count,), fault=ModelError)
+    first, last = (None if one is None else stack([one])[0] for one in ends)
+    return None if first is None and last is None else (first, last)
 
 
 def _kind(record: type) -> str:

@@ -24,6 +24,7 @@ from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
 from ..numerical_limits import DISTORTION_SERIES
 from .curves import curvature_at
+from .leaf_ends import Ends, ends_of
 from .profile import NODES, Profile
 from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
@@ -42,7 +43,8 @@ OF_THICK = 12.0
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
 # Which ends are clamped, as users say it. A model has 1 for a clamped end and 0 for another, (2,). Where clamps reach
-# in through leaf springs in line, these count too, and a second row has their distances, (2, 2) [m].
+# in through leaf springs in line, these count too, and a second row has their distances, (2, 2) [m]. Where leaf springs
+# of other sizes go on in line, two more rows have the widths and thicknesses there, (4, 2) [m].
 Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
@@ -138,6 +140,7 @@ class Leaf(Sheared):
         clamped: 1 where a clamp keeps an end flat, 0 where none does, of the first end and of the last, (2,).
         beyond: How far beyond each end that clamp is, in line, (2,) [m].
         initial: Initial curvature as the beam has it, or None where it is straight.
+        ends: Skew cuts, steps and roots at its ends, or None.
 
     Source:
         THEORY.md 2, eq. (2.22), (2.42), (2.55) and (2.58).
@@ -146,6 +149,7 @@ class Leaf(Sheared):
     clamped: Float[Array, "2"]
     beyond: Any = 0.0
     initial: Any = None
+    ends: Ends | None = None
 
     def plain(self) -> Section:
         """The section without clamps, with its shear counted where it varies."""
@@ -501,11 +505,12 @@ def share_of_change(change: Any, initial: Any) -> Any:
     return change * whole / (whole**2 + TINY)
 
 
-def leaf_of(section: Any, clamped: Any, initial: Any = None) -> Any:
+def leaf_of(section: Any, clamped: Any, initial: Any = None, skew: Any = None, clamp: Any = None) -> Any:
     """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given."""
     if section is None:
         return None
-    return Leaf(section, *flags_and_distances(jnp.zeros(2) if clamped is None else clamped), initial)
+    flags = flags_and_distances(jnp.zeros(2) if clamped is None else clamped)
+    return Leaf(section, *flags, initial, ends_of(skew, clamp, clamped))
 
 
 def flags_and_distances(clamped: Any) -> tuple[Any, Any]:

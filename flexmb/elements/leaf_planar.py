@@ -1,5 +1,7 @@
 """Leaf spring in the plane: a spectral beam that bends as a plate near clamps; what it shares stands in ``leaf``."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,6 +11,7 @@ from . import beams, spectral_planar
 from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
+from .leaf_ends import PlanarRoots, ends_matrix, faults_of_ends, free_of_jumps
 from .leaf_stress import leaf_stress
 from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
@@ -16,6 +19,12 @@ from .section import Damping
 from .sections import Rectangle
 from .spectral import check_curvature, check_shear, fields_after, numbers_of
 from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, nodes_of
+
+
+def _of_beam(section: Any, clamped: Any, order: int, shear: bool, curvature: Any, clamp: Any) -> dict[str, Any]:
+    """Properties of the spectral beam that a leaf spring is."""
+    leaf = leaf_of(section, clamped, curvature, None, clamp)
+    return {"section": leaf, "order": order, "shear": shear, "curvature": curvature}
 
 
 def _leaf_spring(
@@ -31,9 +40,10 @@ def _leaf_spring(
     shear: Static[bool] = False,
     clamped: tuple[bool, bool] | bool | None = None,
     curvature: float | CurvedLine | None = None,
+    clamp: PlanarRoots | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients themselves."""
-    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+    own = _of_beam(section, clamped, order, shear, curvature, clamp)
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
 
@@ -46,15 +56,19 @@ def _fields(*, order, shear):
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
-    return jnp.pad(leaf.matrix(of, order, _length(ref, leaf.initial), _names(shear)), (CLOSURE, 0))
+    length, names = _length(ref, leaf.initial), _names(shear)
+    found = leaf.matrix(of, order, length, names)
+    if of is None and leaf.ends is not None:
+        found = found + ends_matrix(leaf, order, length, names)
+    return jnp.pad(found, (CLOSURE, 0))
 
 
-def _stiffness(*, ref, section, order, shear, clamped=None, curvature=None):
-    return _matrix(None, leaf_of(section, clamped, curvature), order, shear, ref)
+def _stiffness(*, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
+    return _matrix(None, leaf_of(section, clamped, curvature, None, clamp), order, shear, ref)
 
 
-def _damping(*, ref, damping: Damping, order, shear, section, clamped=None, curvature=None):
-    return _matrix(damping, leaf_of(section, clamped, curvature), order, shear, ref)
+def _damping(*, ref, damping: Damping, order, shear, section, clamped=None, curvature=None, clamp=None):
+    return _matrix(damping, leaf_of(section, clamped, curvature, None, clamp), order, shear, ref)
 
 
 def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=None):
@@ -62,13 +76,15 @@ def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=Non
     return leaf_of(section, clamped, curvature).energy(order, e[CLOSURE:], _length(ref, curvature), _names(shear))
 
 
-def _inertia(*nodes: Array, ref, section, order, shear, clamped=None, curvature=None):
-    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+def _inertia(*nodes: Array, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
+    own = _of_beam(section, clamped, order, shear, curvature, clamp)
     return spectral_planar._inertia(*nodes, ref=ref, **own)
 
 
-def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None, curvature=None):
-    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+def _resultants(
+    *nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None, curvature=None, clamp=None
+):
+    own = _of_beam(section, clamped, order, shear, curvature, clamp)
     return spectral_planar._resultants(*nodes, ref=ref, place=place, sigma=sigma, fall=fall, **own)
 
 
@@ -78,22 +94,25 @@ def _surface(e: Array, *, ref, place, resultants, section, clamped=None, curvatu
     return leaf_stress(leaf_of(section, clamped, opposite), place, _length(ref, curvature), resultants)
 
 
-def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None, curvature=None):
+def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
     """Elongation, and the curvature by which the warmer side gets longer."""
     length, bends = _length(ref, curvature), {"EIy": -gradient[0]}
-    return jnp.pad(
-        leaf_of(section, clamped, curvature).thermal(change, bends, order, length, _names(shear)), (CLOSURE, 0)
-    )
+    leaf, names = leaf_of(section, clamped, curvature, None, clamp), _names(shear)
+    found = leaf.thermal(change, bends, order, length, names)
+    if leaf.ends is not None:
+        matrix = leaf.matrix(None, order, length, names) + ends_matrix(leaf, order, length, names)
+        found = free_of_jumps(leaf, order, length, names, found, matrix)
+    return jnp.pad(found, (CLOSURE, 0))
 
 
-def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None, curvature=None):
-    own = {"section": leaf_of(section, clamped, curvature), "order": order, "shear": shear, "curvature": curvature}
+def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None, curvature=None, clamp=None):
+    own = _of_beam(section, clamped, order, shear, curvature, clamp)
     return spectral_planar._shape(*nodes, ref=ref, place=place, **own)
 
 
-def _check(*, ref, order, shear, section, curvature=None) -> list[str]:
+def _check(*, ref, order, shear, section, curvature=None, clamp=None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
-    faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order))
+    faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order)) or faults_of_ends(None, clamp)
     if faults or shear:
         # What counts shear does so whatever the section states.
         return faults
@@ -127,7 +146,8 @@ or a part at least three times as thick, and folds.
 Deformations: those of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
 first end and its last are clamped, such as (True, False), where that shall not be found;
-curvature, as ``planar.spectral_beam`` has it.
+curvature, as ``planar.spectral_beam`` has it; clamp (stiffnesses of elastic roots along, to the left and of the angle
+[N/m, N m/rad]: three for both ends, or a pair of three, None for a rigid end).
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, False unless given.
 Where that would change a stiffness by more than 1 %, a model warns.
@@ -135,5 +155,5 @@ Where that would change a stiffness by more than 1 %, a model warns.
 Stress counts what is across the width where clamps keep it flat, and the flattening of the middle; see
 :mod:`.leaf_stress`.
 
-Source: THEORY.md 2, eq. (2.22), (2.23), (2.28) and (2.42).
+Source: THEORY.md 2, eq. (2.22), (2.23), (2.28), (2.42), (2.47) and (2.49) to (2.52).
 """

@@ -10,6 +10,7 @@ from . import beams, spectral_spatial
 from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
+from .leaf_ends import Roots, ends_matrix, faults_of_ends, free_of_jumps
 from .leaf_stress import leaf_stress, twist_at
 from .nodes import Point3, Reference, Rotation3, Series3, Static, Warping
 from .profile import Profile
@@ -29,9 +30,9 @@ def _spectral(nodes: Sequence[Array], ref: Reference, curvature: Any, order: int
     return p, rot_p, q, rot_q, jnp.concatenate([c, _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])])
 
 
-def _of_beam(section: Any, clamped: Any, order: int, y: Any, curvature: Any) -> dict[str, Any]:
+def _of_beam(section: Any, clamped: Any, order: int, y: Any, curvature: Any, *ends: Any) -> dict[str, Any]:
     """Properties of the spectral beam that a leaf spring is."""
-    leaf = leaf_of(section, clamped, curvature)
+    leaf = leaf_of(section, clamped, curvature, *ends)
     return {"section": leaf, "order": order, "shear": True, "y": y, "curvature": curvature}
 
 
@@ -50,9 +51,11 @@ def _leaf_spring(
     clamped: tuple[bool, bool] | bool | None = None,
     y: Float[Array, "3"] | None = None,
     curvature: Float[Array, "3"] | CurvedLine | None = None,
+    skew: Float[Array, "2"] | None = None,
+    clamp: Roots | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, warping of both ends, then the coefficients."""
-    own = _of_beam(section, clamped, order, y, curvature)
+    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     warping = _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])
     # Which motions are allowed does not depend on how strains are spread: that is asked without a section.
     coefficients = c if section is None else jnp.concatenate([c, warping])
@@ -65,16 +68,19 @@ def _fields(*, order):
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
-    found = leaf.matrix(of, order, _length(ref, leaf.initial, order), FIELDS)
+    length = _length(ref, leaf.initial, order)
+    found = leaf.matrix(of, order, length, FIELDS)
+    if of is None and leaf.ends is not None:
+        found = found + ends_matrix(leaf, order, length, FIELDS)
     return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
-def _stiffness(*, ref, section, order, clamped=None, curvature=None):
-    return _matrix(None, leaf_of(section, clamped, curvature), order, ref)
+def _stiffness(*, ref, section, order, clamped=None, curvature=None, skew=None, clamp=None):
+    return _matrix(None, leaf_of(section, clamped, curvature, skew, clamp), order, ref)
 
 
-def _damping(*, ref, damping: Damping, order, section, clamped=None, curvature=None):
-    return _matrix(damping, leaf_of(section, clamped, curvature), order, ref)
+def _damping(*, ref, damping: Damping, order, section, clamped=None, curvature=None, skew=None, clamp=None):
+    return _matrix(damping, leaf_of(section, clamped, curvature, skew, clamp), order, ref)
 
 
 def _energy(e: Array, *, ref, section, order, clamped=None, curvature=None):
@@ -84,13 +90,26 @@ def _energy(e: Array, *, ref, section, order, clamped=None, curvature=None):
     )
 
 
-def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None, curvature=None):
-    own = _of_beam(section, clamped, order, y, curvature)
+def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None, curvature=None, skew=None, clamp=None):
+    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     return spectral_spatial._inertia(*_spectral(nodes, ref, curvature, order), ref=ref, **own)
 
 
-def _resultants(*nodes: Array, ref, place, sigma, section, order, fall=None, clamped=None, y=None, curvature=None):
-    own = _of_beam(section, clamped, order, y, curvature)
+def _resultants(
+    *nodes: Array,
+    ref,
+    place,
+    sigma,
+    section,
+    order,
+    fall=None,
+    clamped=None,
+    y=None,
+    curvature=None,
+    skew=None,
+    clamp=None,
+):
+    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     return spectral_spatial._resultants(
         *_spectral(nodes, ref, curvature, order), ref=ref, place=place, sigma=sigma, fall=fall, **own
     )
@@ -103,22 +122,27 @@ def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None, 
     return leaf_stress(leaf, place, length, resultants, twist_at(leaf, place, length, order, twisting))
 
 
-def _thermal(change: Array, gradient: Array, *, ref, section, order, clamped=None, curvature=None):
+def _thermal(
+    change: Array, gradient: Array, *, ref, section, order, clamped=None, curvature=None, skew=None, clamp=None
+):
     """Elongation, and the curvature by which the warmer side gets longer."""
     length, bends = _length(ref, curvature, order), {"EIy": gradient[1], "EIz": -gradient[0]}
-    return jnp.pad(
-        leaf_of(section, clamped, curvature).thermal(change, bends, order, length, FIELDS), (CLOSURE + WARPINGS, 0)
-    )
+    leaf = leaf_of(section, clamped, curvature, skew, clamp)
+    found = leaf.thermal(change, bends, order, length, FIELDS)
+    if leaf.ends is not None:
+        matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
+        found = free_of_jumps(leaf, order, length, FIELDS, found, matrix)
+    return jnp.pad(found, (CLOSURE + WARPINGS, 0))
 
 
-def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None, curvature=None):
-    own = _of_beam(section, clamped, order, y, curvature)
+def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None, curvature=None, skew=None, clamp=None):
+    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     return spectral_spatial._shape(*_spectral(nodes, ref, curvature, order), ref=ref, place=place, **own)
 
 
-def _check(*, ref, section, y=None, curvature=None) -> list[str]:
+def _check(*, ref, section, y=None, curvature=None, skew=None, clamp=None) -> list[str]:
     faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, curvature, y)
-    return faults or faults_of_leaf(section, ref, curvature)
+    return faults or faults_of_leaf(section, ref, curvature) or faults_of_ends(skew, clamp)
 
 
 leaf_spring = Element(
@@ -151,7 +175,9 @@ warping coordinates give; then ``order`` coefficients of each strain, times leng
 shear has them.
 Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; y (vector that fixes
 local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
-shall not be found; curvature, as ``spatial.spectral_beam`` has it.
+shall not be found; curvature, as ``spatial.spectral_beam`` has it; skew (angles of the cuts of the first end and of the
+last from straight ones [rad], positive where the edge at +y lies further along x); clamp (stiffnesses of elastic roots
+along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
 Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the
@@ -159,5 +185,5 @@ flattening of the middle and the tension of the edges give; see :mod:`.leaf_stre
 the width a solid model has less of bending at the corners and a singularity on the very edge; the stress across of a
 clamp that stays cold while the leaf spring warms up is not counted.
 
-Source: THEORY.md 2, eq. (2.22) to (2.30) and (2.42).
+Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42) and (2.47) to (2.52).
 """

@@ -18,6 +18,7 @@ from .general import General as General
 from .profile import Profile as Profile
 from .profile import stepped as stepped
 from .profile import taper as taper
+from .roots import root_stiffness as root_stiffness
 from .section import Damping as Damping
 from .section import Material as Material
 from .section import MaterialDamping as MaterialDamping

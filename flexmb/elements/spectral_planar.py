@@ -14,6 +14,7 @@ from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
 from .curves import CurvedLine, beam_length, tilt_of, turned_to
 from .element import Element
+from .leaf_ends import IN_PLANE, jumps
 from .nodes import Angle, Point2, Reference, Series2, Static
 from .section import Scalar
 from .sections import Damping, Section
@@ -45,7 +46,10 @@ def _rule(
     """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
     if end is None and (section is None or not section.varies):
         return _constant_rule(order, shear)
-    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
+    rule = _rule_on(order, shear, section, length, pieces_of(section, length, end))
+    if getattr(section, "ends", None) is not None:
+        rule.jumps = IN_PLANE @ jumps(section, order, length, FIELDS[: _count(shear)])
+    return rule
 
 
 @functools.cache
@@ -113,6 +117,11 @@ def _bent(
     return jnp.stack(cosine_and_sine(angle), axis=-1)
 
 
+def _jumps(c: Float[Array, "c"], rule: SimpleNamespace) -> Any:
+    """Displacement and angle by which the line goes on at each of its ends, None without any."""
+    return rule.jumps @ c if hasattr(rule, "jumps") else None
+
+
 def _line(
     rot_p: Angle,
     c: Float[Array, "c"],
@@ -130,7 +139,10 @@ def _line(
     x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
     axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    return length, axes, _stretched_along(c, length, rule, directions), rule
+    stretched = _stretched_along(c, length, rule, directions)
+    if (at_ends := _jumps(c, rule)) is not None:
+        stretched = stretched @ rotation_plane(at_ends[0, 2]).T
+    return length, axes, stretched, rule
 
 
 def _to_place(
@@ -145,8 +157,12 @@ def _to_place(
     """Direction at a place, and the way from p to it, in axes of end p."""
     rule = _rule(order, shear, section, length, place)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    last = _bent(c, length, curvature, place[None], rule.turn[None])
-    return last[0], rule.weights @ _stretched_along(c, length, rule, directions)
+    last = _bent(c, length, curvature, place[None], rule.turn[None])[0]
+    way = rule.weights @ _stretched_along(c, length, rule, directions)
+    if (at_ends := _jumps(c, rule)) is not None:
+        turn = rotation_plane(at_ends[0, 2])
+        last, way = turn @ last, at_ends[0, :2] + turn @ way
+    return last, way
 
 
 def _spectral_beam(
@@ -166,6 +182,11 @@ def _spectral_beam(
     _, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     displacement = axes.T @ (q - p) - rule.weights @ stretched
     turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ _fields_of(c, rule)[CURVATURE]
+    if (at_ends := _jumps(c, rule)) is not None:
+        length = _length(ref, curvature)
+        x, y = rotation_plane(at_ends[0, 2]) @ _bent(c, length, curvature, np.ones(1), rule.turn[None])[0]
+        displacement = displacement - at_ends[0, :2] - jnp.array([[x, -y], [y, x]]) @ at_ends[1, :2]
+        turn = turn - jnp.sum(at_ends[:, 2])
     return jnp.concatenate([jnp.concatenate([displacement, turn]), c])
 
 
@@ -209,7 +230,11 @@ def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
     turn = rot_p - ref.rot_p
-    stretched = _stretched(turn[0], c, ref, length, rule, curvature)
+    angle = turn[0] if (at_ends := _jumps(c, rule)) is None else turn[0] + at_ends[0, 2]
+    stretched = _stretched(angle, c, ref, length, rule, curvature)
+    if at_ends is not None:
+        p = p + _line(rot_p, c, ref, order, shear, section, curvature)[1] @ at_ends[0, :2]
+        turn = turn + at_ends[0, 2]
     turns = jnp.concatenate([turn, _fields_of(c, rule)[CURVATURE]])
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
     sums = [(of.T * masses[:, k]) @ of for k, of in enumerate((_beside_one(rule.along), _beside_one(rule.angles)))]
@@ -240,7 +265,10 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, f
         n = masses.shape[0] + 1
         pulls = masses[:, :1] * ((fall[0] + rule.along @ fall[1:n]) @ axes)
         turning = masses[:, 1] * (_beside_one(rule.angles) @ fall[n:, 0])
-        moments = _turn(rule.along @ stretched, pulls) + turning
+        levers = rule.along @ stretched
+        if (at_ends := _jumps(c, rule)) is not None:
+            levers = levers + at_ends[0, :2]
+        moments = _turn(levers, pulls) + turning
         loads = jnp.concatenate([pulls, moments[:, None]], axis=1).reshape(-1, len(rule.inner), 3)
         wrench = wrench + rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
     (x, y), bending = wrench[:2], wrench[2] - _turn(reached, wrench[:2])

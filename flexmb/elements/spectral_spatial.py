@@ -17,6 +17,7 @@ from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_en
 from .element import Element
 from .general import General
 from .leaf import Leaf
+from .leaf_ends import SCREW, jumps
 from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
 from .spectral import (
@@ -50,7 +51,11 @@ def _rule(
         # Strains jump within steps, but little: three Gauss nodes take over their moments there too.
         plain = _rule(order, shear, None, length, end)
         basis = section.moments(order, plain.lengths, length, FIELDS)
-        return SimpleNamespace(**vars(plain) | {"basis": jnp.einsum("sgfo,fx->sgxo", basis, PLACES)})
+        rule = SimpleNamespace(**vars(plain) | {"basis": jnp.einsum("sgfo,fx->sgxo", basis, PLACES)})
+        if section.ends is not None:
+            at_ends = SCREW @ jumps(section, order, length, FIELDS)
+            rule.jumps = at_ends if end is None else at_ends[:1]
+        return rule
     if end is None and (section is None or not section.varies):
         return _constant_rule(order, shear)
     return _rule_on(order, shear, section, length, pieces_of(section, length, end, pairs=True))
@@ -134,6 +139,20 @@ def _steps(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace
     return exponential(_screws(c, length, rule, curvature))
 
 
+def _jumped(c: Float[Array, "c"], rule: SimpleNamespace):
+    """Poses by which the line goes on at its ends, (1 or 2, 4, 4); None without any."""
+    found = getattr(rule, "jumps", None)
+    return None if found is None else exponential(found @ c)
+
+
+def _pose(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
+    """Pose of the end of the line, (4, 4)."""
+    found, at_ends = product(_steps(c, length, rule, curvature)), _jumped(c, rule)
+    for i, jump in enumerate(() if at_ends is None else at_ends):
+        found = multiplied(found, jump) if i else multiplied(jump, found)
+    return found
+
+
 def _spectral_beam(
     p: Point3,
     rot_p: Rotation3,
@@ -151,7 +170,7 @@ def _spectral_beam(
     """Closure at q, then the coefficients themselves."""
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    pose = product(_steps(c, length, _rule(order, shear, section, length), curvature))
+    pose = _pose(c, length, _rule(order, shear, section, length), curvature)
     displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - pose[:3, 3]
     between = multiplied(multiplied(at_p, pose[:3, :3]).T, at_q)
     tilt = 0.5 * jnp.sum(CROSS * between.T, axis=(1, 2))
@@ -188,6 +207,8 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
+    if (at_ends := _jumped(c, rule)) is not None:
+        poses = multiplied(at_ends[0], poses)
     placed = multiplied(at_p, jnp.concatenate([poses[first : last + 1, :3] for first, last in rule.spans]))
     vectors = jnp.concatenate([p + placed[:, :, 3], jnp.swapaxes(placed[:, :, :3], 1, 2).reshape(-1, 3)])
     mass, moments = _masses(section, rule, length)
@@ -206,7 +227,7 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
     p, rot_p, q, rot_q, c = nodes
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    pose = product(_steps(c, length, _rule(order, shear, section, length, place), curvature))
+    pose = _pose(c, length, _rule(order, shear, section, length, place), curvature)
     # Force, and moment about p, of all that is beyond the place, in axes of end p.
     force, moment = jnp.split(sigma[:6], 2)
     moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
@@ -240,7 +261,7 @@ def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvat
     p, rot_p, _, rot_q, c = nodes
     length = _length(ref, curvature, order)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    return p + at_p @ product(_steps(c, length, _rule(order, shear, section, length, place), curvature))[:3, 3]
+    return p + at_p @ _pose(c, length, _rule(order, shear, section, length, place), curvature)[:3, 3]
 
 
 def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):

@@ -127,10 +127,11 @@ def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np
             chosen = with_rigidities(in_undeformed(block, properties))
             fixed = tuple(block.element.of_deformation(dict(block.options)).items())
             told = block.element.alone(), dict(block.meaning or ()).get("deformation")
-            key = (told, fixed, jax.tree.structure(chosen), block.splits, block.e.shape[1])
+            shapes = tuple(np.shape(leaf)[1:] for leaf in jax.tree.leaves(chosen))
+            key = (told, fixed, jax.tree.structure(chosen), shapes, block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
     found, pieces = np.zeros(topology.n_e), []
-    for ((element, meaning), fixed, _, splits, _), members in alike.items():
+    for ((element, meaning), fixed, _, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: _padded(np.concatenate(rows)), *members)
         then = (("deformation", meaning),)
         block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)

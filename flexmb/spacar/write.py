@@ -168,6 +168,8 @@ class _Writer:
             raise _inexpressible(f"{what} has second_order=False")
         if member.properties.get("curvature") is not None:
             raise _inexpressible(f"{what} has an initial curvature")
+        if any(member.properties.get(key) is not None for key in ("skew", "clamp")):
+            raise _inexpressible(f"{what} has skew or elastic ends")
         if member.element.fields:
             return found[0]
         # The format calls a rigid beam without length a pinned body.

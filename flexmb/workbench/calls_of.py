@@ -140,7 +140,9 @@ class Calls:
             return str(value)
         if field["name"] == "inertia" and _depth(value) == 2:
             value = [value[i][j] for i, j in UPPER]
-        if callable(value) or _depth(value) > 1:
+        if field["name"] == "clamp" and len(value) == 2 and all(one is not None for one in value):
+            value = [number for root in value for number in root]
+        if callable(value) or _depth(value) > 1 or (_depth(value) and any(one is None for one in value)):
             self.left_out.append(f"{what} = {clean(value)}, which no field can contain")
             return None
         if _depth(value):

@@ -186,6 +186,8 @@ def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         raise EditError(f"{id}/nodes", f"'{name}' cannot be split: its ends are not two drawn nodes.")
     if "curvature" in thing["args"]:
         raise EditError(f"{id}/curvature", f"'{name}' cannot be split: it is an arc.")
+    if at := next((key for key in ("skew", "clamp") if key in thing["args"]), None):
+        raise EditError(f"{id}/{at}", f"'{name}' cannot be split: its ends are cut at an angle or elastic.")
     record = build(document).records.get(document.known.thing(("section",), thing["args"].get("section", "")) or "")
     if record is not None and record.varies:
         raise EditError(f"{id}/section", f"'{name}' cannot be split: its section varies along it.")

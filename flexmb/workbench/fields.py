@@ -10,7 +10,7 @@ from typing import Any
 
 from .. import blocks
 from ..build.builder import FORCES, MEASURED, STRAINED, Builder
-from ..build.properties import ENDS, alternatives_of
+from ..build.properties import ENDS, ROOTS, alternatives_of
 from ..elements import materials, planar, sections, spatial
 from ..elements.element import Element, _options
 from ..elements.section import Damping, Material, Section
@@ -218,7 +218,14 @@ def _flexible() -> list[str]:
         for name in room.__all__:
             element = getattr(room, name)
             joined = [key for key, kind in element.nodes.items() if kind.part in ("position", "rotation")]
-            needed = set(element.wanted(element.deformation)) - {"section", "y", "curvature", "clamped"}
+            needed = set(element.wanted(element.deformation)) - {
+                "section",
+                "y",
+                "curvature",
+                "clamped",
+                "skew",
+                "clamp",
+            }
             if joined == ["p", "rot_p", "q", "rot_q"] and element.resultants is not None and not needed:
                 found.append(f"{room.__name__.rpartition('.')[2]}.{name}")
     return found
@@ -328,6 +335,9 @@ def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
         return _field(name, "choice", default, doc, choices=list(origins[typing.Literal]))
     if ENDS in alternatives:
         return _field(name, "choice", default, doc, choices=list(ENDS_IN_WORDS))
+    if any(one in ROOTS for one in alternatives):
+        # As many for both ends, or those of the first and then of the last.
+        return _field(name, "vector", default, doc, count=_count((None, None)))
     if bool in alternatives:
         return _field(name, "flag", default, doc)
     if collections.abc.Sequence in origins:

@@ -23,7 +23,10 @@ def scalars_of(member: Member) -> dict[str, np.ndarray]:
     return {
         key: np.asarray(value, float)
         for key, value in own.items()
-        if value is not None and key != "y" and not key.startswith("axis") and key not in ("section", "clamped")
+        if value is not None
+        and key != "y"
+        and not key.startswith("axis")
+        and key not in ("section", "clamped", "clamp")
     }
 
 
@@ -50,7 +53,8 @@ def image_of(
         for sign, numbers in zip(flips, element.fields, strict=False):
             signs[np.array(numbers) - 1] = sign
         curved = CURVATURE[d] if not y_turns else (-1, 1, -1)
-        return {"curvature": np.array(curved if d == 3 else curved[0])}, signs
+        skew = np.full(2, -1 if y_turns else 1)
+        return {"curvature": np.array(curved if d == 3 else curved[0]), "skew": skew}, signs
     properties, scalars = element.of_deformation(member.properties), scalars_of(member)
     fixed = {key: value for key, value in properties.items() if key not in scalars}
     turned = {

@@ -134,7 +134,7 @@ class _Image:
         if key == "gradient":
             return self._gradient(thing, value)
         kind = call.fields[key]["kind"] if key in call.fields else None
-        if kind != "vector" or key in ("position", "change", "breaks", "curvature", "values"):
+        if kind != "vector" or key in ("position", "change", "breaks", "curvature", "skew", "clamp", "values"):
             return value
         if key == "at" and call.kind == "block":
             return value

@@ -131,11 +131,13 @@ PROPERTIES = {
     "k": lambda hint: POSITIVE,
     "c": lambda hint: POSITIVE,
     "y": lambda hint: vectors(3),
+    "skew": lambda hint: vectors(2, 0.1),
+    "clamp": lambda hint: st.tuples(*[npst.arrays(float, 3 if "'3'" in str(hint) else 6, elements=POSITIVE)] * 2),
     "curvature": lambda hint: CURVATURE if float in typing.get_args(hint) else curvatures(),
 }
 # Properties that an element may be without, which then has other code. A leaf spring in space is always drawn with all
 # of them: it takes fifteen seconds to compile, and what it is without them it has from the beams.
-OPTIONAL = ("y", "curvature")
+OPTIONAL = ("y", "curvature", "skew", "clamp")
 # Few options, since each is compiled; ``whole`` tells whether an element has all that it may have.
 OPTIONS = {
     "second_order": lambda whole: st.just(whole),

@@ -294,7 +294,7 @@ def ends(model: fm.Model, leaf: str) -> tuple[list[float], list[str]]:
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         of = [model.labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()] if block.e.shape[1] else []
         if "clamped" in properties and leaf in of:
-            flat = np.asarray(properties["clamped"])[of.index(leaf)].tolist()
+            flat = np.atleast_2d(np.asarray(properties["clamped"])[of.index(leaf)])[0].tolist()
             nodes = next(nodes for name, _, nodes in model.labels.elements if name == leaf)
             roles = dict(zip([entry.of for entry in model.labels.x], model.roles()[0], strict=True))
             return flat, [roles[node].name for node in nodes if node.endswith(".warping")]
@@ -337,11 +337,12 @@ def held_by_a_hinge(b):
         (held_by_a_hinge, 1.0, "FIXED"),
         (beside((0.2, 0, 0)), 0.0, "DOF"),
         (beside((0.2, 0, 0), thickness=1.4e-3), 0.0, "DOF"),
-        (beside((0.2, 0, 0), thickness=1.6e-3), 1.0, "FIXED"),
+        (beside((0.2, 0, 0), thickness=1.6e-3), 1.0, "DOF"),
+        (beside((0.2, 0, 0), element=spatial.beam, thickness=1.6e-3), 1.0, "FIXED"),
         (beside((0.1, 0, 0.1)), 1.0, "DOF"),
         (beside((0.2, 0, 0), element=spatial.beam), 0.0, "DOF"),
     ],
-    ids=["free", "mass", "inertia", "body", "hinge", "chain", "thicker", "thick", "fold", "beam"],
+    ids=["free", "mass", "inertia", "body", "hinge", "chain", "thicker", "thick", "thick beam", "fold", "beam"],
 )
 def test_what_clamps_an_end(join, flat, warping):
     found = ends(chain(join), "leaf")

@@ -17,7 +17,7 @@ GROUPS = {"node", "element", "section", "material", "support", "load", "mass", "
 # What needs a function of the user's own is said in Python alone; and what is no section by itself.
 WITHOUT = {"spring_damper", "rotary_spring_damper", "pin_body"}
 NO_CALLS = {"Profile", "Section", "MaterialDamping", "torsion_approximate", "torsion_series", "warping_factor"}
-NO_CALLS |= {"curvature_along", "curvature_through"}
+NO_CALLS |= {"curvature_along", "curvature_through", "root_stiffness"}
 
 
 def test_every_method_element_section_material_and_block_is_a_call():

@@ -158,6 +158,28 @@ def test_a_mirrored_arm_has_the_same_frequencies(arm, axis):
     assert image == approx(place, abs=1e-9)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", ["x", "z"])
+@pytest.mark.parametrize("y", [[], ["0", "1", "0.2"]])
+def test_a_mirrored_leaf_spring_with_skew_and_elastic_ends_has_the_same_frequencies(axis, y):
+    leaf = {"nodes": ["A", "B"], "section": "leaf", "skew": ["0.5", "0.2"], "order": "2"}
+    leaf |= {"clamp": ["1e7", "1e6", "2e6", "300", "40", "3000"], "clamped": "both"} | ({"y": y} if y else {})
+    document = documents.drawn(
+        3,
+        {"t": "1e-3"},
+        [
+            ("Material", "steel", documents.STEEL),
+            ("Rectangle", "leaf", documents.leaf_args()),
+            ("node", "A", {"position": ["0", "0.01", "0"]}),
+            ("node", "B", {"position": ["0.1", "0.02", "0.05"]}),
+            ("fix", None, {"node": "A"}),
+            ("spatial.leaf_spring", "leaf spring", leaf),
+            ("body", None, {"node": "B", "mass": "0.1", "center": ["0.02", "0.01", "0.03"]}),
+        ],
+    )
+    assert frequencies(mirrored(document, axis)) == approx(frequencies(document), rel=1e-7)
+
+
 BLOCKS = {
     "parallel_guide": {"length": "0.1", "spacing": "0.05", "section": "leaf"},
     "double_parallel_guide": {"length": "0.1", "spacing": "0.05", "inner": "0.03", "section": "leaf"},

@@ -1,0 +1,206 @@
+"""Steps in width and thickness between leaf springs in line, and warnings about skew cuts, steps and roots."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..arguments import is_concrete
+from ..elements.leaf import flags_and_distances, leaf_of
+from ..elements.leaf_ends import ends_matrix
+from ..elements.sections import Rectangle
+from ..elements.spectral_spatial import FIELDS
+from ..errors import BeamTheoryWarning, ModelError, warn
+from ..numerical_limits import SAME_SIZE
+from .clamps import THICK, End, axes_of, ends_of_leaf, is_clamped, is_fold, kept_known, span_of
+from .description import Description, Member
+
+# Ranges compared with solid elements: angles of cuts [rad], Poisson's ratio, narrow over wide part, length over
+# width of skew leaf springs and of parts beside a step, thickness over thickness of parts of different width.
+SKEWEST, NUS, NARROWEST = np.radians(50.0) * (1 + 1e-9), (0.2 - 1e-9, 0.4 + 1e-9), 0.2 * (1 - 1e-9)
+SHORTEST_SKEW, SHORTEST_PART, THICKER = 1.5 * (1 - 1e-9), 0.8 * (1 - 1e-9), 1.2
+
+
+def with_steps(described: Description, builder: Description) -> Description:
+    """A builder whose leaf springs know of what other width or thickness they go on in line, where nothing clamps them.
+
+    Args:
+        described: Copy of the builder whose leaf springs know which of their ends are clamped.
+        builder: The builder as it was described.
+
+    Returns:
+        ``described``, with properties replaced; of a leaf spring beside another of its own sizes nothing changes.
+
+    Source:
+        THEORY.md 2, eq. (2.49) to (2.53).
+    """
+    leaves = {name: member for name, member in builder.members.items() if _may_step(member)}
+    at_nodes: dict[str, list[End]] = {}
+    for name, member in leaves.items():
+        for end in ends_of_leaf(name, member):
+            at_nodes.setdefault(end.rotation, []).append(end)
+    found: dict[str, dict[int, tuple[Any, Any]]] = {}
+    for ends in at_nodes.values():
+        for end, other in (ends, ends[::-1]) if len(ends) == 2 else ():
+            sizes = _beside(builder, end, other)
+            if sizes is not None and not is_fold(builder, *ends) and _goes_on(described, builder, end, other):
+                found.setdefault(end.leaf, {})[end.number] = sizes
+    for name, sizes in found.items():
+        member = described.members[name]
+        rows = [sizes.get(number) or _sizes(builder, leaves[name], number) for number in range(2)]
+        library: Any = np if is_concrete(rows) else jnp
+        beside = library.stack([library.stack([library.asarray(row[i], float) for row in rows]) for i in range(2)])
+        clamped = member.properties["clamped"]
+        flags = clamped if clamped.ndim == 2 else np.stack([clamped, np.zeros(2)])
+        properties = {**member.properties, "clamped": library.concatenate([flags, beside])}
+        described.members[name] = dataclasses.replace(member, properties=properties)
+    return described
+
+
+def _may_step(member: Member) -> bool:
+    return bool(member.element.fields) and "clamped" in member.properties and _is_rectangle(member)
+
+
+def _is_rectangle(member: Member) -> bool:
+    return isinstance(member.properties["section"].at(0.5, 1.0), Rectangle)
+
+
+def _sizes(builder: Description, member: Member, number: int) -> tuple[Any, Any]:
+    """Width and thickness at an end [m]."""
+    given, length = member.properties["section"], span_of(builder, member)
+    with kept_known((given, length)):
+        section = given.at(float(number), float(length) if is_concrete(length) else length)
+        return section.width, section.thickness
+
+
+def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
+    """Width and thickness of what goes on beyond an end; None where they are those of the end itself.
+
+    What is so thick that it clamps the end is of its own width.
+    """
+    one, following = builder.members[end.leaf], builder.members[other.leaf]
+    if one.properties["section"] is following.properties["section"] and not one.properties["section"].varies:
+        return None
+    (width, thickness), (wide, thick) = _sizes(builder, one, end.number), _sizes(builder, following, other.number)
+    known = is_concrete((width, thickness, wide, thick))
+    if known and abs(wide / width - 1) < SAME_SIZE and abs(thick / thickness - 1) < SAME_SIZE:
+        return None
+    library: Any = np if known else jnp
+    return library.where(library.asarray(thick) >= THICK * thickness, width, wide), thick
+
+
+def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
+    """Whether nothing clamps an end but a leaf spring in line that is thick."""
+    flags, distances = flags_and_distances(described.members[end.leaf].properties["clamped"])
+    if flags[end.number] == 0 or distances[end.number] > 0:
+        return True
+    if builder.members[end.leaf].properties["clamped"] is not None or not _are_known(builder, end, other):
+        return False
+    rest = [name for name, member in builder.members.items() if end.rotation in member.nodes and name != other.leaf]
+    return not is_clamped(builder, end, {end.rotation: rest}, (True, True)).flat
+
+
+def _are_known(builder: Description, *ends: End) -> bool:
+    """Whether directions of leaf springs are numbers."""
+    return is_concrete([axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends])
+
+
+def warn_of_ends(described: Description) -> None:
+    """Warn of skew cuts and steps outside the range of their fits, by the name of the leaf spring.
+
+    Args:
+        described: Builder whose leaf springs know what they go on as.
+
+    Raises:
+        ModelError: Skew cuts leave less than nothing of a leaf spring: it would not be stiff.
+    """
+    for name, member in described.members.items():
+        if not _may_step(member) or not is_concrete(member.properties):
+            continue
+        clamped, skew = member.properties["clamped"], member.properties.get("skew")
+        stepped = clamped is not None and len(clamped) > 2
+        if skew is None and not stepped:
+            continue
+        if not is_concrete(length := span_of(described, member)):
+            continue
+        sizes = np.array([_sizes(described, member, number) for number in range(2)], float)
+        whole = [_length_of_part(described, name, number) for number in range(2)]
+        faults = [] if skew is None else _about_skew(np.asarray(skew, float), sizes[:, 0], min(whole))
+        if stepped:
+            faults += _about_steps(np.asarray(clamped)[2:].T, sizes, whole)
+        nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
+        if not NUS[0] <= nu <= NUS[1]:
+            faults.append(f"Poisson's ratio of its material is {nu:.3g}, and fits hold from 0.2 to 0.4")
+        if faults:
+            warn(
+                f"Element '{name}' has ends that were not compared with solid elements: {'; '.join(faults)}.",
+                BeamTheoryWarning,
+            )
+        if skew is not None:
+            _check_stiff(name, member, float(length))
+
+
+def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float) -> list[str]:
+    faults = []
+    if (steepest := float(np.max(np.abs(angles)))) > SKEWEST:
+        faults.append(f"a cut of {np.degrees(steepest):.3g} degrees, and fits hold up to 50")
+    if length < SHORTEST_SKEW * np.max(widths) and np.any(angles):
+        faults.append(f"it is {length / np.max(widths):.2g} times as long as wide, and skew cuts hold from 1.5 on")
+    return faults
+
+
+def _about_steps(beside: np.ndarray, sizes: np.ndarray, lengths: list[float]) -> list[str]:
+    faults = []
+    for (wide, thick), (width, thickness), length in zip(beside, sizes, lengths, strict=True):
+        share, ratio = width / wide, thick / thickness
+        if share < NARROWEST:
+            faults.append(f"a step to {1 / share:.3g} times its width, and fits hold up to 5")
+        if abs(share - 1) > SAME_SIZE:
+            if length < SHORTEST_PART * width:
+                faults.append(
+                    f"beside a step it is {length / width:.2g} times as long as wide, and fits hold from 0.8 on"
+                )
+            if not 1 / THICKER <= ratio <= THICKER:
+                faults.append("a step in width and thickness at once, and fits are of one of them")
+    return list(dict.fromkeys(faults))
+
+
+def _length_of_part(described: Description, name: str, number: int) -> float:
+    """How long a leaf spring and those of its sizes that go on in line from one of its ends, away from it, are [m]."""
+    length, passed, at = 0.0, {name}, ends_of_leaf(name, described.members[name])[1 - number]
+    while True:
+        member = described.members[at.leaf]
+        length += float(span_of(described, member))
+        if at.leaf != name and len(member.properties["clamped"]) > 2:
+            return length
+        others = [
+            end
+            for leaf, other in described.members.items()
+            if leaf not in passed and _may_step(other)
+            for end in ends_of_leaf(leaf, other)
+            if end.rotation == at.rotation
+        ]
+        if len(others) != 1 or not is_concrete(described.members[others[0].leaf].properties):
+            return length
+        if is_fold(described, at, others[0]) or _beside(described, at, others[0]) is not None:
+            return length
+        passed.add(others[0].leaf)
+        at = ends_of_leaf(others[0].leaf, described.members[others[0].leaf])[1 - others[0].number]
+
+
+def _check_stiff(name: str, member: Member, length: float) -> None:
+    """Refuse skew cuts of which nothing would be left that is stiff."""
+    own = member.properties
+    leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
+    order = member.element.options["order"]
+    with jax.ensure_compile_time_eval():
+        matrix = np.asarray(leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS))
+    strained = matrix[: len(FIELDS) * order, : len(FIELDS) * order]
+    scale = np.sqrt(np.abs(np.diag(strained)))
+    if np.linalg.eigvalsh(strained / np.outer(scale, scale))[0] < 0:
+        raise ModelError(
+            f"Element '{name}' is too short for its skew cuts: its ends are joined by too little of it to be stiff."
+            " Make it longer, or use solid elements."
+        )

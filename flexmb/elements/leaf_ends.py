@@ -1,0 +1,296 @@
+"""What the ends of a leaf spring give beyond a straight clamp: skew cuts, steps in width or thickness, elastic roots.
+
+Each is a compliance between the resultants at the end and a small motion there, of six by six. A compliance may be
+negative, such as of a skew cut, which holds a part of the leaf spring. It therefore acts together with the leaf spring
+near it: the resultants at the end are those without loads between that fit the strains of this part best.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..arguments import as_floats, holds
+from ..compilation.record import Record
+from ..math.quadrature import gauss, legendre_values_at
+from .roots import STRETCHED, bent_spread, spread
+from .sections import Rectangle
+from .spectral import relative, rigidities
+
+# Resultants N, Vy, Vz, T, My, Mz by the rigidity of their strain, and the motions of an end that they belong to.
+FIELDS = ("EA", "GAy", "GAz", "GIt", "EIy", "EIz")
+# Signs of a matrix that is turned by half a turn about z.
+TURNED = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
+# In the plane of a mechanism: along, to the left, and the angle, of which the section's own y axis has the opposite.
+IN_PLANE = np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, 0, 0, -1, 0]])
+# Rotation first, as a screw motion has it.
+SCREW = np.eye(6)[[3, 4, 5, 0, 1, 2]]
+# Length of the part of a leaf spring that acts together with its end, over the width; half of the leaf spring at most.
+ZONE, HALF = 1.0, 0.5
+# A root acts at the end itself: in a small share of this part.
+AT_ROOT = 0.05
+# Cuts must be less than a right angle [rad].
+STEEPEST = np.radians(89.0)
+# Poisson's ratio about which the fits of skew cuts are expanded.
+USUAL = 0.3
+# Terms of a skew cut: row and column; powers of w and the rigidity of the unit w^n/rigidity; powers of tan(angle), and
+# coefficients of these by powers of nu - 0.3 (rows). THEORY.md 2, eq. (2.48).
+EVEN, ODD = (2, 4, 6), (1, 3, 5)
+SKEW = {
+    (2, 4): (2, "EIy", EVEN, ((-0.0409, -0.0248, 0.0054), (-0.0230, 0.0060, 0), (-0.0950, 0.0150, 0))),
+    (2, 2): (3, "EIy", EVEN, ((0.0038, -0.0173, 0.0017), (-0.0073, -0.0007, 0), (-0.0775, 0.0075, 0))),
+    (2, 3): (2, "EIy", ODD, ((-0.0265, 0.0272, -0.0058), (-0.0798, 0.0003, 0), (0.0395, -0.0145, 0))),
+    (3, 3): (1, "EIy", EVEN, ((-0.0889, -0.0145, 0.0064), (-0.1842, 0.0397, 0), (-0.0675, 0.0225, 0))),
+    (3, 4): (1, "EIy", ODD, ((0.1649, -0.0742, 0.0204), (-0.1403, 0.0363, 0), (-0.1209, 0.0509, 0))),
+    (4, 4): (1, "EIy", EVEN, ((-0.3697, 0.1180, -0.0278), (0.0913, -0.0308, 0), (0.0675, -0.0225, 0))),
+    (0, 0): (1, "EA", EVEN, ((0.0802, -0.1416, 0.0417), (0.2998, -0.1208, 0), (0.0975, -0.0675, 0))),
+    (0, 1): (1, "EA", ODD, ((0.1012, -0.3495, 0.0920), (0.3669, -0.1784, 0), (0.0894, -0.0344, 0))),
+    (0, 5): (2, "EIz", ODD, ((0.0920, -0.0300, 0.0073), (0.0295, -0.0080, 0), (-0.0105, 0.0055, 0))),
+    (1, 1): (3, "EIz", EVEN, ((-0.0796, 0.0270, -0.0086), (-0.0687, 0.0217, 0), (-0.0175, 0.0075, 0))),
+    (1, 5): (2, "EIz", EVEN, ((-0.0198, 0.0419, -0.0093), (-0.0153, 0.0053, 0), (0.0175, -0.0075, 0))),
+    (5, 5): (1, "EIz", EVEN, ((-0.2705, 0.0604, -0.0120), (0.0153, -0.0053, 0), (0.0275, -0.0375, 0))),
+}
+
+
+# Stiffnesses of the roots at the first end and at the last, None for a rigid one: along local x, y, z and about them,
+# in the plane along, to the left and of the angle.
+Roots = tuple[Float[Array, "6"] | None, Float[Array, "6"] | None]
+PlanarRoots = tuple[Float[Array, "3"] | None, Float[Array, "3"] | None]
+
+
+class Ends(Record):
+    """What is at both ends of a leaf spring; None where there is nothing of a kind.
+
+    Attributes:
+        skew: Angles of the cuts, (2,) [rad].
+        clamp: Stiffnesses of the roots at the first end and at the last, each (6,) or in the plane (3,) or None.
+        beside: Widths (row 0) and thicknesses (row 1) of what goes on in line beyond both ends, (2, 2) [m].
+    """
+
+    skew: Any = None
+    clamp: Any = None
+    beside: Any = None
+
+
+def ends_of(skew: Any, clamp: Any, clamped: Any) -> Ends | None:
+    """What is at the ends of a leaf spring, None for straight rigid clamps and leaf springs that go on as they are."""
+    beside = clamped[2:] if clamped is not None and clamped.shape[0] > 2 else None
+    return None if skew is None and clamp is None and beside is None else Ends(skew, clamp, beside)
+
+
+def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
+    """Compliance of a first end that is cut at an angle, beyond a straight clamp through the middle of the cut.
+
+    Args:
+        angle: Of the cut; the edge at +y begins further along the leaf spring where it is positive, () [rad].
+        rectangle: Section at the end.
+
+    Returns:
+        Displacements and rotations of the end under N, Vy, Vz, T, My, Mz, (6, 6).
+
+    Source:
+        THEORY.md 2, eq. (2.48): fits to solid elements, angles up to 50 degrees and nu from 0.2 to 0.4.
+    """
+    slope, change = jnp.tan(jnp.asarray(angle, float)), rectangle.material.poisson() - USUAL
+    by_nu, numbers, entries = jnp.stack([1.0 + 0 * change, change, change**2]), rectangle.rigidity(), {}
+    for place, (power, rigidity, powers, coefficients) in SKEW.items():
+        term = by_nu @ np.array(coefficients) @ jnp.stack([slope**n for n in powers])
+        entries[place] = term * rectangle.width**power / getattr(numbers, rigidity)
+    return _symmetric(entries)
+
+
+def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
+    """Compliance of a first end that goes on backwards in line as a wider or thicker part; zero unless it is.
+
+    Args:
+        width: Of the part before, () [m].
+        thickness: Of the part before, () [m].
+        rectangle: Section of the leaf spring.
+
+    Returns:
+        Displacements and rotations of the end under N, Vy, Vz, T, My, Mz, (6, 6).
+
+    Source:
+        THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, narrow over wide from 0.2 and nu from 0.2 to 0.4.
+    """
+    numbers, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
+    a = w / width
+    stretched, sideways = STRETCHED * spread(a), bent_spread(a)
+    bent = (1 + nu) / (3 + nu) * spread(a)
+    # Parts that share their warping are less stiff than parts that do not, which the fit compares with.
+    shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(numbers.EIw / numbers.GIt) / w
+    twisted = 0.985 * 2 / (3 + nu) * spread(a) + jnp.where(a < 1, shared, 0.0)
+    inside = 0.142 + 0.095 / a
+    entries = {
+        (0, 0): w / numbers.EA * stretched,
+        (3, 3): w / numbers.GIt * twisted,
+        (4, 4): w / numbers.EIy * bent,
+        (2, 4): -(w**2) / numbers.EIy * bent * inside,
+        (2, 2): w**3 / numbers.EIy * bent * 0.1 * a ** (-5 / 3),
+        (5, 5): w / numbers.EIz * sideways,
+        (1, 5): w**2 / numbers.EIz * sideways * (0.0445 - 0.455 * a**2),
+        (1, 1): w**3 / numbers.EIz * sideways * 0.034 * (1 / a - 1),
+    }
+    # Through the thickness the strain across is zero.
+    b = rectangle.thickness / thickness
+    root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float)
+    entries[0, 0] += STRETCHED * spread(b) * root / numbers.EA
+    entries[5, 5] += STRETCHED * spread(b) * root / numbers.EIz
+    entries[4, 4] += bent_spread(b) * root / numbers.EIy
+    return _symmetric(entries)
+
+
+def _symmetric(entries: dict[tuple[int, int], Any]) -> Float[Array, "6 6"]:
+    """Symmetric matrix with the given entries."""
+    zero = jnp.zeros(())
+    rows = [[entries.get((i, j), entries.get((j, i), zero)) for j in range(6)] for i in range(6)]
+    return jnp.stack([jnp.stack([jnp.asarray(entry, float) for entry in row]) for row in rows])
+
+
+def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
+    """Compliance of an elastic root of six stiffnesses, in the plane of three: along, to the left, about the normal."""
+    given = 1 / jnp.asarray(stiffness, float)
+    if given.shape[0] == 3:
+        return jnp.diag(jnp.abs(IN_PLANE.T) @ given)
+    return jnp.diag(given)
+
+
+def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6"]]]:
+    """Compliances of both ends of a leaf spring, in axes of the sections there, each with the zone that it acts in.
+
+    Returns:
+        Share of ``ZONE``, and compliances of both ends: of skew cuts and steps, then of roots, where there are any.
+    """
+    shapes, roots = [], []
+    for end, place in enumerate((0.0, 1.0)):
+        rectangle, own = leaf.rectangle(place, length), jnp.zeros((6, 6))
+        turned = np.outer(TURNED, TURNED) if end else np.ones((6, 6))
+        if leaf.ends.skew is not None:
+            own = own + turned * skew_compliance(leaf.ends.skew[end], rectangle)
+        if leaf.ends.beside is not None:
+            own = own + turned * step_compliance(*leaf.ends.beside[:, end], rectangle)
+        shapes.append(own)
+        root = None if leaf.ends.clamp is None else leaf.ends.clamp[end]
+        roots.append(jnp.zeros((6, 6)) if root is None else root_compliance(root))
+    found = [] if leaf.ends.skew is None and leaf.ends.beside is None else [(1.0, jnp.stack(shapes))]
+    return found if leaf.ends.clamp is None else [*found, (AT_ROOT, jnp.stack(roots))]
+
+
+def _rigidities(leaf: Any, length: Any, names: Sequence[str]) -> dict[str, Any]:
+    """By the rigidity of each strain field, resultants over its coefficients times length: the same all along."""
+    section = leaf.plain()
+    found = rigidities(section if section.varies else leaf.rectangle(0.0, length), jnp.zeros(1), length, names)[0]
+    if section.varies:
+        found = found * relative(section, jnp.zeros(1), length, names)[0]
+    # In the plane, curvature is positive to the left.
+    signs = {"EIy": 1.0 if "GIt" in names else -1.0}
+    return {name: signs.get(name, 1.0) * found[i] for i, name in enumerate(names)}
+
+
+def _torque(leaf: Any, order: int, length: Any) -> Float[Array, "order"]:
+    """Torque over its constant part by the coefficients of twist: of all that twists alike, that with least energy."""
+    layers = jnp.stack(leaf.layers(length))
+    faded = layers * jnp.tanh(1 / (2 * layers))
+    angles = np.eye(order)[0] - faded[0] * (-1.0) ** np.arange(order) - faded[1]
+    return angles / angles[0]
+
+
+def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], share: float) -> Float[Array, "2 6 c"]:
+    """Resultants at both ends by the coefficients of a leaf spring: those that fit the part near the end best.
+
+    Without loads along this part its forces are constant and its moments linear; of these resultants those at the end
+    are taken whose energy of the difference is least. Source: THEORY.md 2, eq. (2.47).
+
+    Args:
+        names: Rigidities of the strain fields, in order.
+        share: Of ``ZONE``.
+    """
+    stiff = {name: number / length for name, number in _rigidities(leaf, length, names).items()}
+    nodes, weights = gauss(order // 2 + 2)
+    tests = np.stack([weights, weights * nodes])
+    none, spots = jnp.zeros((len(names), order)), np.eye(len(names))[:, :, None]
+    found = []
+    for end, place in enumerate((0.0, 1.0)):
+        zone = share * jnp.minimum(ZONE * leaf.rectangle(place, length).width, HALF * length)
+        shapes = legendre_values_at(order, zone / length * nodes) * (-1.0) ** (end * np.arange(order))
+        mean, first = tests @ shapes
+        placed = {name: stiff[name] * spots[i] for i, name in enumerate(names)}
+        rows = {name: placed[name] * mean if name in names else none for name in FIELDS}
+        if "GIt" in names:
+            rows["GIt"] = placed["GIt"] * _torque(leaf, order, length)
+        for bend, shear, sign in (("EIy", "GAz", 1.0), ("EIz", "GAy", -1.0)):
+            if bend not in names:
+                continue
+            # Moments grow along the leaf spring at its first end, and against it at its last.
+            sign, ratio, moment = sign * (1 - 2 * end), 0.0, placed[bend] * mean
+            slope = sign * placed[bend] * first
+            if shear in names:
+                ratio = jnp.abs(stiff[bend]) / (stiff[shear] * zone**2)
+                slope = slope + ratio * zone * placed[shear] * mean
+            rows[shear] = (slope - sign / 2 * moment) / ((1 / 12 + ratio) * zone)
+            rows[bend] = ((1 / 3 + ratio) * moment - sign / 2 * slope) / (1 / 12 + ratio)
+        found.append(jnp.stack([rows[name].reshape(-1) for name in FIELDS]))
+    return jnp.pad(jnp.stack(found), ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
+
+
+def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"]:
+    """Displacements and rotations that both ends add to the line, by the coefficients, in axes of their sections."""
+    own = compliances(leaf, length)
+    return sum((matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in own), jnp.zeros(()))
+
+
+def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:
+    """Matrix that the ends add to that of a leaf spring: their energy is half a product of it. Source: eq. (2.47)."""
+    found = jnp.zeros(())
+    for share, matrix in compliances(leaf, length):
+        resultants = end_resultants(leaf, order, length, names, share)
+        found = found + jnp.einsum("eic,eij,ejd->cd", resultants, matrix, resultants)
+    return found
+
+
+def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free: Array, matrix: Array) -> Array:
+    """Coefficients of a leaf spring that temperature strains, less what its ends would add to its line as if stressed.
+
+    To first order the last end is where the strains alone take it.
+
+    Args:
+        free: Coefficients of the strains by temperature, (fields order,).
+        matrix: Of the leaf spring with its ends, (c, c).
+    """
+    if order < 2:
+        # Linear moments have two coefficients.
+        return free
+    stiff = _rigidities(leaf, length, names)
+    columns = []
+    for force, bend, sign in (("EA", "", 0), ("GIt", "", 0), ("GAy", "EIz", 1.0), ("GAz", "EIy", -1.0)):
+        column = np.zeros((len(names), order))
+        if force in names:
+            column = jnp.asarray(column).at[names.index(force), 0].set(length / stiff[force])
+        if bend in names:
+            # The moment of a force at the last end is linear, and zero there; that of a moment is constant.
+            spot = np.zeros((len(names), order))
+            spot[names.index(bend), 0] = 1.0
+            columns.append(length / stiff[bend] * spot)
+            spot = np.zeros((len(names), order))
+            spot[names.index(bend), :2] = sign / 2, -sign / 2
+            column = column + length**2 / stiff[bend] * spot
+        if force in names or bend in names:
+            columns.append(column)
+    flat = jnp.stack([jnp.asarray(column, float).reshape(-1) for column in columns], axis=1)
+    flat = jnp.pad(flat, ((0, matrix.shape[0] - free.shape[0]), (0, 0)))
+    added = ends_matrix(leaf, order, length, names) @ jnp.pad(free, (0, matrix.shape[0] - free.shape[0]))
+    less = flat @ jnp.linalg.solve(flat.T @ matrix @ flat, flat.T @ added)
+    return free - less[: free.shape[0]]
+
+
+def faults_of_ends(skew: Any, clamp: Any) -> list[str]:
+    """What is wrong with the cuts and roots of a leaf spring."""
+    if skew is not None and not holds(abs(as_floats(skew)) < STEEPEST):
+        return [
+            "has an end that is cut along itself: `skew` has the angles from a straight cut, in radians, below pi/2"
+        ]
+    if any(root is not None and not holds(as_floats(root) > 0) for root in clamp or ()):
+        return ["has a root without stiffness: the stiffnesses of `clamp` must be positive"]
+    return []
