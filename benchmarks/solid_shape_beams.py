@@ -5,19 +5,17 @@ from collections.abc import Callable
 import jax.numpy as jnp
 import numpy as np
 import solid_shapes as shapes
-from solid_beams import ACROSS, Leaf, cantilever, fold, guided_leaf, tip_of
+from solid_beams import ACROSS, Leaf, along, cantilever, fold, guided_leaf, rigid, tip_of
 from solid_cases import THICKNESS
 
 import flexmb as fm
 from flexmb import spatial
+from flexmb.linear.linearize import Linearization
 
 # Elements that are compared in these cases.
 KINDS = ("one leaf_spring",)
-# Cases whose solid models take a quarter of an hour; no results of theirs are committed.
-NOT_SOLVED = ("arc at strokes", "cosine arch at strokes")
 # Cases that no element describes, or no mechanism here: their solid results stand by themselves.
 NOT_YET = {
-    **dict.fromkeys(("arc at strokes", "cosine arch", "cosine arch at strokes"), "no mechanism of it is written yet"),
     "slot": "no section has a hole",
 }
 
@@ -59,6 +57,76 @@ def arc() -> Callable:
     """Arc of a circle."""
     radius, angle, width, thickness = shapes.ARC
     return curved(2 * radius * np.sin(angle / 2), Leaf(width, thickness), (0.0, 1 / radius, 0.0))
+
+
+def moved(b: fm.Builder, component: str, displacement: float) -> Linearization:
+    """Mechanism whose tip is moved in a direction without turning."""
+    b.prescribe("tip", component, displacement)
+    b.fix("tip", "rotation")
+    return fm.linearize(b.build())
+
+
+def force_of(at: Linearization, component: int) -> float:
+    """Force of the drive."""
+    return float(at.matrices.reactions[at.labels.known("tip")[component]])
+
+
+def arc_far(kind):
+    """Arc whose tip is moved along its chord."""
+    del kind
+    radius, angle, width, thickness = shapes.ARC
+    chord, leaf = 2 * radius * np.sin(angle / 2), Leaf(width, thickness)
+
+    def at(stroke: float):
+        def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+            bent = (0.0, 1 / radius, 0.0)
+            return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS, curvature=lambda _: bent)]
+
+        return moved(cantilever(whole, leaf, free=True, tip=chord)[0], "x", stroke)
+
+    def ask():
+        found = {}
+        for sign, name in ((1, "apart"), (-1, "together")):
+            for stroke in shapes.ARC_STROKES[name]:
+                about, state = f"{name} {1e3 * stroke:.1f} mm", at(sign * stroke)
+                found[f"{about}, force of the drive"] = force_of(state, 0)
+                found |= along(fm.compliance(state, "tip"), f"{about}, ", ("y",))
+        return found
+
+    return ask
+
+
+def half_arch(free: bool) -> fm.Builder:
+    """Half of a cosine arch, one element through points of its middle line."""
+    span, height, width, thickness = shapes.ARCH
+    places = np.linspace(0, span / 2, 41)
+    line = np.stack([places, 0 * places, height / 2 * (1 - np.cos(2 * np.pi * places / span))], axis=1)
+    b = fm.Builder()
+    b.node("foot", tuple(line[0]))
+    b.node("tip", tuple(line[-1]))
+    curvature = fm.sections.curvature_through(line, y=ACROSS)
+    section = Leaf(width, thickness).section()
+    b.add(spatial.leaf_spring, "foot", "tip", section=section, y=ACROSS, curvature=curvature, clamped=(True, True))
+    b.fix("foot")
+    if not free:
+        b.node("beyond", tuple(line[-1] + (0.01, 0, 0)))
+        rigid(b, "tip", "beyond")
+    return b
+
+
+def arch_far(kind):
+    """Half of a cosine arch whose middle is moved down without turning; it moves along z alone."""
+    del kind
+
+    def ask():
+        found = {}
+        for stroke in shapes.ARCH_STROKES:
+            b = half_arch(free=True)
+            b.fix("tip", "x", "y")
+            found[f"down {1e3 * stroke:.1f} mm, force of the drive"] = force_of(moved(b, "z", -stroke), 2)
+        return found
+
+    return ask
 
 
 def skew(foot: float, tip: float) -> Callable:
@@ -112,6 +180,9 @@ CASES: dict[str, Callable] = {
     "steps in thickness, 1.75 mm": stiffened(0.00175),
     "steps in thickness, 5 mm": stiffened(0.005),
     "arc": arc(),
+    "arc at strokes": arc_far,
+    "cosine arch": lambda _: tip_of(half_arch(free=False)),
+    "cosine arch at strokes": arch_far,
     "twisted leaf spring": curved(
         shapes.TWISTED[0], Leaf(*shapes.TWISTED[1:]), (shapes.TWIST / shapes.TWISTED[0], 0.0, 0.0)
     ),

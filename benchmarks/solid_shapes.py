@@ -30,7 +30,7 @@ TWISTED, TWIST = (0.1, 0.018, 0.0005), np.radians(30)
 SKEW, SKEWNESS = (0.1, 0.030, 0.0005), np.radians((15, 30, 45))
 # Arc: radius, angle, width, thickness. Arch: span, height, width, thickness.
 ARC, ARC_STROKES = (0.060, np.radians(90), 0.020, 0.0004), {"apart": (0.0045,), "together": (0.0045, 0.009)}
-ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005, 0.007)
+ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005)
 # Length of a part, wide and narrow. Of the slot: the whole, then length and width of the slot.
 STEPS, SLOT = (0.030, 0.036, 0.012), ((0.1, 0.030), (0.040, 0.010))
 # Parts in thickness: lengths and thicknesses.

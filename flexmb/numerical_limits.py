@@ -46,6 +46,9 @@ SMOOTH_CURVE = 1e-6
 SAME_LINE = 1e-6
 """A curve goes through its points, and its ends lie at the nodes, within this share of its length."""
 
+PARALLEL = 1e-5
+"""Sine of the angle up to which a vector that fixes local y is parallel to the axis."""
+
 SAME_END = 1e-9
 """A curve of a given chord is found where its chord is right to this share."""
 

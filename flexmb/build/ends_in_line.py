@@ -34,7 +34,7 @@ def with_steps(described: Description, builder: Description) -> Description:
         ``described``, with properties replaced; of a leaf spring beside another of its own sizes nothing changes.
 
     Source:
-        THEORY.md 2, eq. (2.49) to (2.53).
+        THEORY.md 2, eq. (2.49) to (2.51).
     """
     leaves = {name: member for name, member in builder.members.items() if _may_step(member)}
     at_nodes: dict[str, list[End]] = {}

@@ -10,7 +10,7 @@ from numpy.polynomial import polynomial
 
 from ..arguments import as_floats, holds, library_of
 from ..math.derivative import root_or_zero
-from ..numerical_limits import SHORTEST_ELEMENT
+from ..numerical_limits import PARALLEL, SHORTEST_ELEMENT
 from .nodes import Reference, length
 from .sections import Damping, Scalar, Section
 
@@ -244,6 +244,6 @@ def check_across(ref: Reference, y: Float[Array, "*n 3"] | None) -> list[str]:
     axis, across = as_floats(ref.q) - as_floats(ref.p), as_floats(y)
     xp = library_of((axis, across))
     size = xp.linalg.norm(across, axis=-1) * xp.linalg.norm(axis, axis=-1)
-    if holds(xp.linalg.norm(xp.cross(axis, across), axis=-1) > 1e-5 * size):
+    if holds(xp.linalg.norm(xp.cross(axis, across), axis=-1) > PARALLEL * size):
         return []
     return ["has a local y vector that is zero or parallel to its axis: give one across it"]

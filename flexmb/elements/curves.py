@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_reals, holds, is_concrete, shown
+from ..arguments import as_reals, check_numbers, holds, is_concrete, shown
 from ..compilation.record import Record
 from ..errors import ModelError
 from ..math.quadrature import (
@@ -22,7 +22,7 @@ from ..math.quadrature import (
 )
 from ..math.rigid import compose_turns, exponential, product, screws, turn_parameters, turn_product
 from ..math.rotation import CONJUGATE, initial_frame, rotation_matrix, rotation_plane
-from ..numerical_limits import SAME_END, SAME_LINE, SMOOTH_CURVE
+from ..numerical_limits import PARALLEL, SAME_END, SAME_LINE, SMOOTH_CURVE
 
 # Legendre coefficients of a curve, and Gauss nodes for its ends in the plane.
 COUNT, NODES = 20, 40
@@ -122,14 +122,24 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
         pass
     if given.ndim != 2 or len(given) < 3 or given.shape[1] not in (2, 3) or not np.all(np.isfinite(given)):
         raise ModelError(f"A curve goes through three points at least, (n, 2) or (n, 3), not {shown(points)}.")
+    across = None
+    if y is not None:
+        if given.shape[1] == 2:
+            raise ModelError("A curve in the plane takes no `y`.")
+        check_numbers("`y` of a curve", y, (3,), ModelError)
+        across = np.asarray(y, float)
     away = np.linalg.norm(np.diff(given, axis=0), axis=1)
     if np.min(away) <= 0:
         raise ModelError("Two points of a curve that follow each other coincide.")
-    reached, values = _sampled(given, np.concatenate([[0], np.cumsum(away)]), y)
+    if across is not None:
+        sine = np.linalg.norm(np.cross(given[1] - given[0], across))
+        if not sine > PARALLEL * away[0] * np.linalg.norm(across):
+            raise ModelError("`y` of a curve is zero or parallel to its beginning: give a vector across it.")
+    reached, values = _sampled(given, np.concatenate([[0], np.cumsum(away)]), across)
     made = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
     length = float(np.asarray(curve_length(np.linalg.norm(given[-1] - given[0]), made)))
     chord = given[-1] - given[0]
-    middle = np.asarray(to_middle(made, chord, length, None if y is None else np.asarray(y, float)))
+    middle = np.asarray(to_middle(made, chord, length, across))
     at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - given[0]
     if not np.linalg.norm(middle - at_middle) <= SAME_LINE * length:
         raise ModelError("A curve through points bends too sharply for one beam: make several beams of it.")
