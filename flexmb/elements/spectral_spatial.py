@@ -317,9 +317,10 @@ Deformations: 1 to 6 the closure at q, FIXED: three displacements [m] and three 
 q; then ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y, curvature
 about local z [rad], with ``shear`` also the shears along y and along z [m]. Stress resultants of the closure are the
 force and moment at q.
-Properties: section (one that varies too, see :class:`flexmb.sections.Profile`), damping, y (vector that fixes local y),
-curvature (initial [1/m]: (0, about y, about z) in local axes for an arc from p to q, a
-function of the place that returns twist and curvatures, or :func:`flexmb.sections.curvature_through`).
+Properties: section (one that varies too, see :class:`flexmb.sections.Profile`, or one whose strains are coupled,
+:class:`flexmb.sections.General`), damping, y (vector that fixes local y), curvature (initial [1/m]: (0, about y, about
+z) in local axes for an arc from p to q, a function of the place that returns twist and curvatures, or
+:func:`flexmb.sections.curvature_through`).
 Options: order, the number of coefficients of each strain, 5 unless given; shear, whether shear deformation is counted,
 False unless given: the section must then have a shear compliance.
 Of a leaf spring it leaves out warping that clamps restrain, the plate near clamps and the flattening of wide strips:
