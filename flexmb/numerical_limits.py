@@ -992,3 +992,9 @@ SETTLED_PARAMETERS = 1e-8
 HIDDEN = 0.5
 """A difference of models below this share of a standard deviation is hidden by scatter: the root of the mean square of
 both is larger by an eighth at most."""
+
+NOT_MIXED = 1.05
+"""Largest R-hat of samples that represent a posterior. Vehtari and others 2021 ask for 1.01 with many chains."""
+
+FEW_DRAWS = 100
+"""Fewest independent samples: quantiles 0.025 and 0.975 rest on two or three of a hundred."""

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_number
+from ..arguments import check_number, check_whole
 from ..design.evaluate import Answers, named_answers
 from ..display import Result, Summary
 from ..errors import clean
 from ..numerical_limits import OUTLIER
 from ..results import RESULTS
 from .measurement import Measured, in_deviations, measurements
+from .posterior import Posterior, sampled_posterior
 from .problem import FitProblem, prediction_of, robust
 from .undetermined import Undetermined, directions
 
@@ -211,6 +212,53 @@ class Fit(Result):
 
         values = np.array([value(place) for place in places])
         return ProfileLikelihood(name, values, (costs - best) / self.noise**2, (value(lower), value(upper)), level)
+
+    def sample(self, count: int = 1000, *, warmup: int = 500, chains: int = 2, seed: int = 0) -> Posterior:
+        """Samples of the posterior distribution of the parameters, which need not be normal.
+
+        Without a prior, a parameter is equally probable between its bounds: in its logarithm if its scale is
+        logarithmic. An unknown deviation of the values has a density of one over itself, and is integrated out.
+
+        Args:
+            count: Number of samples of each chain.
+            warmup: Number of samples before them, in which the sampler finds its step size.
+            chains: Number of chains, one after the other.
+            seed: Seed of the random numbers.
+
+        Returns:
+            Posterior, with credible intervals and predictions.
+
+        Raises:
+            ImportError: numpyro is not installed (extra ``bayes``).
+            ValueError: The fit has a robust loss, which belongs to no distribution.
+
+        Warns:
+            FlexmbWarning: The samples do not represent the posterior: the sampler failed somewhere, the chains differ,
+                or there are too few independent samples.
+
+        Source:
+            No-U-turn sampler: Hoffman, Gelman 2014 (numpyro).
+        """
+        if self.problem.loss != "linear":
+            raise ValueError(f"The loss '{self.problem.loss}' belongs to no distribution. Fit with loss='linear'.")
+        for name, value, least in (
+            ("count", count, 4),
+            ("warmup", warmup, 1),
+            ("chains", chains, 1),
+            ("seed", seed, 0),
+        ):
+            check_whole(name, value, least)
+        _, slopes, _ = self.problem.residuals(self.unit)
+        return sampled_posterior(
+            self.problem,
+            self.unit,
+            slopes / (self.noise or 1.0),
+            known=bool(np.isfinite(self.chi_squared)),
+            count=count,
+            warmup=warmup,
+            chains=chains,
+            seed=seed,
+        )
 
     def next_measurement(
         self, candidates: Any, *, narrow: str | Sequence[str] | None = None
