@@ -998,3 +998,9 @@ NOT_MIXED = 1.05
 
 FEW_DRAWS = 100
 """Fewest independent samples: quantiles 0.025 and 0.975 rest on two or three of a hundred."""
+
+LARGEST_RATIO_OF_MODE = 0.5
+"""Poles with a larger damping ratio make no peak, and are not taken for modes of a measured response."""
+
+SAME_POLE = 3e-4
+"""Poles closer than this share of their modulus are one: a tenth of the width of a peak with 0.15 % damping."""

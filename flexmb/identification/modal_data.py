@@ -1,0 +1,359 @@
+"""Modal data from measured frequency responses: poles by SciPy's AAA algorithm, refined by least squares."""
+
+import dataclasses
+import warnings
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from ..arguments import check_choice, check_whole
+from ..compilation.threads import one_thread
+from ..display import Result, Summary
+from ..errors import AnalysisError, warn
+from ..numerical_limits import LARGEST_RATIO_OF_MODE, SAME_POLE
+from ..results import RESULTS
+from .measurement import Measured
+from .mode_pairing import measured_modes
+
+QUANTITIES = ("position", "velocity", "acceleration")
+# Numbers of terms of rational functions from which poles are taken, and modes looked for unless told otherwise.
+TERMS = (6, 10, 16, 24, 34)
+MOST_MODES = 12
+# Number of trial poles that are refined for each further mode; places of large differences with these damping ratios.
+TRIED, PEAKS = 3, 4
+RATIOS = np.array([0.002, 0.01, 0.05])
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class ModalData(Result):
+    """Modes of a mechanism from its measured frequency responses.
+
+    Attributes:
+        hertz: Natural frequencies, the modulus of the poles, ascending, (modes,) [Hz].
+        hertz_deviation: Their standard deviations, (modes,) [Hz].
+        damping: Damping ratios, (modes,) [-].
+        damping_deviation: Their standard deviations, (modes,) [-].
+        residues: Of the poles with positive frequency, (outputs, modes) [unit of the response times rad/s].
+        shapes: Real mode shapes at the outputs, the largest number of each 1, (outputs, modes) [-].
+        poles: With positive frequency, (modes,) [rad/s].
+        fitted: Response of these modes and of two terms for the modes beside the band, (n_f, outputs).
+        noise: Root of the mean square of the differences in standard deviations; relative to the response if no
+            deviation was given [-].
+    """
+
+    hertz: Float[np.ndarray, "modes"]
+    hertz_deviation: Float[np.ndarray, "modes"]
+    damping: Float[np.ndarray, "modes"]
+    damping_deviation: Float[np.ndarray, "modes"]
+    residues: Complex[np.ndarray, "outputs modes"]
+    shapes: Float[np.ndarray, "outputs modes"]
+    poles: Complex[np.ndarray, "modes"]
+    fitted: Complex[np.ndarray, "n_f outputs"]
+    noise: float
+
+    def measured(self, *, at: Sequence[str] = (), name: str = "frequencies", **options: Any) -> Measured:
+        """Return the frequencies as a measurement for :func:`flexmb.fit`.
+
+        Args:
+            at: Coordinates of the outputs, such as "tip.y", (outputs,). With them modes are paired by their shapes.
+            name: For tables and messages.
+            options: Other arguments of :func:`flexmb.measured_modes`.
+        """
+        if len(at):
+            options = {"shapes": self.shapes, "at": at, **options}
+        return measured_modes(self.hertz, self.hertz_deviation, name=name, **options)
+
+    def summary(self) -> Summary:
+        """Return frequency and damping ratio of each mode, with their deviations."""
+        rows = {
+            f"mode {i + 1}": f"{f:.6g} ± {df:.2g} Hz, damping {z:.4g} ± {dz:.2g}"
+            for i, (f, df, z, dz) in enumerate(
+                zip(self.hertz, self.hertz_deviation, self.damping, self.damping_deviation, strict=True)
+            )
+        }
+        return Summary(f"Modal data: {len(self.hertz)} modes from {self.residues.shape[0]} responses", rows)
+
+
+@one_thread()
+def modes_of_response(
+    hertz: Any,
+    responses: Any,
+    deviation: Any = None,
+    *,
+    modes: int | None = None,
+    quantity: Literal["position", "velocity", "acceleration"] = "position",
+) -> ModalData:
+    """Find poles and residues of measured frequency responses to one input.
+
+    Args:
+        hertz: Frequencies, positive and ascending, (n_f,) [Hz].
+        responses: Complex responses of one or several outputs, (n_f,) or (n_f, outputs).
+        deviation: Standard deviation of real part and of imaginary part: a number, or as ``responses``. Without it
+            every value has the same deviation relative to its magnitude, which follows from the misfit.
+        modes: Number of modes; by default as many as lower the misfit by more than scatter does, up to twelve.
+        quantity: What the outputs measure.
+
+    Returns:
+        ModalData. ``measured`` makes a measurement of it for :func:`flexmb.fit`.
+
+    Raises:
+        ValueError: Numbers of frequencies and responses differ, a value is not finite or zero, frequencies are not
+            ascending, a deviation is not positive, or there are too few values for the modes.
+        AnalysisError: Fewer modes were found than asked for (not_converged).
+
+    Warns:
+        FlexmbWarning: The responses do not fit within the given deviations.
+
+    Source:
+        Candidates: AAA, Nakatsukasa, Sete, Trefethen 2018 (SciPy). Choice among them by the Bayesian information
+        criterion: Schwarz 1978. Refinement by variable projection: Golub, Pereyra 1973. H(s) = sum of R/(s - p) and of
+        its conjugate, plus L/s^2 + U for modes below and above the band.
+    """
+    check_choice("quantity", quantity, QUANTITIES)
+    places, values, spread = _checked(hertz, responses, deviation)
+    if modes is not None:
+        check_whole("modes", modes, 1)
+    s = 2j * np.pi * places
+    # As responses of positions, which have poles in conjugate pairs and vanish at high frequencies.
+    order = QUANTITIES.index(quantity)
+    rows = _Rows(s, values / s[:, None] ** order, spread / np.abs(s[:, None]) ** order)
+    most = (values.size * 2 - 1) // (2 * values.shape[1] + 2) - 1
+    if (modes or 1) > most:
+        raise ValueError(f"{values.size} values do not determine {modes or 1} modes: measure more frequencies.")
+    chosen = _chosen(rows, _candidates(rows), modes, min(most, modes or MOST_MODES))
+    poles: Any = chosen[np.argsort(np.abs(chosen))]
+    jacobian = rows.slopes(poles)
+    residual, coefficients = rows.solved(poles)
+    freedom = max(len(residual) - 2 * len(poles) - coefficients.size, 1)
+    noise = float(np.sqrt(np.sum(residual**2) / freedom))
+    scale = 1.0 if deviation is not None else noise
+    if deviation is not None and noise > TOO_FAR:
+        warn(
+            f"The modes do not explain the responses: differences are {noise:.3g} times the given deviations. Allow"
+            " more modes, or cut the band."
+        )
+    covariance = np.linalg.inv(jacobian.T @ jacobian) * scale**2
+    relative = np.sqrt(np.diag(covariance)).reshape(2, -1)
+    frequencies, damping = np.abs(poles) / (2 * np.pi), -poles.real / np.abs(poles)
+    residues = rows.residues(poles, coefficients) * poles**order
+    return ModalData(
+        frequencies,
+        relative[0] * frequencies,
+        damping,
+        relative[1] * damping,
+        residues,
+        _real_shapes(residues),
+        poles,
+        rows.response(poles, coefficients) * s[:, None] ** order,
+        noise,
+    )
+
+
+# Misfit in deviations beyond which modes do not explain the responses.
+TOO_FAR = 1.5
+
+
+def _checked(hertz: Any, responses: Any, deviation: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies, (n_f,), responses and their deviations, (n_f, outputs)."""
+    places = np.atleast_1d(np.asarray(hertz, float))
+    values: Any = np.asarray(responses, complex)
+    values = values[:, None] if values.ndim == 1 else values
+    if places.ndim != 1 or values.ndim != 2 or len(values) != len(places):
+        raise ValueError(
+            f"There are {places.size} frequencies, but responses of {np.shape(responses)}: one row for each."
+        )
+    bad = np.flatnonzero(~np.isfinite(places) | ~np.all(np.isfinite(values), axis=1) | np.any(values == 0, axis=1))
+    if len(bad):
+        raise ValueError(f"Row {bad[0] + 1} of {len(places)} has a value that is not finite or zero. Leave it out.")
+    if not (np.all(np.diff(places) > 0) and places[0] > 0):
+        raise ValueError("Frequencies must be positive and ascending.")
+    if deviation is None:
+        return places, values, np.abs(values)
+    spread = np.asarray(deviation, float)
+    spread = spread[:, None] if spread.shape == (len(places),) else spread
+    try:
+        spread = np.broadcast_to(spread, values.shape)
+    except ValueError:
+        raise ValueError(f"Deviations have shape {spread.shape}, but responses {values.shape}.") from None
+    if not np.all(np.isfinite(spread) & (spread > 0)):
+        raise ValueError(f"A deviation is {np.min(spread):g}: deviations are finite and positive.")
+    return places, values, spread
+
+
+def _real(rows: Any) -> np.ndarray:
+    """Real parts, then imaginary parts."""
+    return np.concatenate([rows.real, rows.imag])
+
+
+class _Rows:
+    """Weighted responses as real rows, which are linear in residues and in the terms of modes beside the band."""
+
+    def __init__(self, s: np.ndarray, values: np.ndarray, spread: np.ndarray):
+        self.s, self.values, self.spread = s, values, spread
+        self.low, self.high = np.abs(s[0]), np.abs(s[-1])
+
+    def basis(self, poles: Any) -> np.ndarray:
+        """Columns of the linear numbers: real and imaginary parts of residues, then the two other terms."""
+        down, up = 1 / (self.s[:, None] - poles), 1 / (self.s[:, None] - poles.conj())
+        size = np.abs(poles)
+        beside = np.stack([(self.low / self.s) ** 2, np.ones(len(self.s))], axis=1)
+        return np.concatenate([size * (down + up), 1j * size * (down - up), beside], axis=1)
+
+    def solved(self, poles: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Differences in standard deviations, end to end, and the linear numbers of each output as columns."""
+        rows, found, _ = self._projected(poles, ())
+        return rows, found
+
+    def slopes(self, poles: Any) -> np.ndarray:
+        """Derivatives of the differences by logarithms of modulus and damping ratio of the poles, (rows, 2 modes).
+
+        The linear numbers follow the poles (variable projection, with the approximation of Kaufman 1975).
+        """
+        size, ratio = np.abs(poles), -poles.real / np.abs(poles)
+        by_ratio = ratio * size * (-1 - 1j * ratio / np.sqrt(1 - ratio**2))
+        down, up = 1 / (self.s[:, None] - poles) ** 2, 1 / (self.s[:, None] - poles.conj()) ** 2
+        changes = []
+        for step in (poles, by_ratio):
+            first, second = size * step * down, size * step.conj() * up
+            changes.append((first + second, 1j * (first - second)))
+        return self._projected(poles, changes)[2]
+
+    def _projected(self, poles: Any, changes: Sequence[Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Differences, linear numbers, and what changes of the basis change beside its own span."""
+        basis, count = self.basis(poles), len(poles)
+        rows, found, slopes = [], [], []
+        for values, spread in zip(self.values.T, self.spread.T, strict=True):
+            matrix, right = _real(basis / spread[:, None]), _real(values / spread)
+            orthogonal, triangle = np.linalg.qr(matrix)
+            solution = np.linalg.solve(triangle, orthogonal.T @ right)
+            rows.append(matrix @ solution - right)
+            found.append(solution)
+            parts = [
+                _real((of_real * solution[:count] + of_imaginary * solution[count : 2 * count]) / spread[:, None])
+                for of_real, of_imaginary in changes
+            ]
+            if parts:
+                moved = np.concatenate(parts, axis=1)
+                slopes.append(moved - orthogonal @ (orthogonal.T @ moved))
+        return np.concatenate(rows), np.stack(found, axis=1), np.concatenate(slopes) if slopes else np.zeros((0, 0))
+
+    def residues(self, poles: Any, coefficients: np.ndarray) -> np.ndarray:
+        """Residues of the poles with positive frequency, (outputs, modes)."""
+        count = len(poles)
+        return np.abs(poles) * (coefficients[:count] + 1j * coefficients[count : 2 * count]).T
+
+    def response(self, poles: Any, coefficients: np.ndarray) -> np.ndarray:
+        """Response, (n_f, outputs)."""
+        return self.basis(poles) @ coefficients
+
+
+def _candidates(rows: _Rows) -> np.ndarray:
+    """Stable poles in the band from rational functions of each response, each once."""
+    from scipy.interpolate import AAA
+
+    found: list[complex] = []
+    points = np.concatenate([rows.s, -rows.s])
+    for values in rows.values.T:
+        for terms in TERMS:
+            if terms > len(rows.s):
+                break
+            with warnings.catch_warnings():
+                # It says that a number of terms does not meet the tolerance, here zero.
+                warnings.simplefilter("ignore", RuntimeWarning)
+                poles = AAA(
+                    points, np.concatenate([values, values.conj()]), max_terms=terms, rtol=0.0, clean_up=False
+                ).poles()
+            ratio = -poles.real / np.abs(poles)
+            inside = (poles.imag > 0.9 * rows.low) & (poles.imag < 1.1 * rows.high)
+            found += poles[inside & (ratio > 0) & (ratio < LARGEST_RATIO_OF_MODE)].tolist()
+    kept: list[complex] = []
+    for pole in sorted(found, key=abs):
+        if not any(abs(pole - other) < SAME_POLE * abs(pole) for other in kept):
+            kept.append(pole)
+    return np.array(kept)
+
+
+def _chosen(rows: _Rows, candidates: np.ndarray, wanted: int | None, most: int) -> np.ndarray:
+    """Poles that lower the misfit most, one after the other."""
+    chosen, score = np.zeros(0, complex), np.inf
+    values = 2 * rows.values.size
+    while len(chosen) < most:
+        trials = np.concatenate([candidates, _at_differences(rows, chosen)])
+        left = [p for p in trials if not np.any(np.abs(chosen - p) < SAME_POLE * abs(p))]
+        costs = [float(np.sum(rows.solved(np.append(chosen, pole))[0] ** 2)) for pole in left]
+        found = []
+        for i in np.argsort(costs)[:TRIED]:
+            more = _refined(rows, np.append(chosen, left[int(i)]))
+            found.append((float(np.sum(rows.solved(more)[0] ** 2)), more))
+        if not found:
+            break
+        cost, more = min(found, key=lambda pair: pair[0])
+        numbers = len(more) * (2 + 2 * rows.values.shape[1])
+        new = values * np.log(max(cost, np.finfo(float).tiny)) + numbers * np.log(values)
+        if wanted is None and (new >= score or not _are_modes(rows, more, cost)):
+            break
+        chosen, score = more, new
+    if len(chosen) < (wanted or 1):
+        raise AnalysisError(
+            RESULTS.not_converged.name,
+            f"Of {wanted or 1} modes {len(chosen)} were found in the responses. Ask for fewer, or measure more points.",
+        )
+    return chosen
+
+
+def _are_modes(rows: _Rows, poles: Any, cost: float) -> bool:
+    """Whether every pole has a damping ratio of a mode that exceeds its deviation."""
+    jacobian = rows.slopes(poles)
+    freedom = max(len(jacobian) - jacobian.shape[1], 1)
+    try:
+        variances = np.diag(np.linalg.inv(jacobian.T @ jacobian)) * cost / freedom
+    except np.linalg.LinAlgError:
+        return False
+    ratio = -poles.real / np.abs(poles)
+    return bool(np.all(ratio < 0.99 * LARGEST_RATIO_OF_MODE) and np.all(variances[len(poles) :] < 1))
+
+
+def _at_differences(rows: _Rows, poles: Any) -> np.ndarray:
+    """Poles where the differences are largest, with several damping ratios."""
+    count = len(rows.s)
+    differences = rows.solved(poles)[0].reshape(rows.values.shape[1], 2, count)
+    power = np.sum(differences**2, axis=(0, 1))
+    inner = (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])
+    peaks = 1 + np.flatnonzero(inner)
+    largest = peaks[np.argsort(-power[peaks])[:PEAKS]]
+    size = np.abs(rows.s[largest])[:, None]
+    return (size * (-RATIOS + 1j * np.sqrt(1 - RATIOS**2))).ravel()
+
+
+def _refined(rows: _Rows, poles: Any) -> np.ndarray:
+    """Poles of the least misfit near others."""
+    from scipy.optimize import least_squares
+
+    def poles_of(numbers: np.ndarray) -> np.ndarray:
+        size, ratio = np.exp(numbers.reshape(2, -1))
+        return size * (-ratio + 1j * np.sqrt(1 - ratio**2))
+
+    first = np.log(
+        np.concatenate([np.abs(poles), np.clip(-poles.real / np.abs(poles), 1e-6, 0.9 * LARGEST_RATIO_OF_MODE)])
+    )
+    count = len(poles)
+    lower = np.concatenate([first[:count] - 0.3, np.full(count, np.log(1e-8))])
+    upper = np.concatenate([first[:count] + 0.3, np.full(count, np.log(LARGEST_RATIO_OF_MODE))])
+    found = least_squares(
+        lambda numbers: rows.solved(poles_of(numbers))[0],
+        first,
+        jac=lambda numbers: rows.slopes(poles_of(numbers)),  # pyright: ignore[reportArgumentType]
+        bounds=(lower, upper),
+        x_scale="jac",
+    )
+    return poles_of(found.x)
+
+
+def _real_shapes(residues: np.ndarray) -> np.ndarray:
+    """Shapes with the phase that makes each as real as possible, the largest number 1."""
+    turned = residues * np.exp(-0.5j * np.angle(np.sum(residues**2, axis=0)))
+    real = turned.real
+    largest = real[np.argmax(np.abs(real), axis=0), np.arange(real.shape[1])]
+    return real / largest
