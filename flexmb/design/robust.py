@@ -187,15 +187,11 @@ def robustness(
     for name in limits or {}:
         if name not in names:
             raise ValueError(f"Limits of '{clean(name)}': there is no such answer ({', '.join(names)}).")
-    nominal = sweep(build, answers, {name: value[None] for name, value in values.items()})
-    ran = sweep(
-        build,
-        answers,
-        scatter.draw(samples, dimensions, seed),
-        chunk=chunk,
-        together=together,
-        progress=progress,
-    )
+    drawn = scatter.draw(samples, dimensions, seed)
+    # The first one is the nominal design.
+    every = {name: np.concatenate([value[None], drawn[name]]) for name, value in values.items()}
+    both = sweep(build, answers, every, chunk=chunk, together=together, progress=progress)
+    ran = both.selected(slice(1, None))
     answered = np.isin(ran.codes, ANSWERED)
     if np.sum(answered) < 2:
         raise ValueError(f"Fewer than two of {samples} mechanisms have answers: {ran.failures()}.")
@@ -204,8 +200,8 @@ def robustness(
     kept = {name: answered & _within(name, ran.answers[name], pair) for name, pair in (limits or {}).items()}
     good = np.logical_and.reduce(list(kept.values())) if kept else answered
     fractions = {name: _share(rows, level) for name, rows in kept.items()}
-    at_rest = {name: array[0] for name, array in nominal.answers.items()}
-    return Robustness(at_rest, dict(limits or {}), _share(good, level), fractions, ran, level)
+    nominal = {name: array[0] for name, array in both.answers.items()}
+    return Robustness(nominal, dict(limits or {}), _share(good, level), fractions, ran, level)
 
 
 def _within(name: str, values: np.ndarray, pair: Any) -> np.ndarray:

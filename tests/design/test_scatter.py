@@ -298,6 +298,25 @@ def test_a_parameter_that_only_scatters_is_no_dimension():
     assert found.answers["k"] == pytest.approx(6.0, rel=5e-3)
 
 
+def test_choices_are_compared_by_their_statistics():
+    """With twice the number the scatter of the product is twice as large."""
+    found = fm.tune(
+        lambda x, number: {"y": number * x},
+        {"y": lambda m: m["y"]},
+        {"x": 1.0},
+        {"x": (0.1, 4.0)},
+        choices={"number": [2, 1]},
+        minimize="percentile 95 y",
+        limits={"y": (1.0, None)},
+        scatter=fm.scatter({"x": 0.1}),
+        samples=100,
+    )
+    assert found.choices == {"number": 1}
+    assert found.answers["percentile 95 y"] == pytest.approx(1 + 0.1 * SCORE, abs=5e-3)
+    other = found.combinations[0].tuned
+    assert other.answers["percentile 95 y"] == pytest.approx(1 + 0.2 * SCORE, abs=1e-2)
+
+
 def test_statistics_are_those_of_samples():
     values = np.random.default_rng(3).standard_normal((2, 4001))
     assert np.asarray(statistic_value(Statistic("mean", 0, "y"), jnp.asarray(values))) == pytest.approx(
