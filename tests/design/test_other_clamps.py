@@ -16,15 +16,16 @@ def stepped(thick, turn=0.0):
     return described(thick, turn).build()
 
 
-def described(thick, turn=0.0):
+def described(thick, turn=0.0, beside=spatial.leaf_spring(order=2)):
     """A leaf spring of 0.5 mm and one beside it, which clamps it from 1.5 mm on, or folds it from five degrees on."""
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
     b.node("step", (0.0, 0.0, 0.03))
     b.node("top", (0.0, 0.03 * jnp.sin(turn), 0.03 + 0.03 * jnp.cos(turn)))
-    for i, (p, q, t) in enumerate((("foot", "step", 0.5e-3), ("step", "top", thick))):
+    parts = ("foot", "step", 0.5e-3, spatial.leaf_spring(order=2)), ("step", "top", thick, beside)
+    for i, (p, q, t, element) in enumerate(parts):
         section = fm.Rectangle(30e-3, t, MATERIAL)
-        b.add(spatial.leaf_spring(order=2), p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))
+        b.add(element, p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))
     b.fix("foot")
     return b
 
@@ -82,15 +83,19 @@ def test_what_another_structure_cannot_answer_stops_no_other_design():
             raise ValueError("another number of degrees of freedom")
         return 1.0
 
+    def build(thick):
+        # A thick beam holds the warping, which a thick leaf spring in line shares: another number of freedoms.
+        return described(thick, beside=spatial.warping_beam).build()
+
     def picky(thick):
         if float(thick) > 1e-3 if not isinstance(thick, jax.core.Tracer) else False:
             raise fm.ModelError("too thick")
-        return stepped(thick)
+        return build(thick)
 
     thick = {"thick": np.array([0.6e-3, 2e-3])}
-    first = stepped(0.6e-3).topology.n_q
+    first = build(0.6e-3).topology.n_q
     for answer in (frequencies, like):
-        found = fm.sweep(stepped, {"f": answer}, thick)
+        found = fm.sweep(build, {"f": answer}, thick)
         np.testing.assert_array_equal(found.codes, [0, fm.RESULTS.other_clamps])
     found = fm.sweep(picky, {"mass": fm.mass}, thick)
     np.testing.assert_array_equal(found.codes, [0, fm.RESULTS.impossible_design])
