@@ -2460,6 +2460,38 @@ FAULTS = [
     Fault("elements/leaf.py", "-weights * stiff", "weights * stiff", "elements/test_leaf.py -k width_that", slow=True),
     Fault("elements/leaf.py", "IN_PLANE = 0.30", "IN_PLANE = 0.0", "elements/test_leaf.py -k width_that", slow=True),
     Fault("elements/leaf.py", "[0.065], [", "[0.01], [", "elements/test_leaf.py -k tip_of", slow=True),
+    Fault("elements/leaf.py", "[0.10]])", "[0.0]])", "elements/test_leaf_sizes.py -k tip_beside", slow=True),
+    Fault("elements/leaf.py", "[[0.27], [", "[[0.0], [", "elements/test_leaf_sizes.py -k tip_beside", slow=True),
+    Fault("elements/leaf.py", "OF_THICK = 12.0", "OF_THICK = 0.0", "elements/test_leaf.py -k cannot_warp"),
+    Fault("elements/leaf.py", "once * jnp.sin(u)", "once * jnp.cos(u)", "elements/test_leaf_sizes.py -k distortion_of"),
+    Fault("elements/leaf.py", "length + self.beyond)", "length)", "elements/test_leaf_sizes.py -k all_pieces"),
+    Fault(
+        "elements/leaf.py",
+        "(softer * (sideways @ c)",
+        "0 * (softer * (sideways @ c)",
+        "elements/test_leaf.py -k beyond",
+    ),
+    Fault("elements/leaf.py", "(distorting(fourth) - 1)", "0", "elements/test_curves.py -k energy_of"),
+    Fault(
+        "elements/leaf_stress.py", "divide(1 + softer)", "divide(1.0)", "elements/test_leaf_sizes.py -k distorted_strip"
+    ),
+    Fault(
+        "elements/leaf_stress.py",
+        "LACKS, BENDS, SLOWEST, FASTER = 0.77,",
+        "LACKS, BENDS, SLOWEST, FASTER = 1.6,",
+        "elements/test_leaf_stress.py -k wide_strip",
+        slow=True,
+    ),
+    Fault(
+        "elements/leaf_stress.py",
+        "/ (1 + fourth / HALVED)",
+        "",
+        "elements/test_leaf_stress.py -k wide_strip",
+        slow=True,
+    ),
+    Fault("build/curved_leaves.py", "if alone and long", "if long", "elements/test_leaf_sizes.py -k may_be_short"),
+    Fault("build/curved_leaves.py", "wide < NARROWEST", "wide < 0", "elements/test_leaf_sizes.py -k not_compared"),
+    Fault("statics/coarse.py", "u > WIDEST_BENT", "u > 1e9", "elements/test_leaf_sizes.py -k too_far", slow=True),
     Fault("build/plain_beams.py", "(bends @ places) / bends.sum()", "0.0", "build/test_plain_beams.py"),
     Fault(
         "build/plain_beams.py",

@@ -155,5 +155,5 @@ Where that would change a stiffness by more than 1 %, a model warns.
 Stress counts what is across the width where clamps keep it flat, and the flattening of the middle; see
 :mod:`.leaf_stress`.
 
-Source: THEORY.md 2, eq. (2.22), (2.23), (2.28), (2.42), (2.47) and (2.49) to (2.52).
+Source: THEORY.md 2, eq. (2.22), (2.23), (2.28), (2.42), (2.47), (2.49) to (2.52), (2.58) and (2.59).
 """

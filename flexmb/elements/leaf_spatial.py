@@ -181,9 +181,9 @@ along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of si
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
 Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the
-flattening of the middle and the tension of the edges give; see :mod:`.leaf_stress`. Nearer to a clamp than a tenth of
-the width a solid model has less of bending at the corners and a singularity on the very edge; the stress across of a
-clamp that stays cold while the leaf spring warms up is not counted.
+flattening of the middle and the tension of the edges give; see :mod:`.leaf_stress`. From a tenth of the
+width from a clamp on it is within about 5 % of solid elements. Nearer, solid elements have a singularity at the edges of
+the clamp, which is left out. The stress across of a clamp that stays cold while the leaf spring warms up is not counted.
 
-Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42) and (2.47) to (2.52).
+Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59).
 """

@@ -17,8 +17,12 @@ from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
 # In its middle a strip is kept flat so much further than on the average of its width, as solid elements have it.
 MIDDLE = 1.4
-# By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, and how far, in widths.
-MORE, NEAR = 0.65, 0.15
+# By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, how far in widths; by
+# how much less the edges; u^4 at which both are halved.
+MORE, NEAR, LESS, HALVED = 0.65, 0.15, 0.55, 500.0
+# How the stress of lifted fibres fades towards a clamp: by 1 less the first times exp(-x) exp(-x^2 times the second),
+# with x^4 of the distance in widths times the third and, times u^4, the fourth.
+LACKS, BENDS, SLOWEST, FASTER = 0.77, 0.5, 0.1, 0.03
 
 
 def leaf_stress(
@@ -31,7 +35,7 @@ def leaf_stress(
     """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
     Returns the stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2,
-    eq. (2.27) to (2.29) and (2.56).
+    eq. (2.27) to (2.29), (2.56) and (2.59).
 
     Args:
         twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.
@@ -41,37 +45,38 @@ def leaf_stress(
     youngs, nu = rectangle.material.E, rectangle.material.poisson()
     force, _, _, torque, moment, _ = resultants
     twisted, curved = (jnp.reshape(one, (-1,))[0] for one in leaf.initial_at(jnp.asarray(place, float)[None]))
-    stiffer, flat, keeps, lifted, lowered = _flattened(moment / numbers.EIy, curved, wide, thick, nu)
+    stiffer, fourth, keeps, lifted, lowered = _flattened(moment / numbers.EIy, curved, wide, thick, nu)
     bent = moment / numbers.EIy / stiffer
     warped = tension = shear = jnp.zeros(())
     if twist is not None:
         rate, slope = twist
         square = wide**2 * rate * (2 * twisted + rate)
         of_edges = wide**2 * (twisted + rate) * (force / 12 + numbers.EA * square / 360)
-        of_edges = of_edges + 2 * nu * numbers.EIy / (1 - nu**2) * flat * share_of_change(bent, curved) * rate
+        flat = 2 * nu * numbers.EIy / (1 - nu**2) * (1 - curving(fourth))
+        of_edges = of_edges + flat * share_of_change(bent, curved) * rate
         # What neither Saint-Venant's shear nor the edges carry, the warping does.
         shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
         resultants = resultants.at[3].set(numbers.GIt * rate)
         # Bent sideways, fibres between the edges give way.
-        kept = distorting(3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2)
-        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (kept - 1)
+        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (distorting(fourth) - 1)
         resultants = resultants.at[5].divide(1 + softer)
     sigma, tau = rectangle.stress(resultants)
     stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Each end in turn, in widths.
     away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
     flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
-    more = nu * MORE * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped
+    near = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
     free = 1 - flat_bent
-    fibres = youngs * nu * bent * (curved + bent) * wide**2 / 12
-    at_edges = 1 + free * (1 / stiffer - 1)
-    in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + more
+    fibres = youngs * nu * bent * (curved + bent) * wide**2 / 12 * _faded(away, leaf.clamped, fourth)
+    at_edges = 1 + free * (1 / stiffer - 1) - LESS * near
+    in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + MORE * near
     y, z = RECTANGLE.T
     sigma = sigma + at_surface * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
-    sigma = sigma + (fibres * free * lifted + 2 * tension) * y**2 - (fibres * free * lowered / 2 + tension) * AT_Z
+    sigma = sigma + (fibres * lifted + 2 * tension) * y**2 - (fibres * lowered / 2 + tension) * AT_Z
     curved = free * keeps
-    across = nu * AT_Z * (at_surface * z * in_middle * (1 - curved) / (1 - nu**2 * curved) + stretched * flat_stretched)
+    across = at_surface * z * in_middle * (1 - curved) / (1 - nu**2 * curved)
+    across = nu * AT_Z * (across + (stretched - fibres * lowered / 2) * flat_stretched)
     return sigma + warped * y * z, tau + AT_Y * shear, across
 
 
@@ -94,10 +99,17 @@ def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Arr
     return 1 - jnp.prod(1 - clamped * (1 + fallen) * jnp.exp(-fallen))
 
 
+def _faded(away: Float[Array, "2"], clamped: Any, fourth: Float[Array, ""]) -> Float[Array, ""]:
+    """How much of the stress of lifted fibres there is at distances from both ends, from 0 to 1."""
+    x = jnp.sqrt(jnp.sqrt(SLOWEST + FASTER * fourth)) * away
+    first, last = clamped * LACKS * jnp.exp(-x - BENDS * x**2)
+    return (1 - first) * (1 - last)
+
+
 def _flattened(
     change: Float[Array, ""], initial: Any, wide: Scalar, thick: Scalar, nu: Scalar
 ) -> tuple[Float[Array, ""], ...]:
-    """Of a strip that is bent by M = EIy times a change of curvature, far from clamps, how stiff and how flat it is."""
+    """Of a strip bent by M = EIy times a change of curvature, far from clamps: how stiff it is, u^4, and its shape."""
 
     def fourth(change: Float[Array, ""], whole: Float[Array, ""]):
         return 3 * (1 - nu**2) * change * whole * (wide**2 / thick) ** 2
@@ -111,7 +123,7 @@ def _flattened(
     found = stiffer(change)
     whole = initial + change / found
     at = fourth(whole, whole)
-    return found, 1 - curving(at), *_across(at)
+    return found, at, *_across(at)
 
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:

@@ -1,5 +1,7 @@
 """Leaf springs that are short, broad, thick or bent far beside solid elements; the law of their distortion."""
 
+import warnings
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -187,7 +189,9 @@ def test_pieces_of_a_leaf_spring_may_be_short():
     for i in range(2):
         b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", section=fm.Rectangle(0.03, 0.3e-3, STEEL))
     b.fix("n0")
-    b.build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", fm.BeamTheoryWarning)
+        b.build()
 
 
 @pytest.mark.slow

@@ -179,6 +179,34 @@ def test_flattening_beside_solid_elements():
     np.testing.assert_allclose(across[[1, 5]], [0.4825, -0.4825], atol=0.005)
 
 
+@pytest.mark.slow
+def test_stress_near_a_clamp_of_a_wide_strip_beside_solid_elements():
+    """C3D20R, 100 x 50 x 0.5 mm, its guided tip moved by 10 mm: both faces, edge and middle; without (2.59) 14 %.
+
+    Columns: 0.1, 0.2 and 0.5 widths from the clamp; along at the edge and in the middle, and across there, each at +z
+    and at -z.
+    """
+    solid = {
+        ("sigma_x", 0): [-268.95, -237.26, -142.90],
+        ("sigma_x", 6): [318.09, 295.59, 189.49],
+        ("sigma_x", 1): [-319.49, -283.68, -175.69],
+        ("sigma_x", 5): [312.20, 276.67, 168.36],
+        ("across", 1): [-96.90, -87.65, -53.57],
+        ("across", 5): [94.88, 85.13, 50.18],
+    }
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (L, 0, 0))
+    b.add(spatial.leaf_spring, "foot", "tip", name="leaf", section=fm.Rectangle(0.05, T, STEEL), y=(0, 1, 0))
+    b.fix("foot")
+    b.prescribe("tip", "z", 0.010)
+    b.fix("tip", "rotation")
+    found = fm.stress(b.build(), points=401)
+    for (quantity, point), expected in solid.items():
+        stress = along(found, quantity, point, np.array([0.1, 0.2, 0.5]) * 0.05 / L) / 1e6
+        np.testing.assert_allclose(stress, expected, rtol=0.05, atol=2.0)
+
+
 def test_von_mises_at_a_stroke_beside_solid_elements():
     """REFERENCES.md A14-stress: guided tip moved by 10 mm; 4.2 % at corners, 2.2 % in the middle, 2.5 % the largest.
 
