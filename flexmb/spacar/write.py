@@ -16,6 +16,7 @@ from ..build.clamps import parts_of, with_clamps
 from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
+from ..elements.general import General
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle, Section
 from ..errors import ModelError
@@ -194,6 +195,8 @@ class _Writer:
             self._check_closure(what, name, m)
             if section is not None and section.varies:
                 raise _inexpressible(f"{what} has a section that varies along it")
+            if isinstance(section, General):
+                raise _inexpressible(f"{what} has a section of general stiffness")
             if section is not None and isinstance(m.properties.get("damping"), MaterialDamping):
                 self._check_damping(what, self.kinds[name], section)
             if self.kinds[name].sized:

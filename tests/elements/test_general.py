@@ -207,6 +207,12 @@ def test_stress_and_temperature_are_refused_by_name():
         b.temperature("beam", 10.0)
 
 
+def test_a_file_cannot_express_a_general_section(tmp_path):
+    builder = cantilever(fm.sections.General(coupled(4)), order=2)
+    with pytest.raises(fm.ModelError, match=r"Element 'beam' \(spectral_beam\) has a section of general stiffness"):
+        fm.write_spacar(builder, tmp_path / "wing.dat")
+
+
 def test_a_general_section_beside_others():
     """Beams with sections of both kinds in one mechanism: in a row, their small compliances add up."""
     b = fm.Builder()
