@@ -127,7 +127,9 @@ def warn_of_ends(described: Description) -> None:
             continue
         sizes = np.array([_sizes(described, member, number) for number in range(2)], float)
         whole = [_length_of_part(described, name, number) for number in range(2)]
-        faults = [] if skew is None else _about_skew(np.asarray(skew, float), sizes[:, 0], min(whole))
+        faults = []
+        if skew is not None:
+            faults = _about_skew(np.asarray(skew, float), sizes[:, 0], min(whole), np.atleast_2d(clamped)[0])
         if stepped:
             faults += _about_steps(np.asarray(clamped)[2:].T, sizes, whole)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
@@ -142,8 +144,10 @@ def warn_of_ends(described: Description) -> None:
             _check_stiff(name, member, float(length))
 
 
-def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float) -> list[str]:
+def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, clamped: np.ndarray) -> list[str]:
     faults = []
+    if np.any((angles != 0) & (clamped == 0)):
+        faults.append("an end that is cut at an angle, but not clamped")
     if (steepest := float(np.max(np.abs(angles)))) > SKEWEST:
         faults.append(f"a cut of {np.degrees(steepest):.3g} degrees, and fits hold up to 50")
     if length < SHORTEST_SKEW * np.max(widths) and np.any(angles):

@@ -180,10 +180,10 @@ last from straight ones [rad], positive where the edge at +y lies further along 
 along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
 Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
 cantilever is 2 % high with 5 and within 0.5 % with 6.
-Stress counts the bimoment of restrained warping, what is across the width where clamps keep it flat, and what the
-flattening of the middle and the tension of the edges give; see :mod:`.leaf_stress`. From a tenth of the
-width from a clamp on it is within about 5 % of solid elements. Nearer, solid elements have a singularity at the edges of
-the clamp, which is left out. The stress across of a clamp that stays cold while the leaf spring warms up is not counted.
+The stress includes the bimoment of restrained warping, the stress across the width near clamps, and the effects of
+flattening and of edge tension; see :mod:`.leaf_stress`. Beyond a tenth of the width from a clamp it is within about 5 %
+of solid elements. Nearer, the edges of a clamp are a singularity of solid elements, which the stress does not include.
+It does not include the stress across the width of a clamp that stays cold while the leaf spring warms up.
 
 Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59).
 """

@@ -62,7 +62,7 @@ def root_stiffness(section: Section, material: Material, thickness: Scalar) -> F
         ModelError: The block is not thicker than the leaf spring.
 
     Source:
-        THEORY.md 2, eq. (2.54).
+        THEORY.md 2, eq. (2.53).
     """
     if not hasattr(section, "width") or not hasattr(section, "thickness"):
         raise TypeError(f"Argument `section` must be a Rectangle, not {shown(section)}.")

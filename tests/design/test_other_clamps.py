@@ -16,13 +16,14 @@ def stepped(thick, turn=0.0):
     return described(thick, turn).build()
 
 
-def described(thick, turn=0.0, beside=spatial.leaf_spring(order=2)):
+def described(thick, turn=0.0, beside=None):
     """A leaf spring of 0.5 mm and one beside it, which clamps it from 1.5 mm on, or folds it from five degrees on."""
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
     b.node("step", (0.0, 0.0, 0.03))
     b.node("top", (0.0, 0.03 * jnp.sin(turn), 0.03 + 0.03 * jnp.cos(turn)))
-    parts = ("foot", "step", 0.5e-3, spatial.leaf_spring(order=2)), ("step", "top", thick, beside)
+    leaf = spatial.leaf_spring(order=2)
+    parts = ("foot", "step", 0.5e-3, leaf), ("step", "top", thick, beside or leaf)
     for i, (p, q, t, element) in enumerate(parts):
         section = fm.Rectangle(30e-3, t, MATERIAL)
         b.add(element, p, q, name=f"leaf {i}", section=section, y=(1, 0, 0))

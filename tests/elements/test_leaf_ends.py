@@ -61,7 +61,7 @@ SKEW = {
 def test_skew_clamps_beside_solid_elements(angles):
     """100 x 30 x 0.5 mm, C3D20R: largest deviation 0.7 % in torsion, 0.4 % else; straight clamps 40 %."""
     found = stiffnesses(strip([(0.1, 0.03, 0.5e-3)], skew=tuple(np.radians(angles))), "n1")
-    np.testing.assert_allclose(found / SKEW[angles], 1, atol=np.array([5, 5, 5, 10, 5, 5, 5, 5]) * 1e-3)
+    assert np.all(np.abs(found / SKEW[angles] - 1) < [0.005, 0.005, 0.005, 0.01, 0.005, 0.005, 0.005, 0.005])
 
 
 def strained(length: float, angles, order: int = 6, nu: float = 0.3) -> np.ndarray:
@@ -147,8 +147,8 @@ def test_a_guided_skew_leaf_spring_at_a_stroke():
     model = b.build()
     state = fm.equilibrium(model)
     assert float(state.position("n1", "z")) == approx(0.01, rel=1e-6)
-    assert (force(0.0101) - force(0.0099)) / 2e-4 == approx(1 / float(fm.compliance(state, "n1")[2, 2]), rel=1e-4)
-    assert np.all(np.asarray(fm.modes(fm.linearize(state)).frequencies) > 0)
+    assert (force(0.0101) - force(0.0099)) / 2e-4 == approx(1 / float(fm.compliance(model, "n1")[2, 2]), rel=1e-4)
+    assert np.all(np.asarray(fm.frequencies(model)) > 0)
 
 
 # -- steps in width and thickness -------------------------------------------------------------------------------------
@@ -181,7 +181,7 @@ def test_steps_in_thickness_beside_solid_elements(thick, solid):
     """18 mm wide, C3D20R: torsion within 2.5 %, the rest within 1.5 %."""
     parts = [(0.02, 0.018, 0.5e-3), (0.06, 0.018, thick), (0.02, 0.018, 0.5e-3)]
     found = stiffnesses(strip(parts), "n3")
-    np.testing.assert_allclose(found / solid, 1, atol=np.array([15, 15, 15, 25, 15, 15, 15, 15]) * 1e-3)
+    assert np.all(np.abs(found / solid - 1) < [0.01, 0.01, 0.012, 0.025, 0.012, 0.01, 0.01, 0.012])
 
 
 # Of the narrow strip, in widths of it over its rigidity, solid elements: narrow over wide, then EA, GIt, EIy and EIz.
@@ -262,7 +262,7 @@ def test_derivatives_by_the_widths_of_a_step():
             b.node(f"n{i}", (0.05 * i, 0))
         for i in range(2):
             section = fm.Rectangle(sizes[i], sizes[2 + i], STEEL)
-            b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", section=section, clamped=(i == 0, False))
+            b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", name=f"part {i}", section=section, clamped=(i == 0, False))
         b.fix("n0")
         return 1e3 * fm.compliance(b.build(dofs=labels), "n2")[1, 1]
 
@@ -312,12 +312,12 @@ def test_an_elastic_root_beside_an_element_of_its_own():
     apart, within = on_bushing(SOFT), on_bushing(None, (SOFT, None))
     for b in (apart, within):
         b.force("tip", (-2.0, 6.0))
-    states = [fm.equilibrium(b.build()) for b in (apart, within)]
+    models = [b.build() for b in (apart, within)]
+    states = [fm.equilibrium(model) for model in models]
     tips = [np.array([float(state.position("tip", c)) for c in "xy"]) for state in states]
     assert tips[0][1] > 0.02
-    # The two series differ by 3e-5 at the default order, by 8e-6 at order 14.
-    np.testing.assert_allclose(tips[1], tips[0], rtol=5e-5)
-    frequencies = [np.asarray(fm.modes(fm.linearize(state)).frequencies)[:2] for state in states]
+    np.testing.assert_allclose(tips[1], tips[0], rtol=1e-4)
+    frequencies = [np.asarray(fm.frequencies(model))[:2] for model in models]
     np.testing.assert_allclose(frequencies[1], frequencies[0], rtol=1e-3)
 
 
@@ -370,12 +370,12 @@ def test_roots_are_fitted_to_frequencies():
         return b.build(dofs=labels)
 
     labels = on_bushing(None, (true, None)).build().q_labels
-    wanted = float(fm.modes(fm.linearize(make(20.0))).frequencies[0])
-    slope = jax.grad(lambda k: fm.modes(fm.linearize(make(k))).frequencies[0])(20.0)
-    step = 1e-3
-    ends = [float(fm.modes(fm.linearize(make(20.0 + s))).frequencies[0]) for s in (step, -step)]
-    assert float(slope) == approx((ends[0] - ends[1]) / (2 * step), rel=1e-5)
-    assert wanted > 0
+    slope = jax.grad(lambda k: fm.frequencies(make(k))[0])(20.0)
+    ends = [float(fm.frequencies(make(20.0 + step))[0]) for step in (1e-3, -1e-3)]
+    assert float(slope) == approx((ends[0] - ends[1]) / 2e-3, rel=1e-5)
+    measured = {"frequency 1": (float(fm.frequencies(make(20.0))[0]), 1e-3)}
+    found = fm.fit(lambda stiffness: make(stiffness), measured, {"stiffness": 60.0}, {"stiffness": (2.0, 500.0)})
+    assert found.parameters["stiffness"] == approx(20.0, rel=1e-6)
 
 
 # -- ranges and bad input ---------------------------------------------------------------------------------------------
