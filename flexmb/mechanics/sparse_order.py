@@ -114,7 +114,6 @@ class SparseOrder(Record):
         return scatter_vector(padded.shape[0], products)[:-1]
 
 
-@jax.custom_jvp
 def solution(
     order: SparseOrder,
     pieces: tuple[Float[Array, "elements k k"], ...],
@@ -122,23 +121,15 @@ def solution(
     right: Float[Array, "unknowns"],
 ) -> Float[Array, "unknowns"]:
     """Solution of the equations, differentiable in element matrices, diagonal and right-hand side."""
-    return order.solved(pieces, diagonal, right)
-
-
-@solution.defjvp
-def _solution_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    order, pieces, diagonal, _ = primals
-    z = solution(*primals)
-    _, by_pieces, by_diagonal, by_right = tangents
+    known = lax.stop_gradient((pieces, diagonal))
 
     def product(z: Float[Array, "unknowns"]):
         return order.product(pieces, z) + diagonal * z
 
     def solve(transposed: bool):
-        return lambda _, right: order.solved(pieces, diagonal, right, transposed)
+        return lambda _, right: order.solved(*known, right, transposed)
 
-    left = by_right - order.product(by_pieces, z) - by_diagonal * z
-    return z, lax.custom_linear_solve(product, left, solve(False), transpose_solve=solve(True))
+    return lax.custom_linear_solve(product, right, solve(False), transpose_solve=solve(True))
 
 
 def order_of(topology: Topology) -> SparseOrder:

@@ -14,14 +14,10 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.program import split
 from ..compilation.record import Record, static
-from ..math.jets import jets, length
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-
-# Functions of an element up to this number of operations run fastest when differentiated repeatedly.
-SHORT = 100
 
 
 class PreparedBlock(Record):
@@ -205,13 +201,10 @@ def rates_along(
     falling: Float[Array, "c"] | None = None,
 ):
     """Values (e, s) of one element, rates and second rates; free fall is subtracted, since mass does not resist it."""
-    if length(f, x) <= SHORT:
-        y, yd, (edd, sdd) = second_rate(f, x, v, a)
-        if falling is not None and sdd is not None:
-            sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
-        return y, yd, (edd, sdd)
-    rows = jets(f, (x, v, a), falling, directed=False)
-    return _of_orders(rows, 3, falling, lambda rows: rows[0])
+    y, yd, (edd, sdd) = second_rate(f, x, v, a)
+    if falling is not None and sdd is not None:
+        sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
+    return y, yd, (edd, sdd)
 
 
 def _with_jacobians(
@@ -222,15 +215,8 @@ def _with_jacobians(
     falling: Float[Array, "c"] | None,
 ):
     """:func:`rates_along`, and the Jacobians of e and s."""
-    if length(f, x) <= SHORT:
-        (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
-        ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
-        sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
-        return (y, (ed, None), (edd, sdd)), (d, j)
-    rows = jets(f, (x, v), None, directed=True)
-    values, jacobians = (_of_orders(rows, 2, None, part) for part in (lambda rows: rows[0], _by_directions))
-    (y, (ed, _)), ((d, j), (dd, jd)) = values, jacobians
-    edd = None if d is None else d @ a + dd @ v
+    (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
+    ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
     sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
     return (y, (ed, None), (edd, sdd)), (d, j)
 
@@ -243,25 +229,7 @@ def derived_rates(
     falling: Float[Array, "c"] | None = None,
 ):
     """:func:`rates_along`, and their derivatives by the coordinates, coordinates last."""
-    if length(f, x) <= SHORT:
-        return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
-    rows = jets(f, (x, v, a), falling, directed=True)
-    return tuple(_of_orders(rows, 3, falling, part) for part in (lambda rows: rows[0], _by_directions))
-
-
-def _of_orders(rows: Any, orders: int, falling: Float[Array, "c"] | None, chosen: Callable[[Any], Any]):
-    """Pairs of the chosen part of value and rates of two trees; the last second rate minus free fall."""
-
-    def of(number: int, k: int):
-        falls = number == 1 and k == 2 and falling is not None
-        return jax.tree.map(lambda row: chosen(row[k] - row[3] if falls else row[k]), rows[number])
-
-    return tuple((of(0, k), of(1, k)) for k in range(orders))
-
-
-def _by_directions(rows: Float[Array, "..."]):
-    """Derivatives, coordinates last."""
-    return jnp.moveaxis(rows[1:], 0, -1)
+    return _jacobian(lambda x: rates_along(f, x, v, a, falling))(x)
 
 
 def _pulled(

@@ -6,17 +6,20 @@ from typing import Any
 
 from ..arguments import check_choice, is_concrete
 from ..errors import ModelError
+from ..math.sparse import LARGE
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import Tree, tree_of
 from ..model.model import Model
+from ..statics.choice import is_long_chain
 from .chain_form import obstacle
 from .drive import Driven
 from .drives_by_name import acted_on
 from .integrator import Integrator, is_energy_keeping
 
 FORMS = ("coordinates", "reduced", "chain", "tree")
-# Mechanisms with at least this number of coordinates use the sparse solver by default. Dense matrices take equal time
-# at 320 to 340 coordinates, and twice as long at 480 (benchmarks/nets.py); the sparse form takes longer to compile.
+# Mechanisms with at least this number of coordinates that are no chains use the sparse solver by default. Dense
+# matrices take equal time at 320 to 340 coordinates, and twice as long at 480 (benchmarks/nets.py); the sparse form
+# takes longer to compile.
 NET = 400
 
 
@@ -87,4 +90,5 @@ def _order(
         return order_of(top)
     if why is not None or controlled or any(option is not None for option in options):
         return None
-    return None if top.x.free.shape[0] < NET else order_of(top)
+    size = top.x.free.shape[0]
+    return order_of(top) if size >= NET or (size >= LARGE and is_long_chain(top)) else None

@@ -37,12 +37,12 @@ def is_long_chain(topology: Topology) -> bool:
     """Whether sparse matrices solve an equilibrium although the mechanism is not large: its matrices are narrow."""
     if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
         return False
-    joined = np.zeros((topology.n_x, topology.n_x), bool)
-    for block in topology.blocks:
-        coordinates = np.asarray(block.x)
-        joined[coordinates[:, :, None], coordinates[:, None, :]] = True
+    elements = [np.asarray(block.x) for block in topology.blocks]
+    pairs = [(np.repeat(x, x.shape[1], axis=1).ravel(), np.tile(x, x.shape[1]).ravel()) for x in elements]
+    rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    joined = csr_array((np.ones(len(rows)), (rows, columns)), shape=(topology.n_x, topology.n_x))
     free = np.asarray(topology.x.free)
-    graph = csr_array(joined[free[:, None], free])
+    graph = joined[free][:, free]
     place = np.argsort(reverse_cuthill_mckee(graph, symmetric_mode=True))
     rows, columns = graph.nonzero()
     bandwidth = int(np.max(np.abs(place[rows] - place[columns]), initial=0))

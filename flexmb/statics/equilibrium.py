@@ -193,7 +193,7 @@ def equilibrium(
     """
     model = as_model(model, "equilibrium")
     chosen, free = solver_for(model, sparse, solver), sparse is None and solver is None
-    if free and is_concrete(model) and is_long_chain(model.topology):
+    if free and chosen == DENSE and is_concrete(model) and is_long_chain(model.topology):
         chosen = SPARSE
     in_coordinates = chosen != DENSE
     model = model if in_coordinates else as_determined(model, "equilibrium")

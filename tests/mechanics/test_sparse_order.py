@@ -58,7 +58,7 @@ def test_it_is_solved(kind):
         np.testing.assert_allclose(order.product(pieces, jnp.asarray(right)), whole @ right, atol=1e-12)
     # Singular equations have no answer, least of all that of the matrix before.
     nothing = tuple(jnp.zeros_like(own) for own in pieces)
-    assert not np.any(np.isfinite(order.solved(nothing, jnp.zeros(count), right)))
+    assert not np.any(np.isfinite(order.solved(nothing, jnp.zeros(count, kind), right)))
 
 
 def test_a_solution_that_does_not_fit_lets_rows_change_places(monkeypatch):
