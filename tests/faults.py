@@ -2460,8 +2460,8 @@ FAULTS = [
     Fault("elements/leaf.py", "-weights * stiff", "weights * stiff", "elements/test_leaf.py -k width_that", slow=True),
     Fault("elements/leaf.py", "IN_PLANE = 0.30", "IN_PLANE = 0.0", "elements/test_leaf.py -k width_that", slow=True),
     Fault("elements/leaf.py", "[0.065], [", "[0.01], [", "elements/test_leaf.py -k tip_of", slow=True),
-    Fault("elements/leaf.py", "[0.10]])", "[0.0]])", "elements/test_leaf_sizes.py -k tip_beside", slow=True),
-    Fault("elements/leaf.py", "[[0.27], [", "[[0.0], [", "elements/test_leaf_sizes.py -k tip_beside", slow=True),
+    Fault("elements/leaf.py", "[0.10]])", "[0.0]])", "elements/test_leaf_sizes.py -k how_far"),
+    Fault("elements/leaf.py", "[[0.27], [", "[[0.0], [", "elements/test_leaf_sizes.py -k how_far"),
     Fault("elements/leaf.py", "OF_THICK = 12.0", "OF_THICK = 0.0", "elements/test_leaf.py -k cannot_warp"),
     Fault("elements/leaf.py", "once * jnp.sin(u)", "once * jnp.cos(u)", "elements/test_leaf_sizes.py -k distortion_of"),
     Fault("elements/leaf.py", "length + self.beyond)", "length)", "elements/test_leaf_sizes.py -k all_pieces"),
@@ -2601,6 +2601,8 @@ FAULTS = [
     ),
     Fault("blocks/springs.py", "second * xp.cos(fold)", "length * xp.cos(fold)", "blocks/test_blocks.py -k in_space"),
     Fault("blocks/hinges.py", "2 * radius - depth", "2 * radius", "blocks/test_blocks.py -k notch_hinge", slow=True),
+    Fault("blocks/necks.py", "found.GIt * self.twist", "found.GIt", "blocks/test_blocks.py -k beside_solid", slow=True),
+    Fault("blocks/necks.py", "deep > DEEPEST or", "False and", "blocks/test_blocks.py -k stocky_neck"),
     # Design.
     Fault("design/tune.py", "best = min(runs", "best = max(runs", "design/test_tune.py -k several_starts"),
     Fault(

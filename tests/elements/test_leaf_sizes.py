@@ -60,6 +60,15 @@ def test_tip_beside_solid_elements(sizes, solid, tolerance):
     assert np.all(np.abs(found / solid - 1) < tolerance)
 
 
+def test_how_far_and_how_much_a_clamp_makes_a_thick_strip_stiffer():
+    """(2.22), (2.55) and (2.58) of a strip 6 times as wide as thick, clamped at its first end."""
+    reaches, shares = Leaf(fm.Rectangle(0.012, 0.002, STEEL), jnp.array([1.0, 0.0])).kept(0.03)
+    far = np.array([0.14 * 12 + 0.27 * 2, 0.40 * 12, 0.065 * 12 + 0.25 * 2, 0.10 * 12]) / 30
+    np.testing.assert_allclose(np.asarray(reaches)[:, 0], far, rtol=1e-12)
+    cowper = 10 * 1.3 / (12 + 11 * 0.3)
+    np.testing.assert_allclose(np.asarray(shares).T, [[0.09, 0.09, 0.09, 1 - cowper], [0, 0, 0, 0]], rtol=1e-9)
+
+
 def by_plate(u: float) -> float:
     """Stiffness sideways of a bent plate whose edges stay straight lines of the section, half its width 1.
 

@@ -1,0 +1,140 @@
+"""The section of a circular notch hinge as solid elements have it, fitted: what beam theory leaves out of a neck."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..arguments import is_concrete
+from ..compilation.compile import jit
+from ..elements.profile import NODES, Profile
+from ..elements.section import Material, Rigidity, Scalar, Section
+from ..elements.sections import Rectangle, notch_circular
+from ..elements.surface import Stress
+from ..errors import BeamTheoryWarning, warn
+from ..math.quadrature import gauss
+
+# Stress spreads from a neck less than slanted faces say: by which share of the square of the slope tension and shear
+# give way more, up to which square.
+TENSION, SHEAR, STEEP = 0.18, 0.21, 0.60
+# How far from its free edges a neck does not stretch and bend as a plate, over sqrt(radius neck).
+STRETCHED, BENT = 2.8, 1.55
+# Of a thick place the warping rigidity is smaller, by 1 over 1 and so many squares of thickness over width.
+OF_THICK = 1.0
+# Neck over radius, and width over sqrt(radius neck), within which solid elements were solved.
+DEEPEST, NARROWEST = 0.25, 2.0
+
+
+class Neck(Section):
+    """A rectangle at a place of a notch hinge.
+
+    Attributes:
+        rectangle: With its shear counted.
+        slope: By how much the thickness grows along the hinge, () [-].
+        twist: Torsional rigidity over Saint-Venant's, the same all along, () [-].
+        stretched: By how much smaller the compliance in stretching is, since the neck is a plate, () [-].
+        bent: The same in bending, () [-].
+        even: Shear coefficient for displacement along y, () [-].
+
+    Source:
+        THEORY.md 2, eq. (2.60) and (2.61).
+    """
+
+    rectangle: Rectangle
+    slope: Scalar
+    twist: Scalar
+    stretched: Scalar
+    bent: Scalar
+    even: Scalar
+
+    @property
+    def material(self) -> Material:
+        """That of the rectangle."""
+        return self.rectangle.material
+
+    def faults(self) -> list[str]:
+        """Those of the rectangle."""
+        return self.rectangle.faults()
+
+    def stress(self, resultants: Float[Array, "6"]) -> Stress:
+        """That of the rectangle.
+
+        Args:
+            resultants: (6,) [N, N m].
+        """
+        return self.rectangle.stress(resultants)
+
+    def rigidity(self) -> Rigidity:
+        """Rigidities."""
+        found, square = self.rectangle.rigidity(), self.slope**2
+        spread = square / (1 + STEEP * square)
+        stretched = (1 + TENSION * spread) * self.stretched
+        area = self.rectangle.width * self.rectangle.thickness
+        sideways = self.even * self.material.G * area / (1 + SHEAR * spread)
+        return dataclasses.replace(
+            found,
+            EA=found.EA / stretched,
+            EIz=found.EIz / stretched,
+            EIy=found.EIy / self.bent,
+            GIt=found.GIt * self.twist,
+            shear_y=found.EIz / stretched / sideways,
+            shear_z=found.shear_z / self.bent,
+        )
+
+
+def neck(width: Scalar, height: Scalar, thin: Scalar, radius: Scalar, material: Material, extent: Scalar) -> Profile:
+    """Section of a circular notch hinge from rim to rim.
+
+    Args:
+        width, height, material: As :func:`flexmb.sections.notch_circular` has them.
+        thin: Height of the remaining neck, () [m].
+        radius: Of the notch, () [m].
+        extent: Distance between the rims, () [m].
+    """
+    plain = notch_circular(width, height, thin, radius, material, shear=True)
+    _warn_of_stocky(thin / radius, width / (radius * thin) ** 0.5)
+    numbers = _everywhere(plain, width, (radius * thin) ** 0.5, material, extent)
+
+    def section(place: Float[Array, ""], length: Float[Array, ""]):
+        def thickness(place: Float[Array, ""]):
+            rectangle: Any = plain.at(place, length)
+            return jnp.asarray(rectangle.thickness, float), rectangle
+
+        _, slope, rectangle = jax.jvp(thickness, (place,), (jnp.ones_like(place),), has_aux=True)
+        return Neck(rectangle, slope / length, *numbers)
+
+    return Profile(section, plain.breaks)
+
+
+@jit
+def _everywhere(plain: Profile, width: Scalar, long: Scalar, material: Material, extent: Scalar):
+    """What :class:`Neck` has that is the same all along a hinge: twist, stretched, bent, even."""
+    nu = material.poisson()
+    plates = [1 - nu**2 * jnp.maximum(1 - 2 * edge * long / width, 0.0) for edge in (STRETCHED, BENT)]
+    cowper = 10 * (1 + nu) / (12 + 11 * nu)
+    even = 1 - (1 - cowper) * jnp.exp(-0.2 * width / (jnp.pi * long))
+    nodes, weights = gauss(NODES)
+    places = jnp.concatenate([nodes / 2, (1 + nodes) / 2])
+
+    def numbers(place: Float[Array, ""]):
+        rectangle: Any = plain.at(place, jnp.asarray(extent, float))
+        found = rectangle.rigidity()
+        return found.GIt, found.EIy / found.shear_z, rectangle.thickness
+
+    turned, sheared, thickness = jax.vmap(numbers)(places)
+    weights = jnp.concatenate([weights, weights]) / 2 * extent
+    warped = material.E * (width * thickness) ** 3 / 144 / (1 + OF_THICK * (thickness / width) ** 2)
+    away = (places - 0.5) * extent
+    free, held = weights @ (1 / turned), weights @ (away**2 / warped + 12 / (width**2 * sheared))
+    return 1 + free / held, *plates, even
+
+
+def _warn_of_stocky(deep: Any, wide: Any) -> None:
+    if is_concrete((deep, wide)) and (deep > DEEPEST or wide < NARROWEST):
+        warn(
+            f"A notch hinge whose neck is {deep:.2g} of its radius, and {wide:.2g} times as wide as sqrt(radius neck),"
+            f" was not compared with solid elements: they were solved up to {DEEPEST} and from {NARROWEST:g} on.",
+            BeamTheoryWarning,
+        )
