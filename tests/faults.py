@@ -4549,6 +4549,116 @@ FAULTS = [
         'if "clamped" in properties:',
         "workbench/test_from_builder.py -k clamps",
     ),
+    # Scatter, comparisons and modal data.
+    Fault(
+        "design/scatter.py",
+        "np.sqrt(below * width * -lower)",
+        "np.sqrt(below * width * upper)",
+        "design/test_scatter.py -k each_distribution",
+    ),
+    Fault(
+        "design/scatter.py",
+        "return np.expm1(self.sizes[0] * scores)",
+        "return self.sizes[0] * scores",
+        "design/test_scatter.py -k lognormal_parameter",
+    ),
+    Fault(
+        "design/scatter.py",
+        "matrix[i, j] = matrix[j, i] = value",
+        "matrix[i, j] = value",
+        "design/test_scatter.py -k copula",
+    ),
+    Fault("design/scatter.py", "/ np.sqrt(k + 1)", "/ np.sqrt(k + 2)", "design/test_scatter.py -k copula"),
+    Fault(
+        "design/scatter.py",
+        "if not lower <= 0 <= upper or lower == upper:",
+        "if False:",
+        "design/test_scatter.py -k wrong_scatter",
+    ),
+    Fault(
+        "design/scatter.py",
+        "if pair in pairs or pair[::-1] in pairs:",
+        "if pair in pairs:",
+        "design/test_scatter.py -k wrong_scatter",
+    ),
+    Fault(
+        "design/scatter.py",
+        "found += [scatter.spreads.get(name)] * size",
+        "found += [scatter.spreads.get(name)]",
+        "design/test_scatter.py -k entries_of_arrays",
+    ),
+    Fault(
+        "design/robust.py",
+        "fine &= rows >= np.broadcast_to(lower",
+        "fine &= rows <= np.broadcast_to(lower",
+        "design/test_scatter.py -k cube_of_a_normal",
+    ),
+    Fault(
+        "design/robust.py",
+        "kept = {name: answered & _within(",
+        "kept = {name: _within(",
+        "design/test_scatter.py -k without_answers",
+    ),
+    Fault(
+        "design/statistics.py",
+        "variance = jnp.var(values, axis=-1, ddof=1)",
+        "variance = jnp.var(values, axis=-1)",
+        "design/test_scatter.py -k statistics_are_those",
+    ),
+    Fault(
+        "design/statistics.py",
+        "(count + 1) * share, (count + 1) * (1 - share)",
+        "(count + 1) * (1 - share), (count + 1) * share",
+        "design/test_scatter.py -k statistics_are_those",
+    ),
+    Fault(
+        "design/statistics.py",
+        "margin = sign * (samples - edge)",
+        "margin = samples - edge",
+        "design/test_scatter.py -k best_yield",
+    ),
+    Fault(
+        "identification/comparison.py",
+        "norm.cdf(distance / 2)",
+        "norm.cdf(distance)",
+        "identification/test_comparison.py -k as_often",
+    ),
+    Fault(
+        "identification/comparison.py",
+        "answers[item.name] - item.values",
+        "answers[item.name]",
+        "identification/test_comparison.py -k distance_of",
+    ),
+    Fault(
+        "identification/modal_data.py",
+        "(self.low / self.s) ** 2, np",
+        "(self.low / self.s) ** 0, np",
+        "identification/test_modal_data.py -k without_noise",
+    ),
+    Fault(
+        "identification/modal_data.py",
+        "rows.residues(poles, coefficients) * poles**order",
+        "rows.residues(poles, coefficients)",
+        "identification/test_modal_data.py -k without_noise",
+    ),
+    Fault(
+        "identification/modal_data.py",
+        "scale = 1.0 if deviation is not None else noise",
+        "scale = 1.0",
+        "identification/test_modal_data.py -k repetitions",
+    ),
+    Fault(
+        "identification/fit_study.py",
+        "known = {name: fixed[name] for name in item.parameters if name in fixed}",
+        "known = {}",
+        "identification/test_fit_study.py -k table_a_response",
+    ),
+    Fault(
+        "identification/fit_study.py",
+        "if not level < 1:",
+        "if False:",
+        "identification/test_fit_study.py -k wrong_parameters",
+    ),
 ]
 
 if __name__ == "__main__":
