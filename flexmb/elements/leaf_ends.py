@@ -52,6 +52,22 @@ SKEW = {
     (1, 5): (2, "EIz", EVEN, ((-0.0198, 0.0419, -0.0093), (-0.0153, 0.0053, 0), (0.0175, -0.0075, 0))),
     (5, 5): (1, "EIz", EVEN, ((-0.2705, 0.0604, -0.0120), (0.0153, -0.0053, 0), (0.0275, -0.0375, 0))),
 }
+# The same as arrays: coefficients, (terms, powers of nu - 0.3, powers of the slope), and the powers, (terms, 3).
+COEFFICIENTS = np.array([row[3] for row in SKEW.values()])
+POWERS = np.array([row[2] for row in SKEW.values()])
+# Terms of a step in width, with powers of w and the rigidity of the unit.
+STEP = {
+    (0, 0): (1, "EA"),
+    (3, 3): (1, "GIt"),
+    (4, 4): (1, "EIy"),
+    (2, 4): (2, "EIy"),
+    (2, 2): (3, "EIy"),
+    (5, 5): (1, "EIz"),
+    (1, 5): (2, "EIz"),
+    (1, 1): (3, "EIz"),
+}
+# Which of them a step in thickness has in tension, (terms, 0), and in bending, (terms, 1).
+THICKNESS = np.array([[place in ((0, 0), (5, 5)), place == (4, 4)] for place in STEP], float)
 
 
 # Stiffnesses of the roots at the first end and at the last, None for a rigid one: along local x, y, z and about them,
@@ -94,11 +110,22 @@ def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
         THEORY.md 2, eq. (2.48): fits to solid elements, angles up to 50 degrees and nu from 0.2 to 0.4.
     """
     slope, change = jnp.tan(jnp.asarray(angle, float)), rectangle.material.poisson() - USUAL
-    by_nu, numbers, entries = jnp.stack([1.0 + 0 * change, change, change**2]), rectangle.rigidity(), {}
-    for place, (power, rigidity, powers, coefficients) in SKEW.items():
-        term = by_nu @ np.array(coefficients) @ jnp.stack([slope**n for n in powers])
-        entries[place] = term * rectangle.width**power / getattr(numbers, rigidity)
-    return _symmetric(entries)
+    by_nu = jnp.einsum("n,tnp->tp", jnp.stack([1.0 + 0 * change, change, change**2]), COEFFICIENTS)
+    powers = jnp.cumprod(jnp.broadcast_to(slope, (6,)))[POWERS - 1]
+    return _placed(SKEW, jnp.sum(by_nu * powers, axis=1), rectangle)
+
+
+def _placed(terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
+    """Symmetric matrix of terms, which state their powers of the width and their rigidity, times numbers, (terms,)."""
+    of, width = rectangle.rigidity(), jnp.asarray(rectangle.width, float)
+    kinds = ("EA", "GIt", "EIy", "EIz")
+    softness = 1 / jnp.stack([jnp.asarray(getattr(of, kind), float) for kind in kinds])
+    units = jnp.cumprod(jnp.broadcast_to(width, (3,)))[np.array([row[0] - 1 for row in terms.values()])]
+    units = units * softness[np.array([kinds.index(row[1]) for row in terms.values()])]
+    spots = np.zeros((len(terms), 6, 6))
+    for k, (i, j) in enumerate(terms):
+        spots[k, i, j] = spots[k, j, i] = 1.0
+    return jnp.tensordot(numbers * units, spots, 1)
 
 
 def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
@@ -115,38 +142,30 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
     Source:
         THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, narrow over wide from 0.2 and nu from 0.2 to 0.4.
     """
-    numbers, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
+    of, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
     a = w / width
     stretched, sideways = STRETCHED * spread(a), bent_spread(a)
     bent = (1 + nu) / (3 + nu) * spread(a)
     # Parts that share their warping are less stiff than parts that do not, which the fit compares with.
-    shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(numbers.EIw / numbers.GIt) / w
+    shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(of.EIw / of.GIt) / w
     twisted = 0.985 * 2 / (3 + nu) * spread(a) + jnp.where(a < 1, shared, 0.0)
     inside = 0.142 + 0.095 / a
-    entries = {
-        (0, 0): w / numbers.EA * stretched,
-        (3, 3): w / numbers.GIt * twisted,
-        (4, 4): w / numbers.EIy * bent,
-        (2, 4): -(w**2) / numbers.EIy * bent * inside,
-        (2, 2): w**3 / numbers.EIy * bent * 0.1 * a ** (-5 / 3),
-        (5, 5): w / numbers.EIz * sideways,
-        (1, 5): w**2 / numbers.EIz * sideways * (0.0445 - 0.455 * a**2),
-        (1, 1): w**3 / numbers.EIz * sideways * 0.034 * (1 / a - 1),
-    }
+    in_width = [
+        stretched,
+        twisted,
+        bent,
+        -bent * inside,
+        bent * 0.1 * a ** (-5 / 3),
+        sideways,
+        sideways * (0.0445 - 0.455 * a**2),
+        sideways * 0.034 * (1 / a - 1),
+    ]
     # Through the thickness the strain across is zero.
     b = rectangle.thickness / thickness
-    root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float)
-    entries[0, 0] += STRETCHED * spread(b) * root / numbers.EA
-    entries[5, 5] += STRETCHED * spread(b) * root / numbers.EIz
-    entries[4, 4] += bent_spread(b) * root / numbers.EIy
-    return _symmetric(entries)
-
-
-def _symmetric(entries: dict[tuple[int, int], Any]) -> Float[Array, "6 6"]:
-    """Symmetric matrix with the given entries."""
-    zero = jnp.zeros(())
-    rows = [[entries.get((i, j), entries.get((j, i), zero)) for j in range(6)] for i in range(6)]
-    return jnp.stack([jnp.stack([jnp.asarray(entry, float) for entry in row]) for row in rows])
+    root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float) / w
+    in_thickness = root * jnp.stack([STRETCHED * spread(b), bent_spread(b)])
+    numbers = jnp.stack([jnp.asarray(number, float) for number in in_width])
+    return _placed(STEP, numbers + THICKNESS @ in_thickness, rectangle)
 
 
 def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
