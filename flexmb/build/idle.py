@@ -19,8 +19,8 @@ from ..errors import IdleWarning, warn
 from ..model.roles import HELD, Role
 from .description import Description, Member
 
-# Numbers of a section or of dampers that resist deformation.
-RESISTING = ("EA", "EIy", "EIz", "GIt")
+# Numbers of a section and of dampers that resist deformation, in alphabetical order.
+RESISTING = {"section": ("EA", "EIy", "EIz", "GIt"), "damping": ("EA", "EIy", "EIz", "GAy", "GAz", "GIt")}
 RESISTS = {"stiffness": "resists", "damping": "damps"}
 
 
@@ -92,8 +92,8 @@ def _warn_of_other_numbers(builder: Description) -> None:
             told.add((element, id(numbers), free))
             if not is_concrete(numbers):
                 continue
-            given = {one for one in RESISTING if np.any(np.asarray(getattr(numbers, one)) != 0)}
-            if len(given) in (0, len(RESISTING)):
+            given = {one for one in RESISTING[key] if np.any(np.asarray(getattr(numbers, one)) != 0)}
+            if len(given) in (0, len(RESISTING[key])):
                 continue
             if (element, kind) not in used:
                 used[element, kind] = _used(member, key, kind)
@@ -105,12 +105,12 @@ def _warn_of_other_numbers(builder: Description) -> None:
                 if alike not in resisted:
                     resisted[alike] = _resisted(builder, member, key, kind, [{}])
                 if resisted[alike] is not None:
-                    own = [one for one in RESISTING if one in every & given]
+                    own = [one for one in RESISTING[key] if one in every & given]
                     _warn_of_held(name, element.name, key, kind, own, resisted[alike][0] != 0, free)
-            lacking = [one for one in RESISTING if one in missing] if idle else []
+            lacking = [one for one in RESISTING[key] if one in missing] if idle else []
             lacking = [one for one in lacking if _is_lacked(builder, member, key, kind, one, free)]
             if lacking:
-                what, uses = (", ".join(one for one in RESISTING if one in some) for some in (idle, every))
+                what, uses = (", ".join(one for one in RESISTING[key] if one in some) for some in (idle, every))
                 warn(
                     f"{key.capitalize()} of element '{name}' ({element.name}): nothing {RESISTS[kind]} some of its free"
                     f" deformations for want of {', '.join(lacking)}, and what is given as {what} is not used there."
@@ -146,10 +146,10 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     places = [np.zeros(len(node.start)) for node in element.nodes.values()]
     arguments = element.arguments(getattr(element, kind), member.properties)
     matrix = functools.partial(_matrix, element, kind, key, arguments=arguments)
-    program = jax.make_jaxpr(matrix)(dict.fromkeys(RESISTING, 1.0), places=places).jaxpr
+    program = jax.make_jaxpr(matrix)(dict.fromkeys(RESISTING[key], 1.0), places=places).jaxpr
     # The first variables are the numbers: JAX orders a dictionary by its keys, in the order of RESISTING.
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
-    return {name for name, variable in zip(RESISTING, program.invars, strict=False) if id(variable) in entering}
+    return {name for name, variable in zip(RESISTING[key], program.invars, strict=False) if id(variable) in entering}
 
 
 def _warn_of_held(

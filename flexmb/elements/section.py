@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, holds
+from ..arguments import as_known, holds, library_of
 from ..compilation.record import Record
 from ..errors import ModelError
 from ..numerical_limits import ABOVE_LARGEST_POISSON
@@ -262,6 +262,17 @@ def _faults_of_material(material: Material) -> list[str]:
     return found
 
 
+def shear_rigidities(s: Rigidity) -> tuple[Any, Any]:
+    """Shear rigidities along y and along z [N]; zero where the section is rigid in shear."""
+    library = library_of((s.EIy, s.EIz, s.shear_y, s.shear_z))
+
+    def rigidity(bending: Scalar, compliance: Scalar):
+        sheared = library.asarray(compliance) > 0
+        return library.where(sheared, bending / library.where(sheared, compliance, 1.0), 0.0)
+
+    return rigidity(s.EIz, s.shear_y), rigidity(s.EIy, s.shear_z)
+
+
 class Damping(Record):
     """Damping rigidities of a beam or truss, in the same places as its stiffness.
 
@@ -270,12 +281,16 @@ class Damping(Record):
         EIy: Bending about local y [N m^2 s]; the bending of a planar beam.
         EIz: Bending about local z [N m^2 s].
         GIt: Torsion [N m^2 s].
+        GAy: Shear along y, of spectral beams with shear [N s].
+        GAz: Shear along z; the shear of a planar beam [N s].
     """
 
     EA: Scalar = 0.0
     EIy: Scalar = 0.0
     EIz: Scalar = 0.0
     GIt: Scalar = 0.0
+    GAy: Scalar = 0.0
+    GAz: Scalar = 0.0
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers, all concrete: none is negative."""
@@ -301,4 +316,4 @@ class MaterialDamping(Record):
             section: A :class:`Section` of this material.
         """
         s = section.rigidity()
-        return Damping(*(self.time * rigidity for rigidity in (s.EA, s.EIy, s.EIz, s.GIt)))
+        return Damping(*(self.time * rigidity for rigidity in (s.EA, s.EIy, s.EIz, s.GIt, *shear_rigidities(s))))

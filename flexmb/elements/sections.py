@@ -23,7 +23,7 @@ from .section import Damping as Damping
 from .section import Material as Material
 from .section import MaterialDamping as MaterialDamping
 from .section import Rigidity as Rigidity
-from .section import Scalar
+from .section import Scalar, shear_rigidities
 from .section import Section as Section
 
 
@@ -68,8 +68,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         length, ratio, frequency = marked((length, ratio, frequency))
     s = section.rigidity()
     if frequency is not None:
-        time = ratio / (np.pi * frequency)
-        return Damping(EA=time * s.EA, EIy=time * s.EIy, EIz=time * s.EIz, GIt=time * s.GIt)
+        return MaterialDamping(ratio / (np.pi * frequency)).rigidities(section)
     mass = s.mass * length
     xp = _library(s.EA, s.EIy, s.EIz, s.GIt, mass, ratio)
 
@@ -80,7 +79,8 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         product = xp.where(positive, stiffness * mass, 1.0)
         return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
 
-    return Damping(EA=equivalent(s.EA, 1), EIy=equivalent(s.EIy, 3), EIz=equivalent(s.EIz, 3), GIt=equivalent(s.GIt, 3))
+    bending, shears = (equivalent(s.EIy, 3), equivalent(s.EIz, 3)), (equivalent(one, 1) for one in shear_rigidities(s))
+    return Damping(equivalent(s.EA, 1), *bending, equivalent(s.GIt, 3), *shears)
 
 
 def _library(*sizes: Scalar) -> Any:

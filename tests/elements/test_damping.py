@@ -10,7 +10,7 @@ from flexmb.mechanics.inertia import mass_matrix
 from flexmb.mechanics.stress_resultants import element_damping
 
 LENGTH = 0.7
-EA, GIT, EIY, EIZ = 2.0, 3.0, 5.0, 7.0
+EA, GIT, EIY, EIZ, GAY, GAZ = 2.0, 3.0, 5.0, 7.0, 11.0, 13.0
 
 
 def beam_between(element, dimension, **properties) -> fm.Model:
@@ -42,6 +42,9 @@ STRAINS = {
     "spectral torsion": (spatial.spectral_beam(2), 3, LENGTH * np.ones(1), 9, GIT),
     "spectral bending about y": (spatial.spectral_beam(2), 3, LENGTH * np.ones(1), 11, EIY),
     "spectral bending about z": (spatial.spectral_beam(2), 3, LENGTH * np.ones(1), 13, EIZ),
+    "planar spectral shear": (planar.spectral_beam(2, shear=True), 2, LENGTH * np.ones(1), 8, GAZ),
+    "spectral shear along y": (spatial.spectral_beam(2, shear=True), 3, LENGTH * np.ones(1), 15, GAY),
+    "spectral shear along z": (spatial.spectral_beam(2, shear=True), 3, LENGTH * np.ones(1), 17, GAZ),
 }
 
 
@@ -49,8 +52,10 @@ STRAINS = {
 def test_each_rigidity_dampens_its_own_strain(strain):
     """A uniform rate of strain takes rigidity times its square per length, in the plane and in space."""
     element, dimension, rates, first, rigidity = STRAINS[strain]
-    damping = fm.Damping(EA=EA, GIt=GIT, EIy=EIY, EIz=EIZ)
-    model = beam_between(element, dimension, section=fm.Rigidity(EA=1.0, GIt=1.0, EIy=1.0, EIz=1.0), damping=damping)
+    damping = fm.Damping(EA=EA, GIt=GIT, EIy=EIY, EIz=EIZ, GAy=GAY, GAz=GAZ)
+    shear = 0.1 if element.options.get("shear") else 0.0
+    section = fm.Rigidity(EA=1.0, GIt=1.0, EIy=1.0, EIz=1.0, shear_y=shear, shear_z=shear)
+    model = beam_between(element, dimension, section=section, damping=damping)
     matrix = np.asarray(element_damping(model.topology, model.parameters))
     names = [(entry.of, entry.component) for entry in model.labels.e]
     ed = np.zeros(len(names))
@@ -109,3 +114,19 @@ def test_a_spectral_beam_that_turns_has_the_energy_of_a_rigid_one(dimension):
         found = [energy(axis) for axis in range(3)]
         expected = 0.5 * rate**2 * np.array([jx * LENGTH, arm + jy * LENGTH, arm + jz * LENGTH])
         np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_damping_of_a_material_reaches_every_strain():
+    """Time constant times rigidity, also of shear; sections that are rigid in shear have no such damping."""
+    material = fm.Material(E=2.0, G=0.8, damping=0.5)
+    section = fm.Rectangle(0.3, 0.2, material, shear=True)
+    numbers, damping = section.rigidity(), section.material_damping().rigidities(section)
+    for name in ("EA", "EIy", "EIz", "GIt"):
+        assert getattr(damping, name) == approx(0.5 * getattr(numbers, name), rel=1e-12, abs=0)
+    assert damping.GAy == approx(0.5 * numbers.EIz / numbers.shear_y, rel=1e-12, abs=0)
+    assert damping.GAz == approx(0.5 * numbers.EIy / numbers.shear_z, rel=1e-12, abs=0)
+    # Frequency at which the ratio times two over the angular frequency is the time constant.
+    same = fm.sections.damping_from_ratio(section, 1.0, 0.5 * np.pi, frequency=1.0)
+    assert same.GAy == approx(damping.GAy, rel=1e-12, abs=0)
+    rigid = fm.Rectangle(0.3, 0.2, material)
+    assert rigid.material_damping().rigidities(rigid).GAz == 0.0
