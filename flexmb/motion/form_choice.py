@@ -39,8 +39,22 @@ def check_form(integrator: Integrator, controlled: bool) -> None:
         raise ValueError('A controller needs form="coordinates".')
     if (controlled or partly) and is_energy_keeping(integrator.solver):
         raise ValueError('EnergyKeeping() needs form="coordinates" and no controller. Use GeneralizedAlpha().')
+    if form == "reduced" and _is_explicit(integrator.solver):
+        raise ValueError(
+            'form="reduced" does not take explicit solvers: Newton\'s method in each of their stages is some hundred'
+            " times slower than the default. Leave `solver` out, or `form`."
+        )
     if integrator.event is not None and form == "tree":
         raise ValueError('An event reads the state of all coordinates. It needs form="coordinates".')
+
+
+def _is_explicit(solver: Any) -> bool:
+    """Whether a solver is an explicit Runge-Kutta method, without loading diffrax by default."""
+    if solver is None:
+        return False
+    import diffrax
+
+    return isinstance(solver, diffrax.AbstractERK)
 
 
 def chosen_form(

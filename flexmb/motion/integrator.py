@@ -34,7 +34,7 @@ class Integrator(Record):
             - "tree": the same, but the last ends of spectral beams that close no loop are computed from first ends and
               strains. Not with a controller, an event or ``EnergyKeeping()``.
             - "reduced": the degrees of freedom, which determine the others in each evaluation. It has fewer unknowns,
-              but fails at a dead point.
+              but fails at a dead point. Not with explicit solvers.
             - "chain": all coordinates of many elements, without dense matrices. Not differentiable in reverse mode if
               loads jump or an event ends the motion.
             - None: "chain" for many beams, else "tree", if they apply; otherwise "coordinates".

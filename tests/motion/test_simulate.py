@@ -412,6 +412,8 @@ def test_keywords_and_records_are_checked(pendulum):
         fm.simulate(pendulum, [0, 1.0], integrator=fm.motion.Integrator(rtol=-1.0))
     with pytest.raises(ValueError, match='controller needs form="coordinates"'):
         fm.simulate(pendulum, [0, 1.0], control=abs, form="reduced")
+    with pytest.raises(ValueError, match='form="reduced" does not take explicit solvers'):
+        fm.simulate(pendulum, [0, 1.0], solver=diffrax.Dopri8(), form="reduced")
 
 
 def indefinite():
