@@ -2438,8 +2438,8 @@ FAULTS = [
     Fault("elements/leaf.py", "both + both.T", "both", "elements/test_curves.py -k energy_of"),
     Fault(
         "elements/curves.py",
-        "compose_turns(first * CONJUGATE, turn_product",
-        "compose_turns(first, turn_product",
+        "compose_turns(first * CONJUGATE, line",
+        "compose_turns(first, line",
         "elements/test_curves.py -k in_space_as",
         slow=True,
     ),

@@ -75,19 +75,12 @@ class BeamPieces(NamedTuple):
 WHOLE = BeamPieces(np.zeros(1), np.ones(1))
 
 
-def pieces_of(
-    section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None, pairs: bool = False
-) -> BeamPieces:
-    """Smooth pieces of a beam.
-
-    Args:
-        pairs: Whether there must be a power of two of them, for poses that multiply in pairs; the last are empty then.
-    """
+def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None) -> BeamPieces:
+    """Smooth pieces of a beam."""
     breaks = () if section is None else section.breaks_at(length)
     if not breaks and end is None:
         return WHOLE
-    count = 2 ** int(np.ceil(np.log2(len(breaks) + 1))) if pairs else len(breaks) + 1
-    ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())] * (count - len(breaks)))
+    ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())])
     ends = ends if end is None else jnp.minimum(ends, end)
     starts = jnp.concatenate([jnp.zeros(1), ends[:-1]])
     return BeamPieces(starts, ends - starts)

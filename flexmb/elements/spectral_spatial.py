@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 
 from ..math.linear import multiplied
 from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lobatto
-from ..math.rigid import compose_turns, exponential, product, products, screws, turn_parameters, turn_product
+from ..math.rigid import Chain, chain, compose_turns, screw_line, screws
 from ..math.rotation import CONJUGATE, CROSS, initial_frame, rotation_matrix, turned
 from . import beams
 from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_ends
@@ -58,7 +58,7 @@ def _rule(
         return rule
     if end is None and (section is None or not section.varies):
         return _constant_rule(order, shear)
-    return _rule_on(order, shear, section, length, pieces_of(section, length, end, pairs=True))
+    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
 
 
 @functools.cache
@@ -71,9 +71,9 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
     steps = steps_of(order)
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
-    # Three nodes in each step, or more whose moments three nodes take over.
+    # Three nodes in each step, or more whose moments three nodes take over; one for constant strains.
     varies = section is not None and section.varies
-    nodes, quadrature = gauss(DENSE if varies else 3)
+    nodes, quadrature = gauss(DENSE if varies else 3 if order > 1 else 1)
     places = pieces.spread((ends[:-1, None] + lengths[:, None] * nodes).ravel()).ravel()
     shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
     shapes = shapes.reshape(-1, len(nodes), _count(shear), order)
@@ -92,8 +92,8 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
         nodes=masses,
         inner=ends,
         weights=(pieces.sizes[:, None] * weights).ravel(),
-        # Numbers of the first and the last pose of each piece, among those at the ends of all steps.
-        spans=[(i * steps, (i + 1) * steps) for i in range(pieces.sizes.shape[0])],
+        # Numbers of the poses at the ends of the steps of each piece; the last of one is the first of the next.
+        ends=np.add.outer(steps * np.arange(pieces.sizes.shape[0]), np.arange(steps + 1)).ravel(),
     )
 
 
@@ -124,33 +124,22 @@ def _frames(
     return at_p @ rotation_matrix(first).T, at_q @ rotation_matrix(last)
 
 
-def _screws(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
-    """Screw motions of the steps along the beam, (steps, 6)."""
-    own = (rule.basis.reshape(-1, c.size) @ c).reshape(-1, 6) / length + np.array([0.0, 0, 0, 1, 0, 0])
+def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any) -> Chain:
+    """Poses at the ends of the steps along the beam, seen from its first end; and beyond jumps at its ends."""
+    own = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
+    if curvature is None and rule.basis.shape[1] == 1:
+        # Constant strains are one screw motion.
+        ends = jnp.concatenate([jnp.zeros(1), jnp.cumsum(jnp.asarray(rule.lengths))])
+        return screw_line(own[0, 0] * length, ends)
     if curvature is not None:
         starts = jnp.cumsum(rule.lengths) - rule.lengths
         places = (starts[:, None] + jnp.asarray(rule.lengths)[:, None] * gauss(3)[0]).ravel()
-        own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3)))
-    return screws(own.reshape(-1, 3, 6) * length, rule.lengths)
-
-
-def _steps(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
-    """Poses of the steps along the beam, (steps, 4, 4)."""
-    return exponential(_screws(c, length, rule, curvature))
-
-
-def _jumped(c: Float[Array, "c"], rule: SimpleNamespace):
-    """Poses by which the line goes on at its ends, (1 or 2, 4, 4); None without any."""
-    found = getattr(rule, "jumps", None)
-    return None if found is None else exponential(found @ c)
-
-
-def _pose(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any):
-    """Pose of the end of the line, (4, 4)."""
-    found, at_ends = product(_steps(c, length, rule, curvature)), _jumped(c, rule)
-    for i, jump in enumerate(() if at_ends is None else at_ends):
-        found = multiplied(found, jump) if i else multiplied(jump, found)
-    return found
+        own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3))).reshape(-1, 3, 6)
+    motions = screws(own * length, rule.lengths)
+    if hasattr(rule, "jumps"):
+        at_ends = rule.jumps @ c
+        motions = jnp.concatenate([at_ends[:1], motions, at_ends[1:]])
+    return chain(motions)
 
 
 def _spectral_beam(
@@ -170,9 +159,9 @@ def _spectral_beam(
     """Closure at q, then the coefficients themselves."""
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    pose = _pose(c, length, _rule(order, shear, section, length), curvature)
-    displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - pose[:3, 3]
-    between = multiplied(multiplied(at_p, pose[:3, :3]).T, at_q)
+    line = _poses(c, length, _rule(order, shear, section, length), curvature)
+    displacement = jnp.sum(at_p * (q - p)[:, None], axis=0) - line.places[-1]
+    between = multiplied(line.axes[-1], multiplied(at_p.T, at_q))
     tilt = 0.5 * jnp.sum(CROSS * between.T, axis=(1, 2))
     return jnp.concatenate([jnp.concatenate([displacement, tilt]), c])
 
@@ -206,13 +195,16 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     length = _length(ref, curvature, order)
     rule = _rule(order, shear, section, length)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    poses = jnp.concatenate([jnp.eye(4)[None], products(_steps(c, length, rule, curvature))])
-    if (at_ends := _jumped(c, rule)) is not None:
-        poses = multiplied(at_ends[0], poses)
-    placed = multiplied(at_p, jnp.concatenate([poses[first : last + 1, :3] for first, last in rule.spans]))
-    vectors = jnp.concatenate([p + placed[:, :, 3], jnp.swapaxes(placed[:, :, :3], 1, 2).reshape(-1, 3)])
-    mass, moments = _masses(section, rule, length)
+    line = _poses(c, length, rule, curvature)
     n = rule.weights.size
+    places, axes = line.places, line.axes
+    if hasattr(rule, "jumps"):
+        places, axes = places[1:-1], axes[1:-1]
+    if n > len(rule.inner):
+        places, axes = places[rule.ends], axes[rule.ends]
+    within = jnp.concatenate([places, axes.reshape(-1, 3)])
+    vectors = within @ at_p.T + np.repeat([1.0, 0.0], [n, 3 * n])[:, None] * p
+    mass, moments = _masses(section, rule, length)
     h = jnp.zeros((4 * n, 4 * n)).at[:n, :n].set(jnp.diag(mass * rule.weights))
     spread = jnp.einsum("n,nij,nm->nimj", rule.weights, moments, np.eye(n))
     h = h.at[n:, n:].set(spread.reshape(3 * n, 3 * n))
@@ -227,7 +219,7 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
     p, rot_p, q, rot_q, c = nodes
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    pose = _pose(c, length, _rule(order, shear, section, length, place), curvature)
+    line = _poses(c, length, _rule(order, shear, section, length, place), curvature)
     # Force, and moment about p, of all that is beyond the place, in axes of end p.
     force, moment = jnp.split(sigma[:6], 2)
     moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
@@ -247,8 +239,8 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
         loads = jnp.concatenate([pulls, moments], axis=1).reshape(-1, len(rule.inner), 6)
         acting = rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
         force, moment = jnp.stack([force, moment]) + acting.reshape(2, 3)
-    moment = moment - jnp.cross(pose[:3, 3], force)
-    return (jnp.stack([force, moment]) @ pose[:3, :3]).ravel()
+    moment = moment - jnp.cross(line.places[-1], force)
+    return (jnp.stack([force, moment]) @ line.axes[-1].T).ravel()
 
 
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
@@ -261,14 +253,14 @@ def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvat
     p, rot_p, _, rot_q, c = nodes
     length = _length(ref, curvature, order)
     at_p, _ = _frames(rot_p, rot_q, ref, y, curvature, length, order)
-    return p + at_p @ _pose(c, length, _rule(order, shear, section, length, place), curvature)[:3, 3]
+    return p + at_p @ _poses(c, length, _rule(order, shear, section, length, place), curvature).places[-1]
 
 
 def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
     """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
     c = nodes[-1]
     length = _length(ref, curvature, order)
-    own = _screws(c, length, _rule(order, shear, section, length), curvature)
+    line = _poses(c, length, _rule(order, shear, section, length), curvature)
     frame = initial_frame(ref.p, ref.q, y)
     axes = rotation_matrix(ref.rot_p).T @ frame
     # What becomes of each parameter of the turn, which does not change as the beam deforms.
@@ -280,7 +272,7 @@ def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=N
     # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
     units = jnp.concatenate([units[:, :1], units[:, 1:] @ frame.T], axis=1)
     units = compose_turns(compose_turns(ref.rot_p * CONJUGATE, units), ref.rot_q)
-    return axes @ product(exponential(own))[:3, 3], turn_product(turn_parameters(own)) @ units
+    return axes @ line.places[-1], line.turns[-1] @ units
 
 
 def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:

@@ -56,10 +56,7 @@ class Staged:
 
     def derivative(self, x: Float[Array, "c"], ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> tuple[Any, Any]:
         """Derivatives by the coordinates, on the last axis of each array, and the value."""
-        bent, closed = self._stages(numbers)
-        inner, outer = x[self._is_inner], x[~self._is_inner]
-        slopes, shape = derivative(bent)(inner)
-        value, by_all = _along(closed, (outer, shape), slopes)
+        value, by_all = derivative_in_stages(*self._stages(numbers), x[self._is_inner], x[~self._is_inner])
         return jax.tree.map(lambda own: own[..., self._place], by_all), value
 
     def curvature(
@@ -68,18 +65,7 @@ class Staged:
         """Second derivatives of sigma . e by the coordinates, for deformations e of the function."""
         bent, closed = self._stages(numbers)
         inner, outer = x[self._is_inner], x[~self._is_inner]
-        shape = bent(inner)
-        gradient = jax.grad(lambda outer, shape: sigma @ closed(outer, shape), (0, 1))
-        weight = gradient(outer, shape)[1]
-
-        def with_pull(inner: Float[Array, "k"]):
-            shape, pull = jax.vjp(bent, inner)
-            return shape, pull(weight)[0]
-
-        slopes, of_inner = jax.jacfwd(with_pull)(inner)
-        _, (of_outer, of_shape) = _along(gradient, (outer, shape), slopes)
-        hessian = jnp.concatenate([slopes.T @ of_shape, of_outer])
-        hessian = hessian.at[: inner.size, : inner.size].add(of_inner)
+        hessian = hessian_in_stages(bent, lambda outer, shape: sigma @ closed(outer, shape), inner, outer)
         return hessian[self._place][:, self._place]
 
     def _stages(self, numbers: tuple[Array, ...]) -> tuple[Callable[..., Any], Callable[..., Any]]:
@@ -97,6 +83,35 @@ class Staged:
             return self._closed(*jnp.split(outer, of_outer), *known, *parts)[0]
 
         return bent, closed
+
+
+Bend = Callable[[Float[Array, "k"]], Float[Array, "s"]]
+
+
+def derivative_in_stages(
+    bent: Bend, closed: Callable[..., Any], inner: Float[Array, "k"], outer: Float[Array, "m"]
+) -> tuple[Any, Any]:
+    """Value of ``closed(outer, bent(inner))``, and derivatives by inner, then outer coordinates, on the last axis."""
+    slopes, shape = derivative(bent)(inner)
+    return _along(closed, (outer, shape), slopes)
+
+
+def hessian_in_stages(
+    bent: Bend, energy: Callable[..., Float[Array, ""]], inner: Float[Array, "k"], outer: Float[Array, "m"]
+) -> Float[Array, "k+m k+m"]:
+    """Second derivatives of ``energy(outer, bent(inner))`` by inner, then outer coordinates."""
+    gradient = jax.grad(energy, (0, 1))
+    shape = bent(inner)
+    weight = gradient(outer, shape)[1]
+
+    def with_pull(inner: Float[Array, "k"]):
+        shape, pull = jax.vjp(bent, inner)
+        return shape, pull(weight)[0]
+
+    slopes, of_inner = jax.jacfwd(with_pull)(inner)
+    _, (of_outer, of_shape) = _along(gradient, (outer, shape), slopes)
+    hessian = jnp.concatenate([slopes.T @ of_shape, of_outer])
+    return hessian.at[: inner.size, : inner.size].add(of_inner)
 
 
 def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[Array, "s k"]) -> tuple[Any, Any]:

@@ -5,12 +5,14 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int
 
 from ..compilation.program import split_in_stages
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, deforming, element_function, with_rigidities
+from ..mechanics.staged import derivative_in_stages, hessian_in_stages
 from ..mechanics.tree import Tree, some_of
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
@@ -164,15 +166,26 @@ class TreeBeams(Record):
 
     def mass_along(self, x: Float[Array, "n_x"], along: Float[Array, "n_x n"]) -> Float[Array, "n n"]:
         """Mass matrix of the beams, from the derivative `along` of the coordinates by what moves."""
-        placed: Any = self.placed
-        first = self.ends.shape[1]
+        inner_first = jnp.concatenate([self.c, self.ends], axis=1)
 
-        def places(kept: tuple[Array, ...], x: Float[Array, "k"]):
-            return placed(x[:first], *kept, *self.bent(x[first:], *kept).shape)
+        def derived(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"]):
+            bend, closed = self._stages(kept, c)
+            return derivative_in_stages(bend, lambda ends, shape: closed(ends, shape)[1], c, ends)[1]
 
-        j = jax.vmap(jax.jacfwd(places, 1))(self.kept, x[self.x])
-        by_moving = jnp.einsum("bkax,bxn->bkan", j, along[self.x])
+        j = jax.vmap(derived)(self.kept, x[self.c], x[self.ends])
+        by_moving = jnp.einsum("bkax,bxn->bkan", j, along[inner_first])
         return jnp.einsum("bkan,bkl,blam->nm", by_moving, self.mass, by_moving)
+
+    def _stages(self, kept: tuple[Array, ...], c: Float[Array, "c"]):
+        """Way and shape of one beam from its coefficients, in one array; way and places from its first end and this."""
+        bend, placed = self._felt(kept), self.placed
+        whole = ravel_pytree(bend(c))[1]
+
+        def closed(ends: Float[Array, "k"], shape: Float[Array, "s"]):
+            bent = whole(shape)
+            return bent.way, None if placed is None else placed(ends, *kept, *bent.shape)
+
+        return lambda c: ravel_pytree(bend(c))[0], closed
 
     def derivatives(
         self,
@@ -207,17 +220,18 @@ class TreeBeams(Record):
         self, x: Float[Array, "n_x"], weights: Float[Array, "beams k axes"] | None, way: tuple[Array, ...]
     ) -> Float[Array, "beams k k"]:
         """Derivatives of the effect of constant forces on places, ways and turns, by the beams' coordinates."""
-        first, placed = self.ends.shape[1], self.placed
 
-        def of_beam(kept: tuple[Array, ...], x: Float[Array, "k"], *weights: Any):
-            def places_and_way(x: Float[Array, "k"]):
-                bent = self._felt(kept)(x[first:])
-                places = None if placed is None else placed(x[:first], *kept, *bent.shape)
-                return places, bent.way
+        def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"], *forces: Any):
+            bend, closed = self._stages(kept, c)
 
-            return jax.jacfwd(lambda x: jax.vjp(places_and_way, x)[1](weights)[0])(x)
+            def work(ends: Float[Array, "k"], shape: Float[Array, "s"]):
+                way, places = closed(ends, shape)
+                pairs = zip(jax.tree.leaves(forces), jax.tree.leaves((places, way)), strict=True)
+                return sum((jnp.sum(force * of) for force, of in pairs), jnp.zeros(()))
 
-        return jax.vmap(of_beam)(self.kept, x[self.x], weights, way)
+            return jnp.roll(hessian_in_stages(bend, work, c, ends), ends.size, (0, 1))
+
+        return jax.vmap(of_beam)(self.kept, x[self.c], x[self.ends], weights, way)
 
 
 def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
