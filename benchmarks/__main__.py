@@ -52,9 +52,9 @@ SCRIPTS = (
 # another process changes little (calls of one millisecond take half as long again beside one): as many of them run at
 # once as there are cores, those first that take longest.
 BESIDE = ("motion", "swing", "nets", "chains", "size", "along", "convergence", "operations")
-# These run only when named: CalculiX takes half an hour, a thousand fits some minutes, and what others are compared
-# with is kept.
-NAMED = ("solid", "solutions", "fits")
+# These run only when named: CalculiX takes half an hour, a thousand fits and measured structures some minutes,
+# and what others are compared with is kept.
+NAMED = ("solid", "solutions", "fits", "measured")
 # Tables of numbers, not charts; what follows goes to them.
 TABLES = {"--quick": "quick", "--against": "against"}
 
