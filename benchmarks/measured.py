@@ -1,8 +1,8 @@
 """Measured structures beside what flexmb computes: ``python benchmarks/measured.py`` prints, keeps and draws both.
 
 A rotating strip with a swept tip, two composite cantilevers under weights, and the Pazy wing: frequencies, displacement
-and twist. Sections and clamps are those of the sources; only two levers of the wing are chosen by its twist (REFERENCES.md
-V1 to V3).
+and twist. Sections and clamps are those of the sources; only two levers of the wing are chosen by its twist. See
+REFERENCES.md V1 to V3.
 """
 
 import warnings
