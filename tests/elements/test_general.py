@@ -95,6 +95,35 @@ def test_general_section_of_a_rectangle_is_the_rectangle():
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.max(np.abs(one)))
 
 
+def test_moments_of_mass_are_about_the_axis():
+    """Two equal points of the section, by hand; without inertia about its own centre one point."""
+    points = np.array([[0.0, 0.05, -0.01], [0.0, 0.01, 0.03]])
+    second = points.T @ points / 2
+    y, z = points.mean(axis=0)[1:]
+    own = second - np.outer([0, y, z], [0, y, z])
+    section = fm.sections.General(
+        coupled(4), mass=1.0, center_y=y, center_z=z, Jx=np.trace(own), Jy=own[2, 2], Jz=own[1, 1], Jyz=-own[1, 2]
+    )
+    mass, first, found = section.moments_of_mass()
+    assert mass == 1.0
+    np.testing.assert_allclose(first, points.mean(axis=0), atol=1e-15)
+    np.testing.assert_allclose(found, second, atol=1e-15)
+
+
+def test_triangle_and_matrix_are_the_same_stiffness():
+    matrix = coupled(6)
+    section = fm.sections.General(matrix[np.triu_indices(6)].tolist())
+    np.testing.assert_array_equal(section.stiffness, (np.triu(matrix) + np.triu(matrix, 1).T))
+    np.testing.assert_array_equal(section.triangle(), matrix[np.triu_indices(6)])
+    # Coefficients of the strains in the order of a spectral beam, whose shears come last.
+    small = section.series_matrix(1, np.asarray(2.0), True)
+    places = [0, 3, 4, 5, 1, 2]
+    np.testing.assert_allclose(small, np.asarray(section.stiffness)[np.ix_(places, places)] / 2, rtol=1e-14)
+    np.testing.assert_allclose(
+        np.diag(section.series_matrix(3, np.asarray(1.0), True))[:3], matrix[0, 0] / np.array([1, 3, 5])
+    )
+
+
 def test_damping_of_a_general_section_is_its_time_constant():
     model = cantilever(fm.sections.General(coupled(6), **MASS, damping=2e-4), shear=True, order=2).build()
     lin = fm.linearize(model)

@@ -136,6 +136,21 @@ def coupled_arm() -> Document:
     )
 
 
+def test_the_image_of_a_stiffness_has_other_signs():
+    """Of a beam whose local z is reversed: twist and curvature about y change sign."""
+    document = coupled_arm()
+    before, after = (
+        {t["name"]: t["args"] for t in one.things if t["call"] == "General"}
+        for one in (document, mirrored(document, "y"))
+    )
+    signs = np.array([1.0, -1, -1, 1])
+    wanted = np.outer(signs, signs)[np.triu_indices(4)] * np.array(before["box"]["stiffness"], float)
+    own = after["box mirrored"]
+    np.testing.assert_array_equal(np.array(own["stiffness"], float), wanted)
+    assert [float(own[name]) for name in ("center_y", "center_z", "Jyz")] == [0.01, 0.02, -5e-5]
+    assert after["box"] == before["box"]
+
+
 def loaded(document):
     """Frequencies about the equilibrium under loads, which feel every sign, and where node C is there."""
     built = build(document)
