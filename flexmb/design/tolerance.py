@@ -74,6 +74,10 @@ class Tolerances(Labelled):
         rows = {}
         for name, value, deviation, row in zip(self.answers, self.values, self.deviations, self.shares, strict=True):
             rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%', 'from')}"
+        if self.mean is not None and self.second_order_deviations is not None and self.error is not None:
+            columns = zip(self.answers, self.mean, self.second_order_deviations, self.error, strict=True)
+            for name, mean, deviation, error in columns:
+                rows[name] += f"; second order {short(mean)} ± {short(deviation)}, error {short(error)}"
         count, many = np.shape(self.shares)
         title = f"Tolerances of {counted(count, 'answer')} from {counted(many, 'dimension')}"
         return Summary(title, rows, "sensitivities")

@@ -166,6 +166,7 @@ def test_the_second_order_of_a_square_is_exact_and_of_a_cube_has_its_error():
     # A deviation of 100 000 samples.
     assert found.second_order_deviations[0] == pytest.approx(square, rel=4 / np.sqrt(200_000))
     assert found.error[0] < 1e-12
+    assert "second order 1.04 ± 0.4" in found.summary().rows["square"]
     # The cube of the deviation is left out: sqrt(15) s^3 in the mean square, here of 64 samples.
     assert found.error[1] == pytest.approx(np.sqrt(15) * 0.008, rel=0.6)
     assert abs(found.second_order_deviations[1] - exact) < found.error[1]
