@@ -119,7 +119,8 @@ def warn_of_ends(described: Description) -> None:
     for name, member in described.members.items():
         if not _may_step(member) or not is_concrete(member.properties):
             continue
-        clamped, skew = member.properties["clamped"], member.properties.get("skew")
+        clamped: Any = member.properties["clamped"]
+        skew = member.properties.get("skew")
         stepped = clamped is not None and len(clamped) > 2
         if skew is None and not stepped:
             continue

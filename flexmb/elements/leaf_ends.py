@@ -189,7 +189,7 @@ def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6
         if leaf.ends.skew is not None:
             own = own + turned * skew_compliance(leaf.ends.skew[end], rectangle)
         if leaf.ends.beside is not None:
-            own = own + turned * step_compliance(*leaf.ends.beside[:, end], rectangle)
+            own = own + turned * step_compliance(leaf.ends.beside[0, end], leaf.ends.beside[1, end], rectangle)
         shapes.append(own)
         root = None if leaf.ends.clamp is None else leaf.ends.clamp[end]
         roots.append(jnp.zeros((6, 6)) if root is None else root_compliance(root))
