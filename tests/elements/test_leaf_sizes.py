@@ -161,6 +161,23 @@ def test_stress_of_a_distorted_strip():
     np.testing.assert_allclose(sideways[[1, 5]], 0, atol=1e-3)
 
 
+def test_what_fades_in_the_stress_near_a_clamp():
+    """(2.28) and (2.59) by hand: mean of both faces at the edge, difference in the middle, of a strip that is bent."""
+    width, thickness, bend = 0.05, 0.5e-3, 4.0
+    section = fm.Rectangle(width, thickness, STEEL)
+    free, held = Leaf(section, jnp.zeros(2)), Leaf(section, jnp.array([1.0, 0.0]))
+    bending = float(section.rigidity().EIy) * bend
+    stress = jax.jit(lambda leaf, s: leaf_stress(leaf, s * width / 0.1, 0.1, jnp.eye(6)[4] * bending)[0])
+    fourth = 3 * 0.91 * (width**2 / thickness) ** 2 * curvature_of(free, bending) ** 2
+    for s in (0.1, 0.3):
+        lifted, faded = (np.asarray(stress(leaf, s))[[0, 6]].sum() for leaf in (free, held))
+        x = (0.1 + 0.03 * fourth) ** 0.25 * s
+        assert faded / lifted == approx(1 - 0.77 * np.exp(-x - x**2 / 2), rel=3e-3)
+    upper, lower = np.asarray(stress(held, 0.0))[[1, 5]]
+    middle = 1 + 0.65 * 0.3 / (1 + fourth / 500)
+    assert (upper - lower) / 2 == approx(6 * bending / (width * thickness**2) * middle, rel=1e-3)
+
+
 def curvature_of(leaf: Leaf, moment: float) -> float:
     """Curvature at which the energy of a strip far from clamps has a slope, by bisection."""
     names, length = ("EA", "GIt", "EIy", "EIz"), 0.1
