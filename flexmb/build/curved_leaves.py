@@ -108,7 +108,8 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
             BeamTheoryWarning,
         )
     wide = width / float(section.thickness)
-    if wide < NARROWEST:
+    # In the plane nothing twists.
+    if builder.dimension == 3 and wide < NARROWEST:
         warn(
             f"Element '{name}' is {wide:.2g} times as wide as thick. From {NARROWEST:g} on, stiffnesses of leaf springs"
             " agree with solid elements. Make what is thicker of beams, or compare it yourself.",
