@@ -66,4 +66,4 @@ def test_one_screw_motion_of_many_turns():
 def test_turns_count_beyond_a_full_turn():
     """After one full turn in steps of a quarter, Euler parameters have changed their sign; after two they are back."""
     turns = chain(np.tile([np.pi / 2, 0.0, 0, 0, 0, 0], (8, 1))).turns
-    np.testing.assert_allclose(turns[[4, 8]], [[-1.0, 0, 0, 0], [1, 0, 0, 0]], atol=1e-14)
+    np.testing.assert_allclose(turns[np.array([4, 8])], [[-1.0, 0, 0, 0], [1, 0, 0, 0]], atol=1e-14)
