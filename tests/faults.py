@@ -4733,21 +4733,9 @@ FAULTS = [
     ),
     Fault(
         "design/statistics.py",
-        "(count + 1) * share, (count + 1) * (1 - share)",
-        "(count + 1) * (1 - share), (count + 1) * share",
-        "design/test_scatter.py -k statistics_are_those",
-    ),
-    Fault(
-        "design/statistics.py",
         "margin = sign * (samples - edge)",
         "margin = samples - edge",
         "design/test_scatter.py -k best_yield",
-    ),
-    Fault(
-        "identification/comparison.py",
-        "norm.cdf(distance / 2)",
-        "norm.cdf(distance)",
-        "identification/test_comparison.py -k as_often",
     ),
     Fault(
         "identification/comparison.py",
