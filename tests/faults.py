@@ -2617,8 +2617,10 @@ FAULTS = [
     ),
     Fault("blocks/springs.py", "second * xp.cos(fold)", "length * xp.cos(fold)", "blocks/test_blocks.py -k in_space"),
     Fault("blocks/hinges.py", "2 * radius - depth", "2 * radius", "blocks/test_blocks.py -k notch_hinge", slow=True),
-    Fault("blocks/necks.py", "found.GIt * self.twist", "found.GIt", "blocks/test_blocks.py -k beside_solid", slow=True),
-    Fault("blocks/necks.py", "deep > DEEPEST or", "False and", "blocks/test_blocks.py -k stocky_neck"),
+    Fault(
+        "elements/necks.py", "found.GIt * self.twist", "found.GIt", "blocks/test_blocks.py -k beside_solid", slow=True
+    ),
+    Fault("elements/necks.py", "deep > DEEPEST or", "False and", "blocks/test_blocks.py -k stocky_neck"),
     # Design.
     Fault("design/tune.py", "best = min(runs", "best = max(runs", "design/test_tune.py -k several_starts"),
     Fault(

@@ -5,9 +5,8 @@ from typing import Any
 from ..arguments import holds, nan_if_refused
 from ..build.builder import Builder
 from ..elements import planar, spatial
-from ..elements.sections import Material, Scalar, notch_circular
+from ..elements.sections import Material, Scalar, hinge_circular, notch_circular
 from ..errors import ModelError
-from . import necks
 from .site import Site, Vector, slender
 
 
@@ -132,8 +131,7 @@ def _hinge(element: Any, *sizes: Any) -> tuple[Any, Any]:
     plain = notch_circular(*sizes)
     if element is not None:
         return slender, plain
-    width, height, thin, radius, material = sizes
-    return _sheared, necks.neck(width, height, thin, radius, material, _extent(height, thin, radius))
+    return _sheared, hinge_circular(*sizes)
 
 
 def _sheared(b: Builder, section: Any) -> tuple[Any, Any]:

@@ -125,7 +125,7 @@ def _frames(
 
 
 def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any) -> Chain:
-    """Poses at the ends of the steps along the beam, seen from its first end; and beyond jumps at its ends."""
+    """Poses at the ends of the steps along the beam, seen from its first end; with jumps also those beyond them."""
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
     if curvature is None and rule.basis.shape[1] == 1:
         # Constant strains are one screw motion.
@@ -136,8 +136,8 @@ def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace
         places = (starts[:, None] + jnp.asarray(rule.lengths)[:, None] * gauss(3)[0]).ravel()
         own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3))).reshape(-1, 3, 6)
     motions = screws(own * length, rule.lengths)
-    if hasattr(rule, "jumps"):
-        at_ends = rule.jumps @ c
+    if (jumps := getattr(rule, "jumps", None)) is not None:
+        at_ends = jumps @ c
         motions = jnp.concatenate([at_ends[:1], motions, at_ends[1:]])
     return chain(motions)
 
@@ -198,10 +198,10 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
     line = _poses(c, length, rule, curvature)
     n = rule.weights.size
     places, axes = line.places, line.axes
-    if hasattr(rule, "jumps"):
-        places, axes = places[1:-1], axes[1:-1]
-    if n > len(rule.inner):
-        places, axes = places[rule.ends], axes[rule.ends]
+    if n != places.shape[0]:
+        # Smooth pieces share their ends; a jump comes before the first.
+        chosen = rule.ends + hasattr(rule, "jumps")
+        places, axes = places[chosen], axes[chosen]
     within = jnp.concatenate([places, axes.reshape(-1, 3)])
     vectors = within @ at_p.T + np.repeat([1.0, 0.0], [n, 3 * n])[:, None] * p
     mass, moments = _masses(section, rule, length)

@@ -90,7 +90,7 @@ def _axes(turns: Float[Array, "n 4"]) -> Float[Array, "n 3 3"]:
     return ((turns[:, :, None] * turns[:, None, :]).reshape(-1, 16) @ TRIADS).reshape(-1, 3, 3)
 
 
-def screw_line(motion: Float[Array, "6"], shares: Float[Array, "n"] | np.ndarray) -> Chain:
+def screw_line(motion: Float[Array, "6"], shares: Float[Array, "n"]) -> Chain:
     """Poses at shares of one screw motion; differentiable at zero rotation."""
     turns, ways = _exponentials(shares[:, None] * motion)
     return Chain(turns, _axes(turns), ways)
@@ -106,8 +106,8 @@ def chain(motions: Float[Array, "n 6"]) -> Chain:
         count *= 2
     turns = jnp.concatenate([np.eye(4)[:1], turns])
     axes = _axes(turns)
-    steps = jnp.sum(axes[:-1] * ways[:, :, None], axis=1)
-    return Chain(turns, axes, np.tri(steps.shape[0] + 1, steps.shape[0], -1) @ steps)
+    sums = jnp.asarray(np.tri(ways.shape[0] + 1, ways.shape[0], -1))
+    return Chain(turns, axes, sums @ jnp.sum(axes[:-1] * ways[:, :, None], axis=1))
 
 
 def cross(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n 3"]:

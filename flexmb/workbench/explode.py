@@ -51,8 +51,10 @@ def _section(document: Document, block: dict[str, Any]) -> dict[str, Any]:
         section = document.by_id[document.known.by_space["section"][name]]
         call, args, name = section["call"], replaced(section["args"], ["shear"], "true"), f"{name} with shear"
     else:
-        args = {key: value for key, value in block["args"].items() if key in calls()["notch_circular"].fields}
-        call, name = "notch_circular", f"{block['name']} notch"
+        # With an element of its own a hinge is a plain beam.
+        call = "notch_circular" if block["args"].get("element") else "hinge_circular"
+        args = {key: value for key, value in block["args"].items() if key in calls()[call].fields}
+        name = f"{block['name']} notch"
     return {"call": call, "name": document.known.unused("section", name), "args": args}
 
 

@@ -55,7 +55,7 @@ def test_poses_along_a_line(count):
 
 def test_one_screw_motion_of_many_turns():
     motion = np.array([7.0, -19.0, 25.0, 1.0, 2.0, 3.0])
-    line = screw_line(motion, np.array([0.0, 0.3, 1.0]))
+    line = screw_line(motion, jnp.array([0.0, 0.3, 1.0]))
     for axes, place, share in zip(line.axes, line.places, (0.0, 0.3, 1.0), strict=True):
         expected = scipy.linalg.expm(HAT @ (share * motion))
         # Rounding, times an angle of 32 rad.
@@ -65,5 +65,5 @@ def test_one_screw_motion_of_many_turns():
 
 def test_turns_count_beyond_a_full_turn():
     """After one full turn in steps of a quarter, Euler parameters have changed their sign; after two they are back."""
-    turns = chain(np.tile([np.pi / 2, 0.0, 0, 0, 0, 0], (8, 1))).turns
-    np.testing.assert_allclose(turns[np.array([4, 8])], [[-1.0, 0, 0, 0], [1, 0, 0, 0]], atol=1e-14)
+    turns = np.asarray(chain(np.tile([np.pi / 2, 0.0, 0, 0, 0, 0], (8, 1))).turns)
+    np.testing.assert_allclose(turns[[4, 8]], [[-1.0, 0, 0, 0], [1, 0, 0, 0]], atol=1e-14)

@@ -9,12 +9,11 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.compile import jit
-from ..elements.profile import NODES, Profile
-from ..elements.section import Material, Rigidity, Scalar, Section
-from ..elements.sections import Rectangle, notch_circular
-from ..elements.surface import Stress
 from ..errors import BeamTheoryWarning, warn
 from ..math.quadrature import gauss
+from .profile import NODES, Profile
+from .section import Material, Rigidity, Scalar, Section
+from .surface import Stress
 
 # Stress spreads from a neck less than slanted faces say: by which share of the square of the slope tension and shear
 # give way more, up to which square.
@@ -31,7 +30,7 @@ class Neck(Section):
     """A rectangle at a place of a notch hinge.
 
     Attributes:
-        rectangle: With its shear counted.
+        rectangle: Rectangle with shear.
         slope: By how much the thickness grows along the hinge, () [-].
         twist: Torsional rigidity over Saint-Venant's, the same all along, () [-].
         stretched: By how much smaller the compliance in stretching is, since the neck is a plate, () [-].
@@ -42,7 +41,7 @@ class Neck(Section):
         THEORY.md 2, eq. (2.60) and (2.61).
     """
 
-    rectangle: Rectangle
+    rectangle: Any
     slope: Scalar
     twist: Scalar
     stretched: Scalar
@@ -84,16 +83,17 @@ class Neck(Section):
         )
 
 
-def neck(width: Scalar, height: Scalar, thin: Scalar, radius: Scalar, material: Material, extent: Scalar) -> Profile:
+def neck(plain: Profile, width: Scalar, thin: Scalar, radius: Scalar, extent: Scalar, material: Material) -> Profile:
     """Section of a circular notch hinge from rim to rim.
 
     Args:
-        width, height, material: As :func:`flexmb.sections.notch_circular` has them.
+        plain: Rectangles with shear along the hinge.
+        width: Side along local y, () [m].
         thin: Height of the remaining neck, () [m].
-        radius: Of the notch, () [m].
+        radius: Radius of the notch, () [m].
         extent: Distance between the rims, () [m].
+        material: Material.
     """
-    plain = notch_circular(width, height, thin, radius, material, shear=True)
     _warn_of_stocky(thin / radius, width / (radius * thin) ** 0.5)
     numbers = _everywhere(plain, width, (radius * thin) ** 0.5, material, extent)
 
