@@ -184,7 +184,7 @@ def _resisted(
     if not is_concrete((starts, arguments)):
         return None
     places = [np.asarray(start, float) for start in starts]
-    own = {one: getattr(member.properties[key], one) for one in RESISTING}
+    own = {one: getattr(member.properties[key], one) for one in RESISTING[key]}
     every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
     # Properties other than arrays select code.
     arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
