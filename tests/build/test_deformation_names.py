@@ -46,16 +46,18 @@ def test_a_tension_by_name_tunes_a_wire(element):
     assert fm.frequencies(model)[0] == approx(exact, rel=1e-5)
 
 
-@pytest.mark.parametrize(("element", "flat"), [(SPECTRAL, 0.0), (planar.leaf_spring, 0.14)])
+@pytest.mark.parametrize(("element", "flat"), [(SPECTRAL, (0.0, 0.0)), (planar.leaf_spring, (0.14, 0.27))])
 def test_a_tension_by_name_pulls_at_the_end(element, flat):
     """Between fixed ends the closure passes on what is given, with no other force or moment.
 
-    Clamps make a leaf spring stiffer by 1 - nu^2 over 0.14 of its width each (THEORY.md (2.22)), so that it pulls more.
+    Clamps make a leaf spring stiffer by 1 - nu^2 over 0.14 of its width and 0.27 of its thickness each (THEORY.md
+    (2.58)), so that it pulls more.
     """
     b = clamped(element, STRIP)
     b.prestress("l", elongation=PULL)
     found = fm.equilibrium(b.build())
-    mean = 1 - 2 * flat * STRIP.width / LENGTH * (STEEL.E / 2 / STEEL.G - 1) ** 2
+    reach = flat[0] * STRIP.width + flat[1] * STRIP.thickness
+    mean = 1 - 2 * reach / LENGTH * (STEEL.E / 2 / STEEL.G - 1) ** 2
     assert found.stress_resultant("l", "closure_x") == approx(PULL / mean)
     np.testing.assert_allclose([found.stress_resultant("l", f"closure_{of}") for of in ("y", "tilt")], 0, atol=1e-9)
 
