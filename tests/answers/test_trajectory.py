@@ -194,6 +194,7 @@ def test_state_spaces_of_times_that_differ():
     assert [found[i]["A"].shape for i in (0, 1)] == [(2, 2), (4, 4)]
 
 
+@pytest.mark.slow
 def test_steps_are_saved_as_arrays(tmp_path):
     data = linearised()
     save(data, tmp_path / "arm.npz")

@@ -338,6 +338,7 @@ def test_statistics_are_those_of_samples():
     assert smooth_yield({"y": same}, {"y": (1.1, None)}) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["yield", "percentile 5 y", "percentile 80 y", "deviation y", "mean y"])
 def test_slopes_of_statistics_agree_with_differences(what):
     functions = {"y": lambda m: m["x"] ** 2 * m["E"]}

@@ -332,6 +332,7 @@ def test_a_cosine_arch_moves_as_its_solid_model():
         assert force == pytest.approx(expected, abs=0.008 * 54.463), down
 
 
+@pytest.mark.slow
 def test_a_curve_through_points_in_space():
     """A quarter of a circle in a tilted plane, moved across this plane: bending and torsion in closed form."""
     turn = np.asarray(fm.rotations.to_matrix(fm.rotations.from_vector(np.array([0.3, -0.5, 0.8]))))

@@ -130,6 +130,7 @@ def test_damping_of_a_general_section_is_its_time_constant():
     np.testing.assert_allclose(lin.D0, 2e-4 * lin.K0, rtol=1e-12, atol=1e-12 * np.max(np.abs(lin.D0)))
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_entries_of_a_stiffness():
     """Forward and reverse, against central differences, through a build."""
     triangle, size = coupled(4)[np.triu_indices(4)], 4

@@ -244,6 +244,7 @@ def test_which_ends_have_a_step():
     assert rows(wide_block)[0] == [[0.018, 0.018], [5e-4, 2e-3]]
 
 
+@pytest.mark.slow
 def test_planar_steps_add_their_compliance():
     """Tension of two strips in series, and what the step adds."""
     narrow = fm.Rectangle(0.009, 0.5e-3, STEEL)
@@ -333,6 +334,7 @@ def test_a_root_at_the_other_end_is_the_same():
     np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_temperature_does_not_load_a_root():
     """A free leaf spring on roots grows as one without."""
     b = on_bushing(None, SOFT)

@@ -207,6 +207,7 @@ def test_stress_near_a_clamp_of_a_wide_strip_beside_solid_elements():
         np.testing.assert_allclose(stress, expected, rtol=0.05, atol=2.0)
 
 
+@pytest.mark.slow
 def test_von_mises_at_a_stroke_beside_solid_elements():
     """REFERENCES.md A14-stress: guided tip moved by 10 mm; 4.2 % at corners, 2.2 % in the middle, 2.5 % the largest.
 
