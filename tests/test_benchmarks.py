@@ -141,6 +141,7 @@ def test_what_scripts_took_is_kept_in_their_order_and_summed():
     assert whole.told(made_up).splitlines()[-1].split() == ["together", "30", "7"]
 
 
+@pytest.mark.slow
 def test_a_package_that_is_not_there_is_no_other_one(tmp_path):
     # One that is installed may be found in its place: that is told too, and nothing is compared.
     with pytest.raises(RuntimeError, match=r"^then: (another package than|ModuleNotFoundError)"):

@@ -284,7 +284,7 @@ def test_beyond_a_limit_point():
         np.testing.assert_allclose(fm.equilibrium(sparse, sparse=True).at("apex")[1], at, atol=1e-9)
 
 
-@pytest.mark.slow("0.0001", "1.0", "1e-06")
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [1e-6, 1e-4, 1e-2, 1.0])
 def test_any_first_step(first):
     """The default finds its steps whatever the first one was."""

@@ -11,6 +11,7 @@ from flexmb.answers.mode_1_simulate import _uniformly_accelerated
 from flexmb.spacar.actions import RATES_IDLE
 
 
+@pytest.mark.slow
 def test_reactions_and_compliances_of_a_clamped_arm():
     """Force and moment of the clamp, of the equilibrium of the whole: the arm is that to where the tip came."""
     b = fm.Builder()

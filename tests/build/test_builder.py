@@ -426,6 +426,7 @@ def test_a_mass_is_not_negative_but_inertia_may_be():
     b.mass("A", 1.0, inertia=-1e-3)
 
 
+@pytest.mark.slow
 def test_sections_of_several_kinds_in_one_block():
     """A leaf spring, a given rigidity and an element without section are as three blocks of their own would be."""
 

@@ -32,6 +32,7 @@ def clamped(*args, **options):
     return b
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", [planar.spectral_beam, spatial.spectral_beam])
 def test_a_tension_by_name_tunes_a_wire(element):
     """Pinned in the plane: f = pi/(2 L^2) sqrt(EI/m) sqrt(1 + T L^2/(pi^2 EI)); six coefficients give five digits."""
@@ -46,6 +47,7 @@ def test_a_tension_by_name_tunes_a_wire(element):
     assert fm.frequencies(model)[0] == approx(exact, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "flat"), [(SPECTRAL, (0.0, 0.0)), (planar.leaf_spring, (0.14, 0.27))])
 def test_a_tension_by_name_pulls_at_the_end(element, flat):
     """Between fixed ends the closure passes on what is given, with no other force or moment.
@@ -204,6 +206,7 @@ def test_names_stand_for_numbers_everywhere():
         motion.deformation("hinge", "angel")
 
 
+@pytest.mark.slow
 def test_a_stroke_and_a_trajectory_by_name():
     b = hinged()
     b.input("hinge", "angle")

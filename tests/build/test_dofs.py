@@ -207,6 +207,7 @@ def guide_to_release(thickness, height=0.1, **kwargs):
     return b.build(release="auto", **kwargs)
 
 
+@pytest.mark.slow
 def test_what_is_over_constrained_is_released_beside_traced_sections():
     """Its frequency goes with the root of the cube of the thickness."""
 

@@ -107,7 +107,7 @@ def grad_of_two(function):
     return jax.grad(lambda k: jnp.sum(jax.vmap(function)(k * jnp.ones(2))) / 2)
 
 
-@pytest.mark.slow("grad", "jacfwd", "jit grad jit", "grad vmap")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "transformed",
     [jax.grad, jax.jacfwd, lambda f: jax.jit(jax.grad(f)), lambda f: jax.jit(jax.grad(jax.jit(f))), grad_of_two],

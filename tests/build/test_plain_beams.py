@@ -92,6 +92,7 @@ def test_sections_that_vary():
     assert int(found.split("in torsion by ")[1].split("%")[0]) > 1000
 
 
+@pytest.mark.slow
 def test_what_is_advised_is_what_can_be_done():
     """A leaf spring takes no breaks and no circle; what is advised leaves nothing to warn of."""
     notch, ends = (0.01, 5e-3, 0.3e-3, 5e-3, STEEL), ((0, 0, 0), (0, 0, 0.02))

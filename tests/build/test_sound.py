@@ -78,6 +78,7 @@ def probe(model):
     return sum(jnp.sum(leaf) for leaf in jax.tree.leaves(model.parameters))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 @pytest.mark.parametrize("name", CASES)
 def test_a_traced_build_is_nan_where_a_concrete_one_refuses(name):
@@ -96,12 +97,14 @@ def frequency(thickness):
     )[0]
 
 
+@pytest.mark.slow
 def test_a_frequency_below_zero_is_none():
     found = jax.vmap(frequency)(jnp.array([-0.6e-3, 0.6e-3]))
     np.testing.assert_array_equal(np.isnan(found), [True, False])
     assert np.isnan(fm.jit(frequency)(-0.6e-3))
 
 
+@pytest.mark.slow
 def test_derivatives_of_what_can_be_built_stay():
     """The factor that marks what cannot be is one: to the last digit of central differences."""
     found = jax.grad(frequency)(0.6e-3)

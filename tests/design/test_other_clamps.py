@@ -75,6 +75,7 @@ def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
     assert found.values[0] == approx(0.06 * 30e-3 * 0.5e-3 * 7850)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_what_another_structure_cannot_answer_stops_no_other_design():
     """A thick beam holds the warping of a leaf spring, which then is no degree of freedom."""

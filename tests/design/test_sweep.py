@@ -259,6 +259,7 @@ def test_a_pool_that_forks_is_refused():
             fm.sweep(double, {"twice": twice}, {"value": [1.0, 2.0]}, compiled=False, executor=pool)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("usable", [True, False])
 def test_processes_use_the_cache_where_they_can(tmp_path, usable):
     folder = tmp_path / "cache"

@@ -65,6 +65,7 @@ def line_of(curvature, chord):
     return weights, angle - tilt, (turn @ [x, y]).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", [planar.spectral_beam(10), planar.leaf_spring(order=10)])
 def test_tip_of_a_curved_beam_by_quadrature(element):
     """Castigliano's theorem on the curve that an integrator of differential equations finds."""

@@ -31,6 +31,7 @@ def cantilever(section, *, shear=False, order=6, **properties):
     return b
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [4, 6])
 def test_small_compliance_has_all_couplings(size):
     stiffness = coupled(size)
@@ -124,6 +125,7 @@ def test_triangle_and_matrix_are_the_same_stiffness():
     )
 
 
+@pytest.mark.slow
 def test_damping_of_a_general_section_is_its_time_constant():
     model = cantilever(fm.sections.General(coupled(6), **MASS, damping=2e-4), shear=True, order=2).build()
     lin = fm.linearize(model)
@@ -184,6 +186,7 @@ def test_impossible_stiffness_is_refused(fault):
     assert "'beam'" in str(raised.value)
 
 
+@pytest.mark.slow
 def test_traced_stiffness_that_is_impossible_gives_no_number():
     def tip(coupling):
         matrix = jnp.diag(jnp.array([400.0, 3, 2, 8])).at[[0, 1], [1, 0]].set(coupling)
@@ -243,6 +246,7 @@ def test_a_file_cannot_express_a_general_section(tmp_path):
         fm.write_spacar(builder, tmp_path / "wing.dat")
 
 
+@pytest.mark.slow
 def test_a_general_section_beside_others():
     """Beams with sections of both kinds in one mechanism: in a row, their small compliances add up."""
     b = fm.Builder()

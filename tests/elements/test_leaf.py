@@ -466,6 +466,7 @@ def test_derivatives_by_the_widths_of_a_trapezoid():
     np.testing.assert_allclose(forward, reverse, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_width_that_varies_fast_warns():
     b = fm.Builder()
     b.node("foot", (0, 0))

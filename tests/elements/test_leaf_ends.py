@@ -322,6 +322,7 @@ def test_an_elastic_root_beside_an_element_of_its_own():
     np.testing.assert_allclose(frequencies[1], frequencies[0], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_root_at_the_other_end_is_the_same():
     """As the leaf spring is drawn the other way."""
     b = fm.Builder()

@@ -248,7 +248,7 @@ B1 = {  # stroke: Fx, y, phi, Kz
 }
 
 
-@pytest.mark.slow("0.01")
+@pytest.mark.slow
 @pytest.mark.parametrize("stroke", B1)
 def test_support_stiffness_of_a_guide_at_a_stroke(stroke):
     # B1, shooting at 1e-12: Fx to 1e-6, Kz to 1e-4.

@@ -526,7 +526,7 @@ def carried_stage():
     return b
 
 
-@pytest.mark.slow("along-2", "along-3")
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("kind", ["linear", "along", "nonlinear"])

@@ -41,6 +41,7 @@ def readings(model, offset):
     return moved(model) * LOADS + offset
 
 
+@pytest.mark.slow
 def test_mass_and_stiffness_from_a_frequency_and_a_displacement():
     frequency, shift = np.sqrt(STIFFNESS / MASS) / (2 * np.pi), LOAD / STIFFNESS
     data = {"frequency 1": (frequency, 1e-3 * frequency), "displacement cart.x": (shift, 1e-2 * shift)}

@@ -35,7 +35,7 @@ def arm(dimension, more=None) -> fm.Model:
     return b.build()
 
 
-@pytest.mark.slow("3")
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_compliance_of_a_turned_node(dimension):
     model, size = arm(dimension), 3 * (dimension - 1)

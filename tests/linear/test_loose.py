@@ -290,7 +290,7 @@ TRACED = {
 DERIVATIVES = {"grad": jax.grad, "jacfwd": jax.jacfwd, "jacrev": jax.jacrev}
 
 
-@pytest.mark.slow("sparse poles")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRACED)
 def test_what_is_differentiated_is_refused_by_the_same_words_and_is_nan_in_a_program(name):
     def asked(factor):

@@ -678,6 +678,7 @@ def test_refusals():
         fm.stress(rigid.build())
 
 
+@pytest.mark.slow
 def test_an_element_without_stress_is_left_out():
     """A wire of Rigidity beside two leaf springs, which carries its share of the load all the same."""
 

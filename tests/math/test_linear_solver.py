@@ -77,6 +77,7 @@ class Own:
         return DENSE.factored(elements, mass, damping)
 
 
+@pytest.mark.slow
 def test_an_equilibrium_takes_a_solver_of_ones_own():
     b = fm.Builder()
     b.node("a", (0, 0))

@@ -44,6 +44,7 @@ def test_exponential_and_its_derivatives(angle):
     np.testing.assert_allclose(found[2], (either[0] - either[1]) / (2 * step), atol=2e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 5, 8])
 def test_poses_along_a_line(count):
     motions = np.random.default_rng(1).uniform(-1, 1, (count, 6))

@@ -47,7 +47,7 @@ def mass_beside(name, law, **properties):
     return b
 
 
-@pytest.mark.slow("0.1")
+@pytest.mark.slow
 @pytest.mark.parametrize("drop", [0.1, 1.0, 5.0])
 def test_a_ball_keeps_its_energy_on_a_stiff_stop(drop):
     # Wanted: 1 %. The step control allows 3 rtol = 3e-5 a step, and some 40 steps make up an impact.

@@ -117,6 +117,7 @@ def test_a_load_on_what_is_fixed_is_refused(name):
         fm.simulate(arm(), [0, 0.1], loads={name: lambda t: jnp.ones(size)})
 
 
+@pytest.mark.slow
 def test_a_load_on_a_node_that_is_held_in_part_acts_on_the_rest():
     b = sprung_mass(stiffness=90.0, mass=0.4)
     times = np.linspace(0, 0.3, 4)

@@ -69,6 +69,7 @@ def recursion(radius, stiffness, u, steps):
 FEW = {"solver": SOLVERS["energy"], "dt0": 0.000314}
 
 
+@pytest.mark.slow
 def test_steps_that_keep_energy_are_those_of_the_middle_rule(oscillator):
     """Twenty steps a period: w h = 2 tan(phase / 2) of each, where all is linear."""
     found = fm.simulate(oscillator, np.linspace(0, 0.0314, 11), **FEW)
@@ -88,7 +89,7 @@ def test_parts_of_whole_steps(oscillator):
     np.testing.assert_allclose(parts.x, whole.x, atol=1e-13)
 
 
-@pytest.mark.slow("0.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.0, 0.8])
 def test_what_a_step_does_not_resolve_is_damped(oscillator, radius):
     """Steps of 160 periods: as the recursion of one coordinate, which dies out."""

@@ -33,7 +33,7 @@ def rotor(speed, measured, axis=AXIS) -> fm.Builder:
     return b
 
 
-@pytest.mark.slow("6.2-False")
+@pytest.mark.slow
 @pytest.mark.parametrize(("speed", "told"), [(6.2, False), (6.4, True), (40 * np.pi, True)])
 def test_what_a_controller_measures_past_a_full_turn_is_told(speed, told):
     """The fastest comes round from one time to the next, where it is as it was."""

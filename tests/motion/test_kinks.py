@@ -76,6 +76,7 @@ def test_derivatives_across_a_stop_that_is_met_within_a_step():
     assert float(slope) == approx(float(jax.grad(height_behind_the_stop)(0.44)), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_barrier_turns_back_what_cannot_pass_it():
     """2 J high and 40 mm wide, before a cart of 0.5 J: energy, whatever the tolerance."""
 

@@ -121,7 +121,7 @@ def test_derivatives_of_what_is_measured():
     np.testing.assert_allclose(by_w, jacobian[1], atol=1e-12)
 
 
-@pytest.mark.slow("0.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("at", [0.0, 0.2, 0.4])
 def test_the_failure_of_any_interval_is_that_of_the_motion(at):
     """A load that no step is short enough for, in one of the intervals of a sampled controller."""

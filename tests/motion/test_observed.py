@@ -48,6 +48,7 @@ def expected() -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.slow
 def test_a_prestress_that_grows_stores_energy_in_what_is_strained():
     b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
     b.force("mass", (FORCE, 0))

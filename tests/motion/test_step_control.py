@@ -39,6 +39,7 @@ def released(model, amplitude, times):
     return fm.simulate(model, times, initial=start, rtol=RTOL)
 
 
+@pytest.mark.slow
 def test_small_motions_are_as_accurate_as_large_ones():
     """Ten nanometres as a centimetre: ten periods, closed form; steps are those of the motion, not of its size."""
     times = np.linspace(0, 20 * np.pi / RATE, 31)

@@ -56,7 +56,7 @@ def test_an_arc_is_right_as_long_as_nothing_is_said(share):
     assert (error < 0.06, bool(words)) == (True, abs(turned) > 0.2)
 
 
-@pytest.mark.slow("motion")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ask",
     [
@@ -76,7 +76,7 @@ def test_every_answer_says_it(ask):
     assert "Use more beams" in word
 
 
-@pytest.mark.slow("way0")
+@pytest.mark.slow
 @pytest.mark.parametrize("way", [(1, 0, 0), (0, 0, 1)])
 def test_a_beam_that_warps_says_the_same(way):
     """Bent across, away from the origin, as a beam that does not."""
@@ -122,6 +122,7 @@ def deflection(strain, bend, across=1e-4):
     return across / pull * (1 + strain) * (LENGTH - np.tanh(k * LENGTH) / k)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strain", [0.005, 0.05])
 def test_more_beams_do_not_help_where_they_are_stretched(strain):
     """They converge to another EI, and what is advised has the right one."""

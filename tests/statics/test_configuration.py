@@ -77,6 +77,7 @@ def test_near_a_dead_point(away):
     np.testing.assert_allclose(found.velocity("m"), [0.01, -0.01 * x / y], rtol=10 * error / y)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("x", "velocity", "code"),
     [

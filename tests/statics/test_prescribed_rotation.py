@@ -252,7 +252,7 @@ def turned_by_name(b, angle, **options):
 MOMENT = SHAFT.GIt * np.sin(0.2) * np.cos(0.2)
 
 
-@pytest.mark.slow("turned_by_axis")
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [turned_by_axis, turned_by_name])
 def test_the_moment_that_turns_a_shaft(turn):
     """It acts on the node whose rotation is prescribed, and its opposite on the clamp."""

@@ -217,6 +217,7 @@ def test_a_mode_swings_as_computed(page, view):
     assert not ask(page, "v.playing")
 
 
+@pytest.mark.slow
 def test_mode_amplitude_and_position_are_chosen(page, view):
     page.execute_script("window.flexmb.seek(0.25)")
     move(page, "choice", 1)
@@ -283,6 +284,7 @@ def test_colours_are_those_of_the_scale(page, view):
     assert ask(page, "Array.from(v.sweep.colours.slice(0, 3))") == [0, 114, 178]
 
 
+@pytest.mark.slow
 def test_dark_and_light(page):
     background = "getComputedStyle(document.body).backgroundColor"
     assert ask(page, background) == "rgb(255, 255, 255)"

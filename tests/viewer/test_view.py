@@ -144,6 +144,7 @@ def test_a_single_state_moves_from_the_undeformed_one():
     assert len(fm.view(model).lines.states) == 0
 
 
+@pytest.mark.slow
 def test_motion_has_all_its_states_and_times(swinging):
     view = fm.view(swinging)
     assert view.kind == "motion"

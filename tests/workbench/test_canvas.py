@@ -148,6 +148,7 @@ def test_a_rectangle_chooses_what_lies_in_it_or_also_what_it_touches(page):
     assert ask(page, "s.state.selection") == []
 
 
+@pytest.mark.slow
 def test_delete_takes_along_what_hangs_on_it_and_a_copy_is_selected(page):
     from selenium.webdriver import Keys
 
