@@ -220,6 +220,16 @@ class Rigidity(Section):
         """Whether its coefficient of thermal expansion is stated."""
         return self.alpha is not None
 
+    def shear_rigidities(self) -> tuple[Any, Any]:
+        """Shear rigidities along y and along z [N]; zero where the section is rigid in shear."""
+        library = library_of((self.EIy, self.EIz, self.shear_y, self.shear_z))
+
+        def rigidity(bending: Scalar, compliance: Scalar):
+            sheared = library.asarray(compliance) > 0
+            return library.where(sheared, bending / library.where(sheared, compliance, 1.0), 0.0)
+
+        return rigidity(self.EIz, self.shear_y), rigidity(self.EIy, self.shear_z)
+
     def faults(self) -> list[str]:
         """A rigidity or mass below zero; the product of inertia and the thermal expansion have either sign."""
         numbers = tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz")
@@ -260,17 +270,6 @@ def _faults_of_material(material: Material) -> list[str]:
     if fatigue is not None and strength is not None and not holds(fatigue <= strength):
         found.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
     return found
-
-
-def shear_rigidities(s: Rigidity) -> tuple[Any, Any]:
-    """Shear rigidities along y and along z [N]; zero where the section is rigid in shear."""
-    library = library_of((s.EIy, s.EIz, s.shear_y, s.shear_z))
-
-    def rigidity(bending: Scalar, compliance: Scalar):
-        sheared = library.asarray(compliance) > 0
-        return library.where(sheared, bending / library.where(sheared, compliance, 1.0), 0.0)
-
-    return rigidity(s.EIz, s.shear_y), rigidity(s.EIy, s.shear_z)
 
 
 class Damping(Record):
@@ -316,4 +315,4 @@ class MaterialDamping(Record):
             section: A :class:`Section` of this material.
         """
         s = section.rigidity()
-        return Damping(*(self.time * rigidity for rigidity in (s.EA, s.EIy, s.EIz, s.GIt, *shear_rigidities(s))))
+        return Damping(*(self.time * rigidity for rigidity in (s.EA, s.EIy, s.EIz, s.GIt, *s.shear_rigidities())))

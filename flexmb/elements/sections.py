@@ -11,11 +11,10 @@ from ..arguments import as_known, check_number, holds, is_concrete, nan_if_refus
 from ..compilation.record import static
 from ..errors import ModelError
 from ..lazy import only
-from . import surface
+from . import necks, surface
 from .curves import curvature_along as curvature_along
 from .curves import curvature_through as curvature_through
 from .general import General as General
-from .necks import neck as fitted_neck
 from .profile import Profile as Profile
 from .profile import stepped as stepped
 from .profile import taper as taper
@@ -24,7 +23,7 @@ from .section import Damping as Damping
 from .section import Material as Material
 from .section import MaterialDamping as MaterialDamping
 from .section import Rigidity as Rigidity
-from .section import Scalar, shear_rigidities
+from .section import Scalar
 from .section import Section as Section
 
 
@@ -80,7 +79,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         product = xp.where(positive, stiffness * mass, 1.0)
         return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
 
-    bending, shears = (equivalent(s.EIy, 3), equivalent(s.EIz, 3)), (equivalent(one, 1) for one in shear_rigidities(s))
+    bending, shears = (equivalent(s.EIy, 3), equivalent(s.EIz, 3)), (equivalent(one, 1) for one in s.shear_rigidities())
     return Damping(equivalent(s.EA, 1), *bending, equivalent(s.GIt, 3), *shears)
 
 
@@ -456,7 +455,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
     """
     plain = notch_circular(width, height, neck, radius, material, shear=True)
     depth = (height - neck) / 2
-    return fitted_neck(plain, width, neck, radius, 2 * (depth * (2 * radius - depth)) ** 0.5, material)
+    return necks.neck(plain, width, neck, radius, 2 * (depth * (2 * radius - depth)) ** 0.5, material)
 
 
 def notch_elliptic(
