@@ -114,18 +114,7 @@ def test_results_are_not_taken_for_models():
 # -- incremental loads --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow(
-    "equilibrium",
-    "linearize",
-    "frequencies",
-    "modes",
-    "poles",
-    "stress",
-    "section_resultants",
-    "frequency_like",
-    "simulate",
-    "to_nonlinear_system",
-)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

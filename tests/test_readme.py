@@ -184,6 +184,7 @@ def test_the_door_is_small():
     assert len((ROOT / "README.md").read_text().splitlines()) <= LONGEST_DOOR
 
 
+@pytest.mark.slow
 def test_the_map_lists_every_file():
     """With the first paragraph of its docstring."""
     rows = re.findall(r"^\| \[\w+\]\((\S+\.py)\) \| (.*) \|$", (ROOT / "flexmb/README.md").read_text(), re.MULTILINE)

@@ -157,6 +157,7 @@ def test_matrices_are_attributes_of_what_is_linearised():
         lin.M1  # type: ignore[attr-defined]  # noqa: B018
 
 
+@pytest.mark.slow
 def test_a_mode_turns_a_node_and_no_euler_parameter():
     b = fm.Builder()
     b.node("foot", (0.0, 0.0, 0.0))
@@ -168,6 +169,7 @@ def test_a_mode_turns_a_node_and_no_euler_parameter():
     assert "turns tip most" in repr(fm.modes(b.build()))
 
 
+@pytest.mark.slow
 def test_modes_are_told_by_nodes_and_not_by_what_lies_within_an_element():
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))

@@ -28,6 +28,7 @@ def response():
     return fm.frequency_response(b.build(), HERTZ, loss_factor=0.02)
 
 
+@pytest.mark.slow
 def test_a_response_keeps_its_complex_numbers_names_and_units(response):
     data = response.to_xarray()
     assert data.response.dims == ("frequency", "output", "input")
@@ -160,6 +161,7 @@ def test_a_motion_stands_over_time(model, tmp_path):
         ]
 
 
+@pytest.mark.slow
 def test_strokes_and_modes(model):
     b = planar_guide(elongation=True, dofs=False)
     b.prescribe("left1", "x", 1.0, increment=True)
@@ -178,6 +180,7 @@ def test_strokes_and_modes(model):
         modes.to_pandas("stiffness")
 
 
+@pytest.mark.slow
 def test_stress_by_element_and_place(model):
     stress = fm.stress(model)
     data = stress.to_xarray("von Mises", "normal force")

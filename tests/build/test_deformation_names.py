@@ -236,6 +236,7 @@ def test_what_is_held_or_loose_is_warned_of_by_name():
         b.build(check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "message"),
     [

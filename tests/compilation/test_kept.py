@@ -432,6 +432,7 @@ def test_versions_of_libraries_are_part_of_the_key(monkeypatch, library):
     assert kept._text.__wrapped__() != before
 
 
+@pytest.mark.slow
 def test_a_number_is_kept_of_known_functions_alone(folder):
     def leap_years(first, last):
         """By what a new process knows, which remembers nothing."""

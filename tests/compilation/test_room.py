@@ -10,6 +10,7 @@ import pytest
 from flexmb.compilation import compile
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="memory maps are counted on Linux alone")
 @pytest.mark.parametrize("left", [0, 1])
 def test_compiled_code_is_given_back_where_it_may_fill_the_memory_maps(compilations, monkeypatch, left):

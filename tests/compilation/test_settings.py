@@ -24,6 +24,7 @@ def setting(name, value):
     compile_thoroughly(False, keep=True)
 
 
+@pytest.mark.slow
 def test_arguments_of_several_kinds_in_turn(compilations):
     own = jit(lambda x: jnp.sum(x) * 2)
     given = [np.arange(3.0), np.arange(4.0), np.arange(3), np.arange(3.0), jnp.arange(4.0)]

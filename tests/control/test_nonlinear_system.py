@@ -7,7 +7,7 @@ from cases.motions import meshing_wheels, sprung_mass
 import flexmb as fm
 
 
-@pytest.mark.slow("0.02")
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [0.02, 3.0])
 def test_rates_of_an_oscillator_are_those_of_its_equation(length):
     k, c, m = 90.0, 1.2, 0.4

@@ -200,6 +200,7 @@ def two_carts(first, second):
     return b.build()
 
 
+@pytest.mark.slow
 def test_scatter_where_two_frequencies_nearly_coincide_is_not_linear():
     """The lowest of two: the mean of the smaller of two normal numbers is sigma/sqrt(pi) below theirs."""
     near, spread = {"first": 1000.0, "second": 1000.1}, {"first": 10.0, "second": 10.0}

@@ -447,6 +447,7 @@ def wells(x):
     return (x**2 - 1) ** 2 + 0.3 * x + 1
 
 
+@pytest.mark.slow
 def test_a_target_that_is_missed_is_no_success():
     # E1 at 2 mm, its upper bound: 82.15 Hz.
     call = {"targets": {"frequency": 200.0}}
@@ -458,6 +459,7 @@ def test_a_target_that_is_missed_is_no_success():
     assert found.active == ("thickness is at its upper bound 0.002",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("optimizer", [None, optimistix.LevenbergMarquardt(1e-10, 1e-10)], ids=["own", "optimistix"])
 def test_a_local_minimum_is_told(optimizer):
     call = {"optimizer": optimizer, "throw": False}

@@ -645,6 +645,7 @@ def _potentials(element: Element):
     return fm.jit(lambda *arguments: tuple(both(*arguments)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", POTENTIAL.values(), ids=POTENTIAL)
 @given(st.data())
 def test_energy_and_dissipation_are_least_at_rest(element, data):

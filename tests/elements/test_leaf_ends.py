@@ -203,6 +203,7 @@ def test_lengths_that_a_step_adds(lengths):
     np.testing.assert_allclose(found[[0, 3, 4, 5]] * of / w - [0, shared, 0, 0], solid, rtol=0.016)
 
 
+@pytest.mark.slow
 def test_where_nothing_steps_nothing_is_added():
     assert np.all(np.asarray(step_compliance(0.018, 0.5e-3, LEAF)) == 0)
     assert np.all(np.asarray(step_compliance(0.010, 0.4e-3, LEAF)) == 0)

@@ -117,6 +117,7 @@ def test_convergence_with_the_order_against_shooting(plane, order):
         assert away == approx(distances[not plane][order // 2 - 1], rel=0.5)
 
 
+@pytest.mark.slow
 def test_natural_frequencies_of_a_wedge():
     # Thickness halved towards the tip: omega sqrt(rho A L^4/(E I)) of the foot are 3.82378, 18.3173, 47.2648
     # (Euler-Bernoulli; Downs 1977, and solve_ivp of the equation).

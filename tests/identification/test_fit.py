@@ -217,6 +217,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("data", "fault", "text"), REFUSED)
 def test_bad_data_is_refused_by_name(data, fault, text):
     with pytest.raises(fault, match=text):
@@ -253,6 +254,7 @@ def test_the_picture_has_a_panel_for_each_measurement():
         fm.plot.fit(None)  # type: ignore
 
 
+@pytest.mark.slow
 def test_parameters_that_fit_as_well_are_named():
     """A square does not tell the sign: 1 and 3 are as far from 2."""
     reading = fm.measured(lambda model, place: (place - 2) ** 2 + 0 * moved(model), 1.0, 0.01, name="reading")

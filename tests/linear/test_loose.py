@@ -131,6 +131,7 @@ def test_a_motion_with_neither_mass_nor_stiffness_is_named():
         assert fault.value.code == "singular_stiffness"
 
 
+@pytest.mark.slow
 def test_sections_without_rotary_inertia_are_named_where_a_motion_carries_no_mass():
     """A pinned bar turns about its own axis: without rotary inertia nothing of it resists or carries that."""
     b = fm.Builder()

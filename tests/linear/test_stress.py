@@ -112,6 +112,7 @@ def test_force_bending_and_torsion_combined_by_hand(element, n):
     assert found.von_mises[0, 0, 1] == approx(float(top), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_truss_has_a_normal_force_alone():
     b = fm.Builder()
     for name, place in {"a": (0, 0), "b": (1, 0), "c": (0.5, 0.5)}.items():

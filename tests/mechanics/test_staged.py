@@ -24,7 +24,7 @@ def one(element, section=SECTION, **properties):
     return b.build()
 
 
-@pytest.mark.slow("deformation-curved", "deformation-leaf", "deformation-taper")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "model",
     [

@@ -14,7 +14,7 @@ from flexmb.motion.projected import Projected
 from flexmb.motion.term import MotionTerm
 
 
-@pytest.mark.slow("solver2")
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", [Projected(diffrax.Heun()), fm.motion.Rodas5P(), fm.motion.GeneralizedAlpha()])
 def test_a_coarse_step_ends_on_the_constraints(solver):
     """A pendulum falls from the horizontal; its rod keeps its length, and its mass moves across the rod."""

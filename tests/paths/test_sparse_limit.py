@@ -39,6 +39,7 @@ def test_limit_load_of_beams_is_that_of_dense_matrices():
     np.testing.assert_allclose(found, wanted, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_what_has_no_limit_point_says_so():
     with pytest.raises(fm.AnalysisError, match="max_steps"):
         fm.limit_load(truss(load=-5.0), max_steps=20, sparse=True)

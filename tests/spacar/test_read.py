@@ -95,6 +95,7 @@ def two_masses(name):
     return np.array([[k + ki, -ki], [-ki, ki]]), np.diag([0.106 + ml / 3, 0.1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pf1dsupport", "pf1dsupport2", "pf1dinternal"])
 def test_models_of_two_masses(name):
     lin = fm.linearize(shipped(name).builder.build(dofs="named"))

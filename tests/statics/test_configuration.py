@@ -22,7 +22,7 @@ def rod(length):
     return b.build()
 
 
-@pytest.mark.slow("jacfwd")
+@pytest.mark.slow
 @pytest.mark.parametrize("outer", [jax.jacfwd, jax.jacrev])
 def test_second_derivatives_of_a_configuration(outer):
     def height(length, moved):

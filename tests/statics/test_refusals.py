@@ -213,6 +213,7 @@ def test_a_load_on_a_support_moves_nothing():
     np.testing.assert_allclose(found.reactions[:2], [-5.0, 7.0], rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [1e3, 1e5])
 def test_a_huge_first_step_ends_on_the_branch(load):
     # The tip hangs ever more along the force; elongation P/EA.

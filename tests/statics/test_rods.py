@@ -168,6 +168,7 @@ def test_cross_pivot_starts_with_its_linear_stiffness():
         np.testing.assert_allclose(1 / compliance[2, 2], 8 * (3 * fraction**2 - 3 * fraction + 1), rtol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rod", "force", "expected"),
     [

@@ -77,6 +77,7 @@ def test_derivatives_are_those_of_central_differences():
         assert float(derivative(function)(start)) == approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_thousand_beams_against_the_closed_form():
     section = fm.Rigidity(EA=1e6, EIy=20.0, mass=0.4)
     b = fm.Builder()

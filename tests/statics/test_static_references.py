@@ -33,11 +33,7 @@ def leaf(points, section, order=6, element=planar.spectral_beam, **properties):
     return b
 
 
-@pytest.mark.slow(
-    "(1.0, inf, inf, 0.935645669481, 0.320641994675, 0.495884642423)",
-    "(1.0, 1000.0, inf, 0.935498689697, 0.320580777022, 0.495844850206)",
-    "(3.0, inf, inf, 0.551664738974, 0.726684950036, 1.39865581259)",
-)
+@pytest.mark.slow
 @pytest.mark.parametrize("row", rows("follower-force", lambda r: np.isinf(r[2])), ids=str)
 def test_follower_force(row):
     load, ea, _, *expected = row

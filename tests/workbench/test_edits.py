@@ -99,6 +99,7 @@ def test_an_edit_that_cannot_be_is_refused_with_the_field(op, address, said):
     assert said in fault.value.message
 
 
+@pytest.mark.slow
 def test_names_of_things_stay_text():
     for name in ("x" * 100, "<script>alert(1)</script>", "ä ö 'quoted' \"twice\"", "1"):
         document = edited(GUIDE, {"op": "rename", "id": "3", "to": name})

@@ -120,6 +120,7 @@ def test_a_refused_edit_changes_nothing(opened):
     assert told.newest["document"] is before
 
 
+@pytest.mark.slow
 def test_a_json_file_is_saved_opened_and_undone(opened, tmp_path):
     session, told = opened(session_of_new())
     session.ask("edit", {"ops": cantilever()})

@@ -57,6 +57,7 @@ def test_states_are_those_of_the_public_functions(found):
     assert scene["view"]["choices"] == (f"buckling mode 1: λ = {found.values['multiplier 1']['text']}",)
 
 
+@pytest.mark.slow
 def test_colours_are_stress_or_sensitivity(found):
     view = Scenes().of_answers(wanting(found, colour="stress"))["view"]
     assert view["colours"]["label"] == "von Mises stress [MPa]"
