@@ -130,7 +130,9 @@ def warn_of_ends(described: Description) -> None:
         whole = [_length_of_part(described, name, number) for number in range(2)]
         faults = []
         if skew is not None:
-            faults = _about_skew(np.asarray(skew, float), sizes[:, 0], min(whole), np.atleast_2d(clamped)[0])
+            faults = _about_skew(
+                np.asarray(skew, float), sizes[:, 0], min(whole), np.atleast_2d(np.asarray(clamped))[0]
+            )
         if stepped:
             faults += _about_steps(np.asarray(clamped)[2:].T, sizes, whole)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
