@@ -1,4 +1,4 @@
-"""Notch hinges, and guides on them: bars that bend at thin necks between notches."""
+"""Notch hinges, and guides on notch hinges: bars that bend at thin necks between notches."""
 
 from typing import Any
 
@@ -26,17 +26,18 @@ def notch_hinge(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Circular notch hinge: a bar with a round notch from both sides, from rim to rim.
+    """Add a circular notch hinge: a bar with a round notch from both sides, from rim to rim.
 
-    Its six stiffnesses are within 5 % of solid elements, where neck/radius is at most 0.2 and the width at least twice
-    sqrt(radius neck). A thin and narrow neck has the rotational stiffness 2 E width neck^(5/2)/(9 pi radius^(1/2)), a
-    wide one up to 1/(1 - nu^2) times that. With ``element`` given, the hinge is that beam alone. For another notch, use
-    :func:`flexmb.blocks.wire_flexure` with a section such as ``fm.sections.notch_filleted(..)``.
+    Its six stiffnesses are within 5 % of solid elements if neck/radius is at most 0.2 and the width at least twice
+    sqrt(radius neck). A thin and narrow neck has the rotational stiffness 2 E width neck^(5/2)/(9 pi radius^(1/2)). The
+    stiffness of a wide neck is up to 1/(1 - nu^2) times as large. With ``element``, this element has the section of
+    plain beam theory, without the fit to solid elements. For another notch, use :func:`flexmb.blocks.wire_flexure` with
+    a section such as ``fm.sections.notch_filleted(..)``.
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node whose body has one rim of the notch.
-        stage: Name of the node whose body has the other rim; made there.
+        base: Name of the node whose body has the first rim of the notch.
+        stage: Name of the node whose body has the second rim; created at this rim if absent.
         width: Width of the bar along the axis of the hinge, () [m].
         height: Height of the bar beside the notch, () [m].
         neck: Height of the remaining neck, () [m].
@@ -83,14 +84,15 @@ def notch_four_bar(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Parallel guide of two bars with a circular notch hinge at each end: a parallelogram of four hinges.
+    """Add a parallel guide of two bars with a circular notch hinge at each end: a parallelogram of four hinges.
 
-    Drive stiffness 4 k/length^2, k of one hinge (see :func:`notch_hinge`). The bars are rigid between their notches.
+    The drive stiffness is 4 k/length^2, with the rotational stiffness k of a hinge (see :func:`notch_hinge`). The bars
+    are rigid between their notches.
 
     Args:
         b: Builder of the mechanism.
-        base: Name of the node whose body the block stands on.
-        stage: Name of the node whose body the block carries; made in the middle of the tops.
+        base: Name of the node of the fixed body.
+        stage: Name of the node of the moving body; created in the middle of the tops if absent.
         length: Distance between the middles of the two hinges of a bar, () [m].
         spacing: Distance between the bars, () [m].
         width: See :func:`notch_hinge`, also for height, neck, radius and material.
@@ -127,7 +129,7 @@ def notch_four_bar(
 
 
 def _hinge(element: Any, *sizes: Any) -> tuple[Any, Any]:
-    """How a hinge is made, and its section; of an element that is given that of a plain beam."""
+    """Element type of a hinge and its section; a given element has the section of plain beam theory."""
     plain = notch_circular(*sizes)
     if element is not None:
         return slender, plain
@@ -135,7 +137,7 @@ def _hinge(element: Any, *sizes: Any) -> tuple[Any, Any]:
 
 
 def _sheared(b: Builder, section: Any) -> tuple[Any, Any]:
-    """Spectral beam with shear; order 3 suffices at any stroke, since stress resultants along a hinge are smooth."""
+    """Spectral beam with shear. Order 3 suffices at any stroke, since resultants along a hinge are smooth."""
     return (planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam)(order=3, shear=True), section
 
 

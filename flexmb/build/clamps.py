@@ -1,4 +1,4 @@
-"""Which ends of leaf springs and warping beams are clamped, found from what they are joined to."""
+"""Clamped ends of leaf springs and warping beams, found from their neighbours."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from ..model.roles import HELD, Role
 from ..results import RESULTS, collect
 from .description import Description, Member
 
-# A part three times as thick as a leaf spring clamps it, and leaf springs that meet at more than five degrees are a
-# fold [rad]; both beside round numbers, where round-off would decide.
+# A part of three times the thickness clamps a leaf spring. Leaf springs at more than five degrees form a fold [rad].
+# Both limits differ slightly from round numbers, so that round-off does not decide.
 THICK = 3.0 * (1 - 1e-6)
 FOLD = np.radians(5.0) * (1 + 1e-6)
-# No clamp reaches further, over the width.
+# Largest distance at which a clamp acts, over the width.
 REACH = REACHES.max()
-# Deformation of a warping beam that is its twist; a leaf spring has a strain field of it.
+# Number of the twist deformation of a warping beam. A leaf spring has a strain field for twist.
 TWIST = 2
 
 
@@ -42,7 +42,7 @@ class End(NamedTuple):
 
 
 class Clamped(NamedTuple):
-    """Whether an end is kept flat, whether its warping is restrained, and what a traced design says of both."""
+    """Whether an end is kept flat and its warping restrained; ``traced``: the same by traced numbers of the design."""
 
     flat: bool
     restrained: bool
@@ -50,22 +50,22 @@ class Clamped(NamedTuple):
 
 
 class _Unknown(Exception):
-    """What decides whether an end is clamped is traced, or stated nowhere."""
+    """The numbers that decide whether an end is clamped are traced or missing."""
 
 
 def with_clamps(builder: Description, before: Model | None) -> Description:
-    """A builder whose leaf springs know which of their ends are clamped, and with warping held where it is restrained.
+    """Return a builder whose leaf springs have ``clamped`` for both ends, with restrained warping FIXED.
 
-    An end is clamped whose rotation is held, or that is joined to a body, a hinge or something else rigid, or to a part
-    at least three times as thick. At a fold, and beside a leaf spring that is so thick, the cross-section is kept flat,
-    and its warping is shared. What does not twist, since that is FIXED, does not warp. A clamp reaches into the leaf
-    springs that go on in line.
+    An end is clamped if its rotation is held, or if it joins a body, a hinge, another rigid element or a part at least
+    three times as thick. At a fold, and beside a leaf spring at least three times as thick, clamps keep the section
+    flat, and the leaf springs share the warping. An element with FIXED twist does not warp. A clamp also acts on leaf
+    springs in line beyond it.
 
     Returns:
-        A copy; the builder itself where there are neither leaf springs nor warping beams.
+        A copy; the builder itself without leaf springs and warping beams.
 
     Raises:
-        ModelError: It depends on traced numbers or on a section without sizes; two elements contradict each other.
+        ModelError: The ends depend on traced numbers or on a section without sizes; two elements contradict each other.
 
     Source:
         THEORY.md 2, below eq. (2.26), and eq. (2.42).
@@ -110,7 +110,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
-            # A beam is not kept flat: of it this says only where its warping is held, by whatever.
+            # No clamp keeps a warping beam flat. Its ``clamped`` marks ends whose warping is held, for any reason.
             held = [twin.nodes[warping].roles[0] in HELD for warping in parts_of(member, "warping")]
             twin.members[name] = dataclasses.replace(
                 member, properties={**member.properties, "clamped": np.array(held, float)}
@@ -119,7 +119,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
 
 
 def elements_at(builder: Description) -> dict[str, list[str]]:
-    """Names of the elements at each node, in their order."""
+    """Return the names of the elements at each node, in order."""
     found: dict[str, list[str]] = {}
     for name, member in builder.members.items():
         for node in dict.fromkeys(member.nodes):
@@ -128,24 +128,24 @@ def elements_at(builder: Description) -> dict[str, list[str]]:
 
 
 def parts_of(member: Member, part: str) -> list[str]:
-    """Nodes of an element that are of a kind, in order."""
+    """Return the nodes of an element of a kind, in order."""
     kinds = member.element.nodes.values()
     return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
 
 
 def ends_of_leaf(name: str, member: Member) -> list[End]:
-    """The first end and the last of a leaf spring or warping beam."""
+    """Return the first end and the last of a leaf spring or warping beam."""
     return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
 
 
 def _reach_in_line(
     builder: Description, twin: Description, joined: dict[str, list[str]], kept: dict[tuple[str, int], bool]
 ) -> None:
-    """State at each end in line with others how far beyond it the next clamp is, if that keeps the leaf spring flat.
+    """Store the distances from ends to clamps beyond leaf springs in line in the properties of ``twin``.
 
     Args:
-        twin: Copy of the builder, whose leaf springs know which of their ends are clamped; its properties are replaced.
-        kept: Whether the ends of leaf springs and warping beams, by element and number of the end, are kept flat.
+        twin: Copy of the builder, with ``clamped`` of its leaf springs.
+        kept: Whether a clamp keeps an end flat, by element and number of the end.
     """
     leaves = {name: member for name, member in builder.members.items() if (name, 0) in kept and member.element.fields}
     ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in ends_of_leaf(name, member)}
@@ -176,13 +176,13 @@ def _reach_in_line(
 
 
 def is_fold(builder: Description, *ends: End) -> bool:
-    """Whether two leaf springs are known to meet at an angle, along or across."""
+    """Return whether two leaf springs meet at an angle, along or across; False for traced numbers."""
     axes = [axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends]
     return is_concrete(axes) and any(abs(one @ two) < np.cos(FOLD) for one, two in zip(*axes, strict=True))
 
 
 def span_of(builder: Description, member: Member) -> Any:
-    """Length of an element [m]."""
+    """Return the length of an element [m]."""
     p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
     curvature = member.properties.get("curvature")
     library: Any = np if is_concrete((p, q)) else jnp
@@ -192,7 +192,7 @@ def span_of(builder: Description, member: Member) -> Any:
 
 
 def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, given: bool) -> None:
-    """Hold the warping of a node, or refuse to where another element there is said not to be clamped."""
+    """Fix the warping of a node, or raise an error if another element there has an opposite ``clamped``."""
     node = builder.nodes[warping]
     for other in joined:
         if other == leaf:
@@ -209,7 +209,7 @@ def _hold(builder: Description, warping: str, leaf: str, joined: list[str], rest
 
 
 def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
-    """Whether an end was flat, and its warping held, in a model of the same elements."""
+    """Return whether an end was flat, and its warping held, in an earlier model of the same elements."""
     if before is None:
         return None
     labels = before.labels
@@ -230,14 +230,14 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
 def is_clamped(
     builder: Description, end: End, joined: dict[str, list[str]], before: tuple[bool, bool] | None = None
 ) -> Clamped:
-    """Whether an end is kept flat, and whether its warping is restrained."""
+    """Return whether an end is kept flat, and whether its warping is restrained."""
     rotation = builder.nodes[end.rotation]
-    # Three of four Euler parameters that are held hold the fourth.
+    # Three held Euler parameters determine the fourth.
     if sum(role in HELD for role in rotation.roles) >= rotation.kind.freedoms:
         return Clamped(True, True)
     flat = restrained = False
     traced = []
-    # What has no section is asked first: where it is rigid, nothing else needs to be known, nor to be numbers.
+    # Elements without a section come first: if one of them is rigid, sections of the others may be traced.
     others = {name: builder.members[name] for name in joined[end.rotation] if name != end.leaf}
     for name, other in sorted(others.items(), key=lambda item: item[1].properties.get("section") is not None):
         if flat and restrained:
@@ -260,7 +260,7 @@ def is_clamped(
 
 
 def _traced(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> tuple[Any, Any] | None:
-    """Whether an end is flat and restrained by what is traced too, or None where that has no sizes."""
+    """Whether an end is flat and restrained, with traced neighbours; None for a section without sizes."""
     leaf, (flat, restrained) = builder.members[end.leaf], known
     for other in others:
         number = parts_of(other, "rotation").index(end.rotation)
@@ -281,13 +281,13 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
 
 
 def _tell_of_others(was: bool, found: list[Any]) -> None:
-    """Add a code, where codes are collected, if what decides between clamped and not decides otherwise than before."""
+    """Add the code ``other_clamps`` if traced numbers change whether an end is clamped."""
     clamped: Any = functools.reduce(operator.or_, found)
     collect(jnp.where(clamped == was, RESULTS.successful, RESULTS.other_clamps))
 
 
 def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool, bool]:
-    """The same, as far as one element at the end decides."""
+    """Whether one neighbour keeps an end flat, and whether it restrains the warping."""
     element, section = other.element, other.properties.get("section")
     if other.hidden:
         return element.inertia is not None, element.inertia is not None
@@ -299,7 +299,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     number = parts_of(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
     thick = _is_thick(builder, leaf, end.number, other, number)
-    # Leaf springs in line share their warping, however thick they are.
+    # Leaf springs in line share their warping, at any ratio of thicknesses.
     if "clamped" not in other.properties or (thick and not (element.fields and leaf.element.fields)):
         return thick, thick
     axes = [axes_of(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
@@ -318,12 +318,12 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
 
 
 def _own_roles(member: Member) -> list[Role]:
-    """Roles of the deformations of an element that someone may hold: not of those that are measured."""
+    """Roles of the deformations that a user may hold, without measured deformations."""
     return [role for number, role in enumerate(member.roles, 1) if number not in member.element.measured]
 
 
 def _is_untwisted(member: Member) -> bool:
-    """Whether the twist of an element whose warping is a coordinate is held all along: then it does not warp either."""
+    """Whether an element with warping coordinates has FIXED twist, and thus no warping."""
     if not parts_of(member, "warping"):
         return False
     fields = member.element.fields
@@ -332,7 +332,7 @@ def _is_untwisted(member: Member) -> bool:
 
 
 def _is_thick(builder: Description, leaf: Member, end: int, other: Member, number: int) -> bool:
-    """Whether another element is so thick at one of its ends that it clamps an end of a leaf spring."""
+    """Whether an end of another element is thick enough to clamp an end of a leaf spring."""
     if _alike(leaf.properties["section"], other.properties["section"]):
         return False
     thin, thick = _sides(builder, leaf, end), _sides(builder, other, number)
@@ -344,7 +344,7 @@ def _is_thick(builder: Description, leaf: Member, end: int, other: Member, numbe
 
 
 def _alike(one: Section, other: Section) -> bool:
-    """Whether two sections are one, traced or not, or given by the same numbers: then one is as thick as the other."""
+    """Whether two sections are the same object, or rigidities of equal numbers, and thus equally thick."""
     if one is other:
         return not one.varies
     if not (isinstance(one, Rigidity) and isinstance(other, Rigidity) and is_concrete((one, other))):
@@ -354,7 +354,7 @@ def _alike(one: Section, other: Section) -> bool:
 
 
 def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
-    """Sides of a section at an end of an element, None where it has none."""
+    """Sides of a section at an end of an element; None for a section without sides."""
     given: Section = member.properties["section"]
     with kept_known(given):
         section = given.at(float(end), _length(builder, member))
@@ -369,15 +369,15 @@ def _length(builder: Description, member: Member) -> Any:
 
 
 def kept_known(numbers: Any) -> contextlib.AbstractContextManager[Any]:
-    """Within it, known numbers stay known where something else of the mechanism is traced."""
+    """Return a context in which known numbers stay known while other numbers are traced."""
     return jax.ensure_compile_time_eval() if is_concrete(numbers) else contextlib.nullcontext()
 
 
 def axes_of(builder: Description, member: Member, library: Any = np, end: int | None = None) -> Any:
-    """Unit vectors along a leaf spring and across it, along its width; with NumPy what is traced as it is given.
+    """Return unit vectors along a leaf spring and along its width; with NumPy, traced inputs p, q and y as they are.
 
     Args:
-        end: At which end, the first (0) or the last (1); of the line between both ends unless given.
+        end: The first end (0) or the last (1). Default: the line between both ends.
     """
     p, q = (builder.nodes[node].start for node in parts_of(member, "position"))
     y, curvature = member.properties.get("y"), member.properties.get("curvature")

@@ -1,4 +1,4 @@
-"""Warnings about leaf springs that are curved sharply, of straight pieces, of a width that varies fast, or stocky."""
+"""Warnings about leaf springs with sharp curvature, straight pieces of a curve, steep edges, or stocky sizes."""
 
 import itertools
 from typing import Any
@@ -15,24 +15,24 @@ from ..errors import BeamTheoryWarning, warn
 from .clamps import FOLD, axes_of, elements_at, parts_of, span_of
 from .description import Description, Member
 
-# Thickness, or width, over the radius from which the stress at the inner side is 5 % above the stress of a thin beam.
+# Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
 SHARP = 0.15
-# Pieces that meet at a larger angle are no approximation of a curve [rad].
+# Largest angle between pieces that approximate a curve [rad].
 STEEPEST = np.radians(20.0)
-# Slope of the width up to which stiffnesses are compared with solid elements.
+# Largest slope of the width compared with solid elements.
 SLANT = 0.75
-# Length over width, and width over thickness, from which stiffnesses are compared with solid elements.
+# Least length over width, and least width over thickness, compared with solid elements.
 SHORTEST, NARROWEST = 0.5, 4.0
 # Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 
 
 def warn_of_curved_leaves(builder: Description) -> None:
-    """Warn of leaf springs that are sharply curved or stocky, and of straight pieces that approximate a curve.
+    """Warn of sharp curvature, steep edges and stocky leaf springs, and of straight pieces that approximate a curve.
 
     Source:
-        Winkler's curved bars of rectangular section: the inner stress is h/(3 R) higher. Flattening of a curved strip:
-        THEORY.md 2, eq. (2.44).
+        Winkler's curved bars of rectangular section: the inner stress is higher by the share h/(3 R). Flattening of a
+        curved strip: THEORY.md 2, eq. (2.44).
     """
     leaves = {name: leaf for name, leaf in builder.members.items() if _is_leaf(builder, leaf)}
     joined = elements_at(builder)
@@ -100,7 +100,7 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
 def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) -> None:
     section = _rectangle(leaf)
     width, long = float(section.width), float(span_of(builder, leaf)) / float(section.width)
-    # A piece of a leaf spring may be short.
+    # A piece of a longer leaf spring may be short.
     if alone and long < SHORTEST:
         warn(
             f"Element '{name}' is {long:.2g} times as long as wide. From {SHORTEST} on, stiffnesses of leaf springs"
@@ -108,7 +108,7 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
             BeamTheoryWarning,
         )
     wide = width / float(section.thickness)
-    # In the plane nothing twists.
+    # A mechanism in the plane has no twist.
     if builder.dimension == 3 and wide < NARROWEST:
         warn(
             f"Element '{name}' is {wide:.2g} times as wide as thick. From {NARROWEST:g} on, stiffnesses of leaf springs"
@@ -118,7 +118,7 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
 
 
 def _stand_for_a_curve(builder: Description, node: str, one: Member, other: Member) -> bool:
-    """Whether two leaf springs meet as pieces of a curved leaf spring whose curvature would change a stiffness."""
+    """Whether two leaf springs approximate a curved leaf spring with a different stiffness."""
     if node not in parts_of(one, "rotation"):
         return False
     ends = [parts_of(leaf, "rotation").index(node) for leaf in (one, other)]

@@ -17,21 +17,23 @@ from ..numerical_limits import SAME_SIZE
 from .clamps import THICK, End, axes_of, ends_of_leaf, is_clamped, is_fold, kept_known, span_of
 from .description import Description, Member
 
-# Ranges compared with solid elements: angles of cuts [rad], Poisson's ratio, narrow over wide part, length over
-# width of skew leaf springs and of parts beside a step, thickness over thickness of parts of different width.
+# Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
+# width of skew leaf springs and of parts beside a step; ratio of thicknesses at a step in width.
 SKEWEST, NUS, NARROWEST = np.radians(50.0) * (1 + 1e-9), (0.2 - 1e-9, 0.4 + 1e-9), 0.2 * (1 - 1e-9)
 SHORTEST_SKEW, SHORTEST_PART, THICKER = 1.5 * (1 - 1e-9), 0.8 * (1 - 1e-9), 1.2
 
 
 def with_steps(described: Description, builder: Description) -> Description:
-    """A builder whose leaf springs know of what other width or thickness they go on in line, where nothing clamps them.
+    """Add the sizes beyond both ends to leaf springs that continue in line with another width or thickness.
+
+    Ends that another part clamps have no step.
 
     Args:
-        described: Copy of the builder whose leaf springs know which of their ends are clamped.
-        builder: The builder as it was described.
+        described: Copy of the builder, with ``clamped`` of its leaf springs; its properties are replaced.
+        builder: The builder of the caller.
 
     Returns:
-        ``described``, with properties replaced; of a leaf spring beside another of its own sizes nothing changes.
+        ``described``. Leaf springs without a step do not change.
 
     Source:
         THEORY.md 2, eq. (2.49) to (2.51).
@@ -76,9 +78,9 @@ def _sizes(builder: Description, member: Member, number: int) -> tuple[Any, Any]
 
 
 def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
-    """Width and thickness of what goes on beyond an end; None where they are those of the end itself.
+    """Width and thickness of the leaf spring beyond an end; None for equal sizes.
 
-    What is so thick that it clamps the end is of its own width.
+    A leaf spring thick enough to clamp the end counts with the width of the end: it is no step in width.
     """
     one, following = builder.members[end.leaf], builder.members[other.leaf]
     if one.properties["section"] is following.properties["section"] and not one.properties["section"].varies:
@@ -92,7 +94,7 @@ def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | Non
 
 
 def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
-    """Whether nothing clamps an end but a leaf spring in line that is thick."""
+    """Whether no part clamps an end, except a thick leaf spring in line."""
     flags, distances = flags_and_distances(described.members[end.leaf].properties["clamped"])
     if flags[end.number] == 0 or distances[end.number] > 0:
         return True
@@ -103,18 +105,18 @@ def _goes_on(described: Description, builder: Description, end: End, other: End)
 
 
 def _are_known(builder: Description, *ends: End) -> bool:
-    """Whether directions of leaf springs are numbers."""
+    """Whether the directions of leaf springs are known numbers."""
     return is_concrete([axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends])
 
 
 def warn_of_ends(described: Description) -> None:
-    """Warn of skew cuts and steps outside the range of their fits, by the name of the leaf spring.
+    """Warn of skew cuts and steps outside the ranges of their fits, with the name of the leaf spring.
 
     Args:
-        described: Builder whose leaf springs know what they go on as.
+        described: Builder from :func:`with_steps`.
 
     Raises:
-        ModelError: Skew cuts leave less than nothing of a leaf spring: it would not be stiff.
+        ModelError: A leaf spring is too short for its skew cuts: its stiffness is not positive definite.
     """
     for name, member in described.members.items():
         if not _may_step(member) or not is_concrete(member.properties):
@@ -175,7 +177,7 @@ def _about_steps(beside: np.ndarray, sizes: np.ndarray, lengths: list[float]) ->
 
 
 def _length_of_part(described: Description, name: str, number: int) -> float:
-    """How long a leaf spring and those of its sizes that go on in line from one of its ends, away from it, are [m]."""
+    """Length of the part beside an end: a leaf spring and its neighbours of equal size in line [m]."""
     length, passed, at = 0.0, {name}, ends_of_leaf(name, described.members[name])[1 - number]
     while True:
         member = described.members[at.leaf]
@@ -198,7 +200,7 @@ def _length_of_part(described: Description, name: str, number: int) -> float:
 
 
 def _check_stiff(name: str, member: Member, length: float) -> None:
-    """Refuse skew cuts of which nothing would be left that is stiff."""
+    """Raise an error if skew cuts leave no positive definite stiffness."""
     own = member.properties
     leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
     order = member.element.options["order"]

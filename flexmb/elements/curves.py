@@ -26,22 +26,22 @@ from ..numerical_limits import PARALLEL, SAME_END, SAME_LINE, SMOOTH_CURVE
 
 # Legendre coefficients of a curve, and Gauss nodes for its ends in the plane.
 COUNT, NODES = 20, 40
-# Where a curve is compared with what it was made from, and points along a curve through points.
+# Places at which a curve is compared with its function, and number of samples of a curve through points.
 LOOKED_AT, FINE = np.linspace(0.0, 1.0, 101), 2000
 # Newton's steps from the chord to the length of a curve.
 STEPS = 40
 
 
 class CurvedLine(Record):
-    """Initial curvature along a beam, which goes from the first node to the last.
+    """Initial curvature along a beam, from the first node to the last.
 
-    :func:`curvature_along` and :func:`curvature_through` make one.
+    Create it by :func:`curvature_along` or :func:`curvature_through`.
 
     Attributes:
-        coefficients: Legendre coefficients of the curvature over the place from 0 to 1, in the plane counter-clockwise,
-            (20,) [1/m]; in space of the twist and of the curvatures about local y and z, (20, 3) [1/m].
-        to_middle: From the first point to the middle of the curve, (d,) [m]; None unless it goes through points.
-        to_end: From the first point to the last, (d,) [m]; None unless it goes through points.
+        coefficients: Legendre coefficients over the place from 0 to 1. In the plane: curvature, counter-clockwise,
+            (20,) [1/m]. In space: twist and curvatures about local y and z, (20, 3) [1/m].
+        to_middle: Vector from the first point to the middle of a curve through points, (d,) [m]; otherwise None.
+        to_end: Vector from the first point to the last of a curve through points, (d,) [m]; otherwise None.
 
     Source:
         THEORY.md 2, eq. (2.43).
@@ -52,28 +52,28 @@ class CurvedLine(Record):
     to_end: Any = None
 
     def at(self, places: Any) -> Float[Array, "n *k"]:
-        """Curvature at places, (n,), in space twist and curvatures, (n, 3) [1/m]."""
+        """Return the curvature at places, (n,), in space twist and curvatures, (n, 3) [1/m]."""
         traced = isinstance(places, jax.Array)
         return (legendre_values_at if traced else legendre_values)(COUNT, places) @ self.coefficients
 
 
 def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
-    """Initial curvature as a function of the place along a beam.
+    """Return an initial curvature from a function of the place along a beam.
 
-    The nodes at both ends and the curvature together fix length and directions of the beam: it is the curve of this
-    curvature whose chord goes from the first node to the last. In space local y at the first end is that of a straight
-    beam between these nodes, turned with the beam by the smallest rotation.
+    The nodes at both ends and the curvature determine the length and the directions of the beam. The chord of the curve
+    goes from the first node to the last. In space, local y starts as of a straight beam between these nodes. The
+    smallest rotation from the chord to the first tangent turns it.
 
     Args:
-        function: ``f(place)``, with the place from 0 at the first end to 1 at the last. Returns the curvature in the
-            plane, counter-clockwise, () [1/m]; in space the twist and the curvatures about local y and z, (3,) [1/m].
-            Its numbers may be traced. It must be smooth.
+        function: ``f(place)``, with the place from 0 at the first end to 1 at the last. In the plane it returns the
+            curvature, counter-clockwise, () [1/m]. In space it returns twist and curvatures about local y and z, (3,)
+            [1/m]. It must be smooth; its numbers may be traced.
 
     Returns:
         The property ``curvature`` of a beam.
 
     Raises:
-        ModelError: The function returns no number and no three numbers; it is not smooth.
+        ModelError: The function does not return one or three numbers, or is not smooth.
     """
     if not callable(function):
         raise ModelError(f"The curvature of a beam must be a function of the place from 0 to 1, not {shown(function)}.")
@@ -97,21 +97,21 @@ def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
 
 
 def curvature_through(points: Any, y: Any = None) -> CurvedLine:
-    """Initial curvature of a beam through points: a spline of degree five, or lower for fewer than six points.
+    """Return the initial curvature of a beam through points, by a spline of degree five or less.
 
-    The nodes of the beam lie at the first point and at the last.
+    Place the nodes of the beam at the first point and at the last. Fewer than six points have a lower degree.
 
     Args:
-        points: From the first end of the beam to the last, three at least, (n, 2) in the plane, (n, 3) in space [m].
-        y: In space the property ``y`` of the beam, a vector that fixes local y, (3,). Along the curve the section does
-            not twist.
+        points: At least three points from the first end to the last, (n, 2) in the plane, (n, 3) in space [m].
+        y: In space the property ``y`` of the beam, a vector that fixes local y, (3,). The section does not twist along
+            the curve.
 
     Returns:
         The property ``curvature`` of a beam.
 
     Raises:
-        ModelError: Fewer than three points, points that coincide or are traced, a curve that bends too sharply for one
-            beam.
+        ModelError: Fewer than three points; points that coincide or are traced; a curve that bends too sharply for one
+            beam; ``y`` in the plane; ``y`` that is zero or parallel to the beginning of the curve.
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
@@ -162,7 +162,7 @@ def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np
     if points.shape[1] == 2:
         bends = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3
     else:
-        # A frame that does not turn about the curve, by two reflections a step (Wang et al. 2008).
+        # A frame that does not turn about the curve, by two reflections per step (Wang et al. 2008).
         frame = initial_frame(jnp.asarray(points[0]), jnp.asarray(points[-1]), None if y is None else jnp.asarray(y))
         across = np.asarray(frame)
         d = across.T @ tangents[0]
@@ -181,11 +181,11 @@ def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np
     return np.concatenate([places[None], spline(s).T]), smooth(gauss(COUNT)[0])
 
 
-# -- what beams ask --------------------------------------------------------------------------------------------------
+# -- questions of beams ----------------------------------------------------------------------------------------------
 
 
 def curvature_at(curvature: Any, places: Any) -> Any:
-    """Initial curvature at places, (n,) or (n, 3) [1/m]."""
+    """Return the initial curvature at places, (n,) or (n, 3) [1/m]."""
     if isinstance(curvature, CurvedLine):
         return curvature.at(places)
     curvature = jnp.asarray(curvature, float)
@@ -193,7 +193,7 @@ def curvature_at(curvature: Any, places: Any) -> Any:
 
 
 def turned_to(curvature: Any, length: Any, places: Any) -> Any:
-    """Angle in the plane from the first end to places, (n,) [rad]."""
+    """Return the angle in the plane from the first end to places, (n,) [rad]."""
     if not isinstance(curvature, CurvedLine):
         return curvature * length * places
     traced = isinstance(places, jax.Array)
@@ -201,12 +201,12 @@ def turned_to(curvature: Any, length: Any, places: Any) -> Any:
 
 
 def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
-    """Length of a beam with initial curvature, by its chord; () [m].
+    """Return the length of a beam with initial curvature from its chord, () [m].
 
     Source: THEORY.md 2, eq. (2.43); Newton's method on the length.
 
     Args:
-        steps: Of a beam in space, as :func:`steps_of` has them.
+        steps: Number of steps of a beam in space, see :func:`steps_of`.
     """
     if curvature is None:
         return chord
@@ -224,26 +224,26 @@ def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
     chord = jnp.asarray(chord, float)
     known = jax.lax.stop_gradient((jnp.asarray(curvature.coefficients, float), chord))
     length = jax.lax.fori_loop(0, STEPS, lambda _, length: newton(length, *known), known[1])
-    # Each of these steps doubles the number of derivatives that are right.
+    # Each of these steps doubles the number of correct derivatives.
     for _ in range(2):
         length = newton(length, curvature.coefficients, chord)
     return length
 
 
 def beam_length(chord: Any, curvature: Any, steps: int | None = None) -> Any:
-    """Length of a beam in the plane, or in space with its number of steps, by its chord; () [m]."""
+    """Return the length of a beam from its chord, in space with its number of steps, () [m]."""
     if isinstance(curvature, CurvedLine) and (curvature.coefficients.ndim == 1) is not (steps is None):
         raise ModelError("the curvature has one number a place in the plane, three in space")
     return curve_length(chord, curvature, steps or 8)
 
 
 def arc_length(chord: Any, half: Any) -> Float[Array, ""]:
-    """Length of an arc over a chord [m]; ``half`` is half the curvature times the chord [-]."""
+    """Return the length of an arc over a chord [m]; ``half`` is half the curvature times the chord [-]."""
     return chord * jnp.arcsin(half) / half
 
 
 def tilt_of(curvature: Any, length: Any) -> Float[Array, ""]:
-    """Angle in the plane from the first direction of a beam to its chord, () [rad]."""
+    """Return the angle in the plane from the first direction of a beam to its chord, () [rad]."""
     if not isinstance(curvature, CurvedLine):
         return curvature * length / 2
     x, y = _end(curvature.coefficients, length)
@@ -251,7 +251,7 @@ def tilt_of(curvature: Any, length: Any) -> Float[Array, ""]:
 
 
 def turns_of_ends(curvature: Any, length: Any, steps: int = 8) -> tuple[Float[Array, "4"], Float[Array, "4"]]:
-    """Euler parameters in space of the chord's frame seen from the first end, and of the last end seen from it."""
+    """Return Euler parameters of the frame of the chord relative to the first end, and of the last end to the chord."""
     if not isinstance(curvature, CurvedLine):
         half = chain(jnp.concatenate([curvature * length / 2, jnp.zeros(3)])[None]).turns[1]
         return half, half
@@ -262,7 +262,7 @@ def turns_of_ends(curvature: Any, length: Any, steps: int = 8) -> tuple[Float[Ar
 
 
 def axes_of_end(curvature: Any, chord: Any, y: Any, end: int) -> tuple[Any, Any]:
-    """Direction of a curved beam at its first end (0) or last (1), and local y there, in the plane (1,)."""
+    """Return direction and local y of a curved beam at its first end (0) or last (1); y is (1,) in the plane."""
     if len(chord) == 2:
         length = curve_length(jnp.sqrt(chord @ chord), curvature)
         angle = turned_to(curvature, length, np.array([float(end)]))[0] - tilt_of(curvature, length)
@@ -272,14 +272,14 @@ def axes_of_end(curvature: Any, chord: Any, y: Any, end: int) -> tuple[Any, Any]
 
 
 def frames_of_ends(curvature: Any, chord: Any, y: Any) -> Float[Array, "2 3 3"]:
-    """Section axes of a beam in space at its first end and at its last, as columns."""
+    """Return the section axes of a beam in space at its first end and at its last, as columns."""
     first, last = turns_of_ends(curvature, curve_length(jnp.sqrt(chord @ chord), curvature))
     frame = initial_frame(jnp.zeros(3), chord, y)
     return jnp.stack([frame @ rotation_matrix(first).T, frame @ rotation_matrix(last)])
 
 
 def to_middle(curve: CurvedLine, chord: Any, length: Any, y: Any) -> Any:
-    """From the first end of a beam to its middle, (d,) [m]."""
+    """Return the vector from the first end of a beam to its middle, (d,) [m]."""
     if len(chord) == 2:
         nodes, weights = gauss(NODES)
         angles = turned_to(curve, length, nodes / 2) - tilt_of(curve, length)
@@ -292,12 +292,12 @@ def to_middle(curve: CurvedLine, chord: Any, length: Any, y: Any) -> Any:
 
 
 def _size(curvature: Any) -> Any:
-    """Size of a constant curvature: in the plane with its sign, so that it may be differentiated everywhere."""
+    """Size of a constant curvature; in the plane with its sign, so that it is differentiable everywhere."""
     return curvature if jnp.ndim(curvature) == 0 else jnp.sqrt(curvature @ curvature)
 
 
 def _end(coefficients: Any, length: Any, steps: int = 8) -> Float[Array, "d"]:
-    """Last end of a beam, in axes of the first, [m]."""
+    """Position of the last end of a beam in axes of the first, [m]."""
     if coefficients.ndim == 2:
         return chain(_motions(coefficients, length, steps)).places[-1]
     nodes, weights = gauss(NODES)
@@ -306,9 +306,9 @@ def _end(coefficients: Any, length: Any, steps: int = 8) -> Float[Array, "d"]:
 
 
 def steps_of(order: int) -> int:
-    """Number of steps along a beam in space over which its pose goes by an exponential."""
-    # The ends of fewer steps would not integrate its mass exactly. Constant strains have exact poses for any number of
-    # steps; six integrate the mass of an arc of 3 rad to 1e-10.
+    """Return the number of steps along a beam in space; each step is one exponential of the pose."""
+    # The ends of the steps are the nodes for the mass: fewer steps would integrate it less accurately. Constant strains
+    # have exact poses for any number of steps; six steps integrate the mass of an arc of 3 rad to 1e-10.
     return 6 if order == 1 else 8 * 2 ** max(0, int(np.ceil(np.log2(order / 6))))
 
 
@@ -329,7 +329,7 @@ def _least_turn(direction: Float[Array, "3"]) -> Float[Array, "4"]:
 
 
 def faults_of_curve(ref: Any, curve: CurvedLine, y: Any = None) -> list[str]:
-    """What is wrong with the initial curvature of beams between nodes, of one beam or of stacked beams."""
+    """Return the faults of the initial curvature of one beam or of stacked beams between nodes."""
     chord = jnp.asarray(ref.q, float) - jnp.asarray(ref.p, float)
 
     def gaps(chord: Any, curve: CurvedLine, y: Any):

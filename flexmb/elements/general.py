@@ -19,28 +19,28 @@ STRAINS = {
 }
 # Sizes by the number of entries on and above the diagonal.
 OF_TRIANGLE = {size * (size + 1) // 2: size for size in STRAINS}
-# Where a spectral beam in space has the strains of each size.
+# Order of the strains in a spectral beam in space, by the size of the matrix.
 ORDER = {4: np.arange(4), 6: np.array([0, 3, 4, 5, 1, 2])}
 
 
 class General(Section):
     """A section given by its stiffness matrix, for ``spatial.spectral_beam`` alone.
 
-    Its strains may be coupled: a composite strip that twists when it is pulled, a wing box that bends when it is
-    twisted. All numbers are in local axes. The matrix refers to the line from end to end of the beam, and the centre of
-    mass may lie beside that line. It has no shape, and so no stress; it takes no temperature.
+    Its strains may be coupled: tension twists a composite strip, and torque bends a wing box. All numbers are in local
+    axes. The matrix refers to the line from end to end of the beam. The centre of mass may lie beside this line. The
+    section has no shape and no thermal expansion, so flexmb computes neither its stress nor its thermal strain.
 
     Attributes:
-        stiffness: Force and moment per strain, symmetric and positive definite. (6, 6) for elongation, shears along y
-            and z, twist, curvatures about y and z, of a beam with ``shear=True``; (4, 4) for elongation, twist,
-            curvatures about y and z, of a beam without. Or the entries on and above its diagonal, row by row: 21 or 10
-            numbers [N, N m, N m^2].
+        stiffness: Symmetric and positive definite matrix of force and moment per strain [N, N m, N m^2]. With
+            ``shear=True``, (6, 6) for elongation, shears along y and z, twist, curvatures about y and z. Without shear,
+            (4, 4) for elongation, twist, curvatures about y and z. A sequence of 21 or 10 numbers has the entries on
+            and above the diagonal, row by row.
         mass: Mass per length [kg/m].
-        center_y, center_z: Place of the centre of mass in the section [m].
-        Jx, Jy, Jz, Jyz: Rotary inertia per length about axes through the centre of mass [kg m], Jyz as of
-            :class:`flexmb.Rigidity`.
-        damping: Time constant of Kelvin and Voigt [s]: force and moment are stiffness times (strain + damping * its
-            rate), as of :class:`flexmb.Material`. None: no damping.
+        center_y, center_z: Local coordinates of the centre of mass [m].
+        Jx, Jy, Jz, Jyz: Rotary inertia per length about axes through the centre of mass [kg m], with the
+            sign of Jyz as in :class:`flexmb.Rigidity`.
+        damping: Time constant of Kelvin and Voigt [s], as in :class:`flexmb.Material`: force and moment are stiffness
+            times (strain + damping * strain rate). None: no damping.
 
     Source:
         THEORY.md 2, eq. (2.63) and (2.64).
@@ -57,7 +57,7 @@ class General(Section):
     damping: Scalar | None = None
 
     def __post_init__(self):
-        # JAX makes records too, of matrices.
+        # JAX also creates records, with matrices instead of sequences.
         given: Any = self.stiffness
         if isinstance(given, list | tuple):
             given = library_of(given).asarray(given, float)
@@ -68,7 +68,7 @@ class General(Section):
         object.__setattr__(self, "stiffness", given)
 
     def rigidity(self) -> Rigidity:
-        """There are no rigidities that say all of it.
+        """Raise an error: rigidities cannot describe coupled strains.
 
         Raises:
             ModelError: Always.
@@ -76,7 +76,7 @@ class General(Section):
         raise ModelError("A section of general stiffness is for spatial.spectral_beam. Take a Rigidity or a shape.")
 
     def stated(self, quantity: str) -> Any:
-        """The time constant of the damping; it states nothing else.
+        """Return the time constant of the damping, and None for every other quantity.
 
         Args:
             quantity: Attribute of :class:`flexmb.Material`.
@@ -84,22 +84,22 @@ class General(Section):
         return self.damping if quantity == "damping" else None
 
     def triangle(self) -> Float[Array, "m"]:
-        """Entries of the stiffness on and above its diagonal, row by row, (21,) or (10,)."""
+        """Return the entries of the stiffness on and above its diagonal, row by row, (21,) or (10,)."""
         return self.stiffness[np.triu_indices(len(self.stiffness))]  # pyright: ignore
 
     def series_matrix(self, order: int, length: Float[Array, ""], shear: bool) -> Float[Array, "c c"]:
-        """Stiffness between the coefficients of strains along a spectral beam.
+        """Return the stiffness matrix between the coefficients of the strains of a spectral beam.
 
         Args:
             order: Number of coefficients of each strain.
-            length: Of the beam, () [m].
+            length: Length of the beam, () [m].
             shear: Whether the beam counts shear.
 
         Returns:
             (c, c) [N/m, N, N m].
 
         Raises:
-            ModelError: The beam counts shear, and the stiffness has none, or the other way round.
+            ModelError: The beam counts shear and the stiffness is (4, 4), or the beam does not and it is (6, 6).
 
         Source:
             THEORY.md 2, eq. (2.63): the integral of a squared polynomial P_k is 1/(2k + 1).
@@ -113,7 +113,7 @@ class General(Section):
         return jnp.kron(stiff[np.ix_(places, places)] / length, np.diag(1 / (2.0 * np.arange(order) + 1)))
 
     def moments_of_mass(self) -> tuple[Float[Array, ""], Float[Array, "3"], Float[Array, "3 3"]]:
-        """Mass and its first and second moments per length about the line from end to end.
+        """Return mass and its first and second moments per length about the line from end to end.
 
         Returns:
             () [kg/m], (3,) [kg], (3, 3) [kg m].
@@ -130,7 +130,7 @@ class General(Section):
         return mass, mass * center, own + mass * jnp.outer(center, center)
 
     def faults(self) -> list[str]:
-        """A stiffness of another size, or not symmetric, or not positive definite; an inertia or mass below zero."""
+        """Return faults: a wrong size or an indefinite stiffness; negative mass, inertia or damping."""
         numbers = {name: getattr(self, name) for name in ("mass", "Jx", "Jy", "Jz", "Jyz")}
         found = faults_of(Rigidity(**numbers), at_least_zero=("EA", "EIy", "EIz", "GIt", *RIGIDITIES, *numbers))
         if self.damping is not None and not holds(as_known(self.damping) >= 0):
@@ -143,18 +143,18 @@ class General(Section):
         return found + _faults_of_stiffness(stiff, STRAINS[size])
 
 
-# Other numbers of a Rigidity, which are zero.
+# Other rigidities of a Rigidity; they are zero here.
 RIGIDITIES = ("shear_z", "shear_y", "EIw", "Jw")
 
 
 def _faults_of_stiffness(stiff: Any, names: tuple[str, ...]) -> list[str]:
-    """What is wrong with matrices, (*n, k, k)."""
+    """Faults of stiffness matrices, (*n, k, k)."""
     xp = library_of(stiff)
     diagonal = xp.diagonal(stiff, axis1=-2, axis2=-1)
     for k, name in enumerate(names):
         if not holds(diagonal[..., k] > 0):
             return [f"stiffness whose diagonal entry of the {name} is not positive"]
-    # Matrices with ones on their diagonals: entries differ in unit.
+    # Entries differ in unit, so the matrices are scaled to ones on their diagonals.
     roots = xp.sqrt(xp.abs(diagonal))
     scaled = stiff / (roots[..., :, None] * roots[..., None, :])
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
@@ -163,11 +163,11 @@ def _faults_of_stiffness(stiff: Any, names: tuple[str, ...]) -> list[str]:
     least, shapes = xp.linalg.eigh((scaled + xp.swapaxes(scaled, -1, -2)) / 2)
     if holds(least[..., 0] > LEAST_OF_STIFFNESS):
         return []
-    # Of the matrix at fault, what takes part in strains that would take no work.
+    # Strains of the worst matrix whose combination has the least energy.
     worst = shapes[..., 0].reshape(-1, len(names))[np.argmin(least[..., 0].ravel())]
     taking = " and ".join(name for name, part in zip(names, worst, strict=True) if abs(part) > PART)
     return [f"stiffness that is not positive definite: strains of {taking} together take no work"]
 
 
-# A strain takes part in a shape from this share on.
+# Least share of a strain in an eigenvector to be named in the error.
 PART = 0.1

@@ -1,11 +1,13 @@
-"""What a leaf spring has beyond a beam: clamps keep its cross-section flat, and its warping is restrained.
+"""The section of a leaf spring: a strip that clamps keep flat, with restrained warping and flattening.
 
-A strip that bends wants to curve across its width the other way. Where an end is clamped it cannot: near there it bends
-as a plate, with E/(1 - nu^2) in place of E, and a little nearer it stretches so. Nor can shear warp the section there.
-Far from clamps a wide strip flattens of its own as its curvature grows, and gives way where it is also bent sideways.
-A strip that twists wants to warp; where it cannot, twist builds up over a distance of about a quarter of the width.
+A strip that bends tends to curve across its width in the opposite direction. A clamp prevents this curvature. Near a
+clamp the strip therefore bends as a plate, with E/(1 - nu^2) in place of E. At smaller distances it also stretches and
+bends sideways as a plate, and shear does not warp its section.
 
-Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectral beams of such sections.
+Far from clamps a wide strip flattens as its curvature grows. It then becomes softer in sideways bending. A strip that
+twists tends to warp. Where warping is restrained, twist builds up over about a quarter of the width.
+
+Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectral beams with such sections.
 """
 
 import dataclasses
@@ -30,36 +32,37 @@ from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
 from .spectral import check_section, pieces_of, relative, rigidities, rigidity_of, series_matrix, strains
 
-# How far from a clamp a leaf spring stretches and bends, about its soft axis and sideways, as a plate, and shears
-# without warping, over its width; and how much further, over its thickness.
+# Distances from a clamp, over the width, within which a leaf spring stretches, bends about its soft axis and bends
+# sideways as a plate, and shears without warping. THICKER: additions to these distances, over the thickness.
 KEPT = ("EA", "EIy", "EIz", "GAy")
 REACHES = np.array([[0.14], [0.40], [0.065], [0.10]])
 THICKER = np.array([[0.27], [0.0], [0.25], [0.0]])
-# So many of them bend or stretch; their jumps are breaks.
+# The first three of KEPT stretch or bend; their jumps are breaks.
 BREAKS = 3
-# Of a thick strip the warping rigidity is smaller, by 1 over 1 and so many squares of thickness over width.
+# The warping rigidity of a thick strip is divided by 1 + OF_THICK (thickness/width)^2.
 OF_THICK = 12.0
-# Steps along a leaf spring for integrals of its twist, and Gauss nodes of each at least.
+# Steps along a leaf spring for integrals of its twist, and least number of Gauss nodes in each step.
 STEPS, DENSE = 8, 8
 ENDS = np.array([0.0, 1.0])
-# Which ends are clamped, as users say it. A model has 1 for a clamped end and 0 for another, (2,). Where clamps reach
-# in through leaf springs in line, these count too, and a second row has their distances, (2, 2) [m]. Where leaf springs
-# of other sizes go on in line, two more rows have the widths and thicknesses there, (4, 2) [m].
+# Input of users: whether the first end and the last are clamped. A model stores 1 for a clamped end and 0 for another
+# end, (2,). If a clamp acts through leaf springs in line, its end has 1 too, and a second row has the distances from
+# both ends to their clamps, (2, 2) [m]. If a leaf spring of another size follows in line, two more rows have the widths
+# and the thicknesses beyond both ends, (4, 2) [m].
 Clamped = tuple[bool, bool] | bool
 # Gauss nodes of each of the three parts of a leaf spring, near its ends and between, for the energy of large strains.
 PARTS = 10
-# By how much slanted edges make a strip softer in bending sideways, over the square of the slope of its width.
+# Relative increase of the compliance in sideways bending by slanted edges, over the squared slope of the width.
 IN_PLANE = 0.30
-# Keeps the root of a curvature that is zero smooth, and changes no digit.
+# Keeps roots smooth at zero curvature, and changes no digit.
 TINY = 1e-12
 
 
 class Strip(Section):
-    """A rectangle as part of a leaf spring: stress follows edges that are not parallel, and a thick one warps less.
+    """A rectangle at a place of a leaf spring, with the effects of slanted edges and of thickness on its rigidities.
 
     Attributes:
-        rectangle: At this place, with its shear counted.
-        slope: By how much the width grows along the leaf spring, () [-]; None where it is the same everywhere.
+        rectangle: Rectangle at this place, with shear.
+        slope: Slope of the width along the leaf spring, () [-]; None for a section that does not vary.
 
     Source:
         THEORY.md 2, eq. (2.46) and (2.57).
@@ -69,14 +72,14 @@ class Strip(Section):
     slope: Scalar | None = None
 
     def rigidity(self) -> Rigidity:
-        """Rigidities, smaller than the rectangle's; the shear rigidity is the same."""
+        """Return rigidities, at most as large as the rigidities of the rectangle. The shear rigidity is equal."""
         found, nu = self.rectangle.rigidity(), self.rectangle.material.poisson()
         thick = 1 + OF_THICK * (self.rectangle.thickness / self.rectangle.width) ** 2
         found = dataclasses.replace(found, EIw=found.EIw / thick)
         if self.slope is None:
             return found
         square = self.slope**2
-        # Bending sideways is coupled to shear, see Leaf._slanting.
+        # Sideways bending and shear are coupled, see Leaf._slanting.
         coupled = 1 - square * found.shear_y / (4 * self.rectangle.width**2)
         sideways, across = (1 + IN_PLANE * square) * coupled, 1 + nu / (6 * (1 + nu)) * square
         return dataclasses.replace(
@@ -91,10 +94,10 @@ class Strip(Section):
 
 
 class Sheared(Section):
-    """A section that varies smoothly, with its shear counted.
+    """A section that varies smoothly, with shear.
 
     Attributes:
-        section: As it is given: a rectangle, or one whose sizes vary smoothly.
+        section: Rectangle, or section whose rectangles vary smoothly.
     """
 
     section: Section
@@ -102,20 +105,20 @@ class Sheared(Section):
     varies = True
 
     def rigidity(self) -> Rigidity:
-        """There is none for the whole leaf spring. Raises ModelError: Always."""
+        """Raise ModelError: the rigidity depends on the place."""
         raise ModelError("The section of a leaf spring is not the same everywhere.")
 
     def rectangle(self, place: Scalar, length: Any) -> Rectangle:
-        """The rectangle at a place, with its shear counted."""
+        """Return the rectangle at a place, with shear."""
         found: Any = self.section.at(place, length)
         return dataclasses.replace(found, shear=True)
 
     def at(self, place: Scalar, length: Any) -> Strip:
-        """The section at a place, () [-]."""
+        """Return the section at a place, () [-]."""
         return Strip(*self.slanted(place, length))
 
     def slanted(self, place: Scalar, length: Any) -> tuple[Rectangle, Any]:
-        """The rectangle at a place, and by how much its width grows along there, () [-]; None where it never does."""
+        """Return the rectangle at a place and the slope of its width, () [-]; None if the section does not vary."""
         if not self.section.varies:
             return self.rectangle(place, length), None
 
@@ -128,19 +131,19 @@ class Sheared(Section):
         return rectangle, slope / length
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
-        """Compliances at places over their means, as :func:`flexmb.elements.spectral.relative` has them."""
+        """Return compliances at places over their means, see :func:`flexmb.elements.spectral.relative`."""
         return relative(self, places, length, names)
 
 
 class Leaf(Sheared):
-    """The section of a leaf spring at each place, with what clamps do to it: they change strains (:meth:`relative`).
+    """The section of a leaf spring at each place. Clamps reduce its strains (:meth:`relative`).
 
     Attributes:
-        section: As it is given: a rectangle, or one whose sizes vary smoothly.
-        clamped: 1 where a clamp keeps an end flat, 0 where none does, of the first end and of the last, (2,).
-        beyond: How far beyond each end that clamp is, in line, (2,) [m].
-        initial: Initial curvature as the beam has it, or None where it is straight.
-        ends: Skew cuts, steps and roots at its ends, or None.
+        section: Rectangle, or section whose rectangles vary smoothly.
+        clamped: 1 for an end that a clamp keeps flat, otherwise 0, for the first end and the last, (2,).
+        beyond: Distance from each end to its clamp in line, (2,) [m].
+        initial: Initial curvature of the beam, or None for a straight beam.
+        ends: Skew cuts, steps and roots at both ends, or None.
 
     Source:
         THEORY.md 2, eq. (2.22), (2.42), (2.55) and (2.58).
@@ -152,44 +155,45 @@ class Leaf(Sheared):
     ends: Ends | None = None
 
     def plain(self) -> Section:
-        """The section without clamps, with its shear counted where it varies."""
+        """Return the section without clamps; with shear if the section varies."""
         return Sheared(self.section) if self.section.varies else self.section
 
     def _strips(self, length: Any) -> Section:
-        """The section without clamps, with its shear counted, whether it varies or not."""
+        """Section without clamps, with shear."""
         return self.plain() if self.section.varies else self.at(0.0, length)
 
     def breaks_at(self, length: Any) -> tuple[Float[Array, ""], ...]:
-        """Where a clamp's influence on bending sideways, on stretching and on bending ends."""
+        """Return the places where the effects of clamps on stretching, bending and sideways bending end, () [-]."""
         first, last = self.kept(length)[0][:BREAKS].T
         return tuple(jnp.sort(jnp.concatenate([first, 1 - last])))
 
     def layers(self, length: Any) -> tuple[Scalar, Scalar]:
-        """Over which distance from each end twist builds up where warping is restrained, over the length.
+        """Return the distance over which twist builds up at each end with restrained warping, over the length.
 
-        Returns sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
+        The distances are sqrt(E' Cw/GIt)/L at the first end and at the last, () [-].
         """
         twists, warps = rigidities(self._strips(length), jnp.asarray(ENDS), length, ("GIt", "EIw")).T
         first, last = jnp.sqrt(warps / twists) / length
         return first, last
 
     def _at_ends(self, length: Any) -> list[Rectangle]:
-        """Rectangles at the first end and at the last; one where the section does not vary."""
+        """Rectangles at the first end and at the last; one rectangle if the section does not vary."""
         return [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
 
     def kept(self, length: Any) -> tuple[Float[Array, "kept 2"], Float[Array, "kept 2"]]:
-        """How far from each end a leaf spring is kept flat, and by which share strains are smaller there.
+        """Return the flat lengths at both ends, and the shares by which strains are smaller there.
 
-        Two clamps share a leaf spring that both reach all over. At an end without clamp the distance has no meaning.
+        If two flat lengths overlap, both are reduced by half of the overlap. At an end without a clamp the flat length
+        has no meaning.
 
         Returns:
-            Over the length, of the strains of ``KEPT`` (rows) at the first end and at the last, (4, 2) [-]; at a
-            clamped end nu^2, of shear 1 - k, and 0 at another, (4, 2) [-].
+            Flat lengths over the length of the leaf spring, for the strains of ``KEPT`` (rows) at both ends, (4, 2)
+            [-]. Shares, (4, 2) [-]: nu^2 at a clamped end, 1 - k for shear, and 0 at another end.
         """
         rectangles = self._at_ends(length)
         sizes = [(r.width / length, r.thickness / length, r.material.poisson()) for r in rectangles]
         wide, thick, nu = jnp.broadcast_to(jnp.array(sizes, float).T, (3, 2))
-        # Cowper's k, 10 (1 + nu)/(12 + 11 nu), is that of a section which may warp.
+        # 1 - k, with Cowper's k = 10 (1 + nu)/(12 + 11 nu) of a section that warps.
         shares = jnp.stack([nu**2] * BREAKS + [(2 + nu) / (12 + 11 * nu)])
         reaches = REACHES * wide + THICKER * thick - self.beyond / length
         reaches = jnp.clip(reaches, 0.0, 0.5 + 0.5 * self.clamped)
@@ -197,7 +201,7 @@ class Leaf(Sheared):
         return reaches - overlap * (1 + self.clamped[::-1] - self.clamped) / 2, self.clamped * shares
 
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
-        """Compliances at places over what they are without clamps."""
+        """Return compliances at places over the mean compliances without clamps."""
         cut = self._flat(places, *self.kept(length))
         own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self.plain(), places, length, names) if self.section.varies else 1.0
@@ -206,21 +210,21 @@ class Leaf(Sheared):
     def _flat(
         self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "kept 2"]
     ) -> Float[Array, "kept n"]:
-        """Of each strain of ``KEPT``, at places near the first end its share, near the last its own, else zero."""
+        """Sum of the shares of both ends at places within their flat lengths, for each strain of ``KEPT``."""
         ends = jnp.stack([jnp.asarray(places), 1 - jnp.asarray(places)])
         return jnp.einsum("fen,fe->fn", (ends < reaches[:, :, None]).astype(float), shares)
 
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
     ) -> Float[Array, "c"]:
-        """Coefficients of the strains of a free leaf spring by temperature, field by field.
+        """Return the coefficients of the thermal strains of a free leaf spring, field by field.
 
-        Where the section is kept flat, thermal strain and curvature are 1 + nu times as large. Returns (fields order,)
-        [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and (2.33).
+        Thermal strain and curvature are 1 + nu times as large where clamps keep the section flat. Returns (fields
+        order,) [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and (2.33).
 
         Args:
-            bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
-            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
+            bends: Curvature over the coefficient of thermal expansion, by the name of its rigidity, () [K/m].
+            names: Rigidities of the fields, see :func:`flexmb.elements.spectral.rigidities`.
         """
         whole = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
@@ -241,11 +245,11 @@ class Leaf(Sheared):
         return jnp.linalg.solve(matrix, right[:, :, None]).ravel()
 
     def near(self, order: int, starts: Any, ends: Any, length: Any, names: Sequence[str], count: int):
-        """Within each step what is near a clamped end: places, their weights, and strains without clamps there.
+        """Return the quadrature over the flat lengths within each step, and the strains without clamps there.
 
         Returns:
-            Places and weights, of those strains of ``KEPT`` that there are at both ends, (k, 2, s, count). Strains,
-            (k, 2, s, count, order). By which share they are smaller, (k, 2).
+            Places and weights at both ends, for the k strains of ``KEPT`` among ``names``, (k, 2, s, count). Strains,
+            (k, 2, s, count, order). Shares by which clamps reduce the strains, (k, 2).
         """
         kept = [name for name in KEPT if name in names]
         reaches, less = (own[np.array([KEPT.index(name) for name in kept])] for own in self.kept(length))
@@ -264,11 +268,12 @@ class Leaf(Sheared):
         return places, sizes[..., None] * weights, shapes, less
 
     def twist(self, order: int, places: Any, length: Any) -> Float[Array, "n c"]:
-        """Twist rates over length of each coefficient and of the warping of each end.
+        """Return twist rates times length by each coefficient and by the warping of each end.
 
-        Polynomials times the local compliance, less what they are at the ends, where the warping is; from there twist
-        dies away as where no torque is. Returns (n, order + 2) [-]; the last two of the warping at the first end and at
-        the last. Source: THEORY.md 2, eq. (2.24).
+        The rate of a coefficient is a polynomial times the local relative compliance. Functions that decay from the
+        ends correct it to zero at both ends. The rate of the warping of an end is the decaying function of this end.
+        Returns (n, order + 2) [-]; the last two columns belong to the warping of the first end and of the last.
+        Source: THEORY.md 2, eq. (2.24).
         """
         layers = self.layers(length)
         own, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
@@ -276,7 +281,7 @@ class Leaf(Sheared):
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
     def twist_slopes(self, order: int, places: np.ndarray, length: Any) -> Float[Array, "n c"]:
-        """Slopes of :meth:`twist` along the leaf spring, with the same arguments, (n, order + 2) [-]."""
+        """Return the slopes of :meth:`twist` by the place, (n, order + 2) [-]."""
         first, last = self.layers(length)
         if self.section.varies:
             at = jnp.asarray(places)
@@ -289,13 +294,13 @@ class Leaf(Sheared):
         return jnp.concatenate([own - fading @ ends, fading], axis=1)
 
     def moments(self, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s g f c"]:
-        """Strains at the three Gauss nodes of each step, such that their moments over the step are those of the leaf's.
+        """Return strains at the three Gauss nodes of each step that have the same moments over the step as the leaf.
 
-        Returns the strains of each coefficient, field by field, and of the warping of both ends, (s, 3, fields, fields
+        Returns the strains by each coefficient, field by field, and by the warping of both ends, (s, 3, fields, fields
         order + 2) [-].
 
         Args:
-            names: Rigidities of the fields, as :func:`flexmb.elements.spectral.rigidities` takes them.
+            names: Rigidities of the fields, see :func:`flexmb.elements.spectral.rigidities`.
         """
         count, fields, turned = max(DENSE, order // 2 + 3), len(names), names.index("GIt")
         nodes, weights = gauss(count)
@@ -322,7 +327,7 @@ class Leaf(Sheared):
         return jnp.concatenate([found, warped], axis=3)
 
     def matrix(self, of: Any, order: int, length: Any, names: Sequence[str]) -> Array:
-        """Matrix of rigidities over length between all coefficients, and the warping of both ends where it twists.
+        """Return the stiffness or damping matrix between all coefficients, in space also the warping of both ends.
 
         Returns (fields order, fields order), in space (fields order + 2, fields order + 2) [N/m, N, N m]. Source:
         THEORY.md 2, eq. (2.22) and (2.24).
@@ -332,12 +337,12 @@ class Leaf(Sheared):
         if elastic:
             of = self._strips(length)
         found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
-        # The steps of an order up to six along the leaf spring: what is computed there is computed once.
+        # Steps as of a spectral beam of order up to six: XLA then computes common expressions once.
         steps = np.diff(lobatto(STEPS + 1)[0])
         ends = np.cumsum(steps)
         starts = ends - steps
         places, shares, shapes, less = self.near(order, starts, ends, length, names, max(DENSE, order // 2 + 3))
-        # Strains are smaller there, and damping is not larger.
+        # Strains are 1 - less times as large there. The stiffness is R/(1 - less), the damping is not increased.
         shares = shares * (less if elastic else less * (2 - less))[:, :, None, None]
         kept = [name for name in KEPT if name in names]
         placed = np.eye(fields)[[names.index(name) for name in kept]]
@@ -382,7 +387,7 @@ class Leaf(Sheared):
         return jnp.einsum("jk,f,g->fjgk", own, one, other) + jnp.einsum("jk,f,g->gkfj", own, one, other)
 
     def _curved(self, elastic: bool, order: int, length: Any, names: Sequence[str]) -> Any:
-        """What initial curvature and twist add to the elastic matrix, else zero. Source: THEORY.md 2, eq. (2.44)."""
+        """Matrix that initial curvature and twist add to the elastic matrix. Source: THEORY.md 2, eq. (2.44)."""
         if self.initial is None or not elastic:
             return 0.0
         places, weights, free = self._parts(length)
@@ -403,14 +408,14 @@ class Leaf(Sheared):
         return own * length
 
     def initial_at(self, places: Any) -> tuple[Any, Any]:
-        """Initial twist and curvature about the soft axis at places, (n,) and (n,) [1/m]; zero unless given."""
+        """Return initial twist and curvature about the soft axis at places, (n,) and (n,) [1/m]; zero if straight."""
         if self.initial is None:
             return 0.0, 0.0
         found = curvature_at(self.initial, places)
         return (0.0, found) if found.ndim == 1 else (found[:, 0], found[:, 1])
 
     def _parts(self, length: Any) -> tuple[Float[Array, "n"], Float[Array, "n"], Float[Array, "n"]]:
-        """Places along a leaf spring near its ends and between, their weights, and 0 where a clamp keeps it flat."""
+        """Places and weights near both ends and between them; 0 where a clamp keeps the section flat, else 1."""
         nodes, weights = gauss(PARTS)
         reaches, _ = self.kept(length)
         ends = jnp.stack([0.0, reaches[1, 0], 1 - reaches[1, 1], 1.0])
@@ -420,7 +425,7 @@ class Leaf(Sheared):
         return places, (sizes[:, None] * weights).ravel(), jnp.repeat(free, PARTS)
 
     def distorted(self, places: Float[Array, "n"], length: Any) -> Float[Array, "n"]:
-        """Where the cross-section is free to distort, 1, and towards a clamp less, down to 0. Source: eq. (2.56)."""
+        """Return the share of distortion of the cross-section: 1 far from clamps, 0 at a clamp. Source: eq. (2.56)."""
         wide = jnp.stack([jnp.asarray(rectangle.width, float) for rectangle in self._at_ends(length)])
         away = (jnp.stack([places, 1 - places], axis=1) * length + self.beyond) / (REACHES[1] * wide)
         first, last = (self.clamped * (1 - jnp.minimum(away, 1.0) ** 4) ** 2).T
@@ -429,10 +434,7 @@ class Leaf(Sheared):
     def _large(
         self, order: int, places: Float[Array, "n"], length: Any, names: Sequence[str]
     ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Any, Any]:
-        """Elongation and bending, in space also bending sideways and rate of twist, at places, of each coefficient.
-
-        Each (n, coefficients) [1/m], None in the plane.
-        """
+        """Elongation, curvature, in space also sideways curvature and twist at places, by each coefficient, (n, c)."""
         kept = [name for name in KEPT[:BREAKS] if name in names]
         reaches, shares = (own[: len(kept)] for own in self.kept(length))
         own = strains(order, self.plain(), places, length, kept)
@@ -448,33 +450,35 @@ class Leaf(Sheared):
         return stretch, bent, others[0] if others else None, rate
 
     def energy(self, order: int, c: Float[Array, "c"], length: Any, names: Sequence[str]) -> Float[Array, ""]:
-        """What large strains take beyond the quadratic energy of :meth:`matrix`.
+        """Return the elastic energy of large strains beyond the quadratic energy of :meth:`matrix`.
 
-        A wide strip flattens as its curvature grows, where no clamp keeps it flat anyway, and the stress that this
-        takes stiffens its torsion; where it is also bent sideways, its cross-section distorts. And twist makes the
-        fibres off the axis longer than the axis. Returns () [J], of third order in the coefficients at least. Source:
-        THEORY.md 2, eq. (2.23), (2.25), (2.30) and (2.56).
+        - A wide strip flattens as its curvature grows, except near clamps. The stress of flattening stiffens torsion.
+        - A strip that is also bent sideways distorts in its cross-section.
+        - Twist makes the fibres off the axis longer than the axis.
+
+        Returns () [J], at least of third order in the coefficients. Source: THEORY.md 2, eq. (2.23), (2.25), (2.30),
+        (2.44) and (2.56).
 
         Args:
-            c: Coefficients, in space with the warping of both ends after them, (fields order,) or (fields order + 2,).
+            c: Coefficients, (fields order,); in space followed by the warping of both ends, (fields order + 2,).
         """
         places, weights, free = self._parts(length)
         stretches, bends, sideways, rates = self._large(order, places, length, names)
         stretch, bent = stretches @ c, bends @ c
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
-        # u^4, which is smooth in the curvature.
+        # u^4 is a smooth function of the curvature.
         fourth = 3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2
         bending, keeps = bending * nu / (1 - nu**2), curving(fourth)
         flatter, initial = bending * (1 - keeps), None
         if self.initial is not None:
-            # What is quadratic is in the matrix.
+            # The matrix contains the quadratic part.
             initial = 3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2
             flatter = bending * (curving(initial) - keeps)
         found = 0.5 * length * (weights * free) @ (nu * flatter * bent**2)
         if rates is None:
             return found
-        # Of a strip bent sideways the cross-section distorts.
+        # Distortion of the cross-section in sideways bending.
         softer = distorting(fourth) - (1 if initial is None else distorting(initial))
         softer = softer * self.distorted(places, length) * stiff * wide**2 / 12
         found = found + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
@@ -488,7 +492,7 @@ class Leaf(Sheared):
         return found + length * weights @ drawn
 
     def _numbers(self, places: Float[Array, "n"], length: Float[Array, ""]):
-        """Width, thickness, Poisson's ratio, EA and EIy: of each place where they vary."""
+        """Width, thickness, Poisson's ratio, EA and EIy; at each place if the section varies."""
 
         def numbers(place: Scalar):
             rectangle = self.rectangle(place, length)
@@ -500,13 +504,13 @@ class Leaf(Sheared):
 
 
 def share_of_change(change: Any, initial: Any) -> Any:
-    """Change of a curvature over the whole curvature, with zero where that is zero."""
+    """Return the change of a curvature over the whole curvature; zero if the whole curvature is zero."""
     whole = initial + change
     return change * whole / (whole**2 + TINY)
 
 
 def leaf_of(section: Any, clamped: Any, initial: Any = None, skew: Any = None, clamp: Any = None) -> Any:
-    """Section of a leaf spring, None of one whose section is not looked at; no end is clamped unless given."""
+    """Return the section of a leaf spring; None without a section. Without ``clamped`` no end is clamped."""
     if section is None:
         return None
     flags = flags_and_distances(jnp.zeros(2) if clamped is None else clamped)
@@ -514,26 +518,26 @@ def leaf_of(section: Any, clamped: Any, initial: Any = None, skew: Any = None, c
 
 
 def flags_and_distances(clamped: Any) -> tuple[Any, Any]:
-    """Which ends are kept flat, (2,), and how far beyond them the clamps are, (2,) [m]."""
+    """Return 1 for each end that a clamp keeps flat, (2,), and the distances from the ends to the clamps, (2,) [m]."""
     return (clamped[0], clamped[1]) if clamped.ndim == 2 else (clamped, 0.0 * clamped)
 
 
 def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
-    """What is 1 at 0 and 0 at 1 where nothing acts in between, and its slope."""
+    """Function h with layer^2 h'' = h, h(0) = 1 and h(1) = 0, and its slope."""
     near, back, whole = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
     return (near - back) / whole, -(near + back) / (whole * layer)
 
 
 @pointwise
 def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """How much of its curvature across a strip keeps, of what it has at small curvature along.
+    """Return the curvature across a bent strip over its value for small bending, by u^4.
 
     Returns (2/u) (cosh u - cos u)/(sinh u + sin u), the same shape [-]: 1 for small u, 2/u for large. Source: THEORY.md
     2, eq. (2.23).
     """
     u = jnp.sqrt(jnp.sqrt(fourth + TINY))
     less, sine, cosine = jnp.expm1(-u), jnp.sin(u / 2), jnp.cos(u / 2)
-    # Both times exp(-u); cosh u - cos u is 2 sinh(u/2)^2 + 2 sin(u/2)^2, which loses no digits at small u.
+    # Numerator and denominator times exp(-u). cosh u - cos u = 2 sinh(u/2)^2 + 2 sin(u/2)^2 loses no digits at small u.
     above = less**2 / 2 + 2 * sine**2 * (1 + less)
     below = 2 * sine * cosine * (1 + less) - less * (2 + less) / 2
     return 2 / u * above / below
@@ -541,7 +545,7 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
 
 @pointwise
 def distorting(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """How much of its stiffness sideways a strip keeps that is bent, as its cross-section distorts.
+    """Return the sideways bending stiffness of a bent strip over its value for small bending, by u^4.
 
     Returns (3/u) (sinh u - sin u)/(cosh u - cos u), the same shape [-]: 1 for small u, 3/u for large. Source: THEORY.md
     2, eq. (2.56).
@@ -551,14 +555,14 @@ def distorting(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     above, below = (
         sum(v**k * (math.factorial(first) / math.factorial(4 * k + first)) for k in range(4)) for first in (3, 2)
     )
-    # Over exp(u)/2, so that nothing overflows.
+    # Numerator and denominator over exp(u)/2 do not overflow.
     once = jnp.exp(-u)
     large = 3 / u * (1 - once**2 - 2 * once * jnp.sin(u)) / (1 + once**2 - 2 * once * jnp.cos(u))
     return jnp.where(small, above / below, large)
 
 
 def faults_of_leaf(section: Section, ref: Any, curvature: Any = None, count: int = NODES) -> list[str]:
-    """What is wrong with the section of a leaf spring."""
+    """Return the faults of the section of a leaf spring."""
     if isinstance(section, Profile):
         if section.breaks:
             return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]

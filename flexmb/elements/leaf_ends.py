@@ -1,8 +1,8 @@
-"""What the ends of a leaf spring give beyond a straight clamp: skew cuts, steps in width or thickness, elastic roots.
+"""Compliances of the ends of a leaf spring: skew cuts, steps in width or thickness, and elastic roots.
 
-Each is a compliance between the resultants at the end and a small motion there, of six by six. A compliance may be
-negative, such as of a skew cut, which holds a part of the leaf spring. It therefore acts together with the leaf spring
-near it: the resultants at the end are those without loads between that fit the strains of this part best.
+Each compliance relates the six resultants at an end to a small motion of this end, (6, 6). It may be negative: a skew
+clamp holds a part of the leaf spring. Each compliance therefore acts on a zone of the leaf spring near its end. The
+resultants at the end are fitted to the strains of this zone, which has no loads.
 """
 
 from collections.abc import Sequence
@@ -19,24 +19,24 @@ from .roots import STRETCHED, bent_spread, spread
 from .sections import Rectangle
 from .spectral import relative, rigidities
 
-# Resultants N, Vy, Vz, T, My, Mz by the rigidity of their strain, and the motions of an end that they belong to.
+# Order of the resultants N, Vy, Vz, T, My, Mz, named by their rigidities, and of the six motions of an end.
 FIELDS = ("EA", "GAy", "GAz", "GIt", "EIy", "EIz")
-# Signs of a matrix that is turned by half a turn about z.
+# Signs of resultants and motions after half a turn about z.
 TURNED = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
-# In the plane of a mechanism: along, to the left, and the angle, of which the section's own y axis has the opposite.
+# Motions in the plane by the six motions: along, to the left, and minus the rotation about the section's y axis.
 IN_PLANE = np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, 0, 0, -1, 0]])
-# Rotation first, as a screw motion has it.
+# Order of a screw motion: rotation first.
 SCREW = np.eye(6)[[3, 4, 5, 0, 1, 2]]
-# Length of the part of a leaf spring that acts together with its end, over the width; half of the leaf spring at most.
+# Length of the zone of an end: ZONE times the width, but at most HALF of the length of the leaf spring.
 ZONE, HALF = 1.0, 0.5
-# A root acts at the end itself: in a small share of this part.
+# The zone of an elastic root is this share of the zone of a cut, since a root acts at the end itself.
 AT_ROOT = 0.05
-# Cuts must be less than a right angle [rad].
+# Limit of the angles of skew cuts, just below a right angle [rad].
 STEEPEST = np.radians(89.0)
-# Poisson's ratio about which the fits of skew cuts are expanded.
+# The fits of skew cuts are polynomials in Poisson's ratio minus this number.
 USUAL = 0.3
-# Terms of a skew cut: row and column; powers of w and the rigidity of the unit w^n/rigidity; powers of tan(angle), and
-# coefficients of these by powers of nu - 0.3 (rows). THEORY.md 2, eq. (2.48).
+# Terms of a skew cut by row and column: power n and rigidity of the unit w^n/rigidity, powers of tan(angle), and their
+# coefficients, in rows by powers of nu - 0.3. THEORY.md 2, eq. (2.48).
 EVEN, ODD = (2, 4, 6), (1, 3, 5)
 SKEW = {
     (2, 4): (2, "EIy", EVEN, ((-0.0409, -0.0248, 0.0054), (-0.0230, 0.0060, 0), (-0.0950, 0.0150, 0))),
@@ -52,10 +52,10 @@ SKEW = {
     (1, 5): (2, "EIz", EVEN, ((-0.0198, 0.0419, -0.0093), (-0.0153, 0.0053, 0), (0.0175, -0.0075, 0))),
     (5, 5): (1, "EIz", EVEN, ((-0.2705, 0.0604, -0.0120), (0.0153, -0.0053, 0), (0.0275, -0.0375, 0))),
 }
-# The same as arrays: coefficients, (terms, powers of nu - 0.3, powers of the slope), and the powers, (terms, 3).
+# Coefficients, (terms, powers of nu - 0.3, powers of tan(angle)), and the powers of tan(angle), (terms, 3).
 COEFFICIENTS = np.array([row[3] for row in SKEW.values()])
 POWERS = np.array([row[2] for row in SKEW.values()])
-# Terms of a step in width, with powers of w and the rigidity of the unit.
+# Terms of a step in width by row and column: power n and rigidity of the unit w^n/rigidity.
 STEP = {
     (0, 0): (1, "EA"),
     (3, 3): (1, "GIt"),
@@ -66,23 +66,23 @@ STEP = {
     (1, 5): (2, "EIz"),
     (1, 1): (3, "EIz"),
 }
-# Which of them a step in thickness has in tension, (terms, 0), and in bending, (terms, 1).
+# 1 for the terms of a step in thickness, (terms, 2): from spreading in tension (column 0) and in bending (column 1).
 THICKNESS = np.array([[place in ((0, 0), (5, 5)), place == (4, 4)] for place in STEP], float)
 
 
-# Stiffnesses of the roots at the first end and at the last, None for a rigid one: along local x, y, z and about them,
-# in the plane along, to the left and of the angle.
+# Stiffnesses of the roots at the first end and at the last; None for a rigid root. In space: along and about local x,
+# y, z. In the plane: along, to the left and about the normal.
 Roots = tuple[Float[Array, "6"] | None, Float[Array, "6"] | None]
 PlanarRoots = tuple[Float[Array, "3"] | None, Float[Array, "3"] | None]
 
 
 class Ends(Record):
-    """What is at both ends of a leaf spring; None where there is nothing of a kind.
+    """Skew cuts, elastic roots and steps at both ends of a leaf spring; None for each kind that is absent.
 
     Attributes:
         skew: Angles of the cuts, (2,) [rad].
-        clamp: Stiffnesses of the roots at the first end and at the last, each (6,) or in the plane (3,) or None.
-        beside: Widths (row 0) and thicknesses (row 1) of what goes on in line beyond both ends, (2, 2) [m].
+        clamp: Stiffnesses of the roots at both ends, each (6,), (3,) in the plane, or None for a rigid root.
+        beside: Widths (row 0) and thicknesses (row 1) in line beyond both ends, (2, 2) [m]; own sizes without a step.
     """
 
     skew: Any = None
@@ -91,23 +91,23 @@ class Ends(Record):
 
 
 def ends_of(skew: Any, clamp: Any, clamped: Any) -> Ends | None:
-    """What is at the ends of a leaf spring, None for straight rigid clamps and leaf springs that go on as they are."""
+    """Return cuts, roots and steps of a leaf spring; None if both ends are straight and rigid, without steps."""
     beside = clamped[2:] if clamped is not None and clamped.shape[0] > 2 else None
     return None if skew is None and clamp is None and beside is None else Ends(skew, clamp, beside)
 
 
 def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
-    """Compliance of a first end that is cut at an angle, beyond a straight clamp through the middle of the cut.
+    """Return the compliance that a skew cut of the first end adds to a straight clamp in the middle of the cut.
 
     Args:
-        angle: Of the cut; the edge at +y begins further along the leaf spring where it is positive, () [rad].
+        angle: Angle of the cut, () [rad]. At a positive angle the edge at +y begins further along local x.
         rectangle: Section at the end.
 
     Returns:
         Displacements and rotations of the end under N, Vy, Vz, T, My, Mz, (6, 6).
 
     Source:
-        THEORY.md 2, eq. (2.48): fits to solid elements, angles up to 50 degrees and nu from 0.2 to 0.4.
+        THEORY.md 2, eq. (2.48): fits to solid elements for angles up to 50 degrees and nu from 0.2 to 0.4.
     """
     slope, change = jnp.tan(jnp.asarray(angle, float)), rectangle.material.poisson() - USUAL
     by_nu = jnp.einsum("n,tnp->tp", jnp.stack([1.0 + 0 * change, change, change**2]), COEFFICIENTS)
@@ -116,7 +116,7 @@ def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
 
 
 def _placed(terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
-    """Symmetric matrix of terms, which state their powers of the width and their rigidity, times numbers, (terms,)."""
+    """Symmetric matrix whose entries are numbers, (terms,), times the unit w^n/rigidity of each term."""
     of, width = rectangle.rigidity(), jnp.asarray(rectangle.width, float)
     kinds = ("EA", "GIt", "EIy", "EIz")
     softness = 1 / jnp.stack([jnp.asarray(getattr(of, kind), float) for kind in kinds])
@@ -129,24 +129,24 @@ def _placed(terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectang
 
 
 def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
-    """Compliance of a first end that goes on backwards in line as a wider or thicker part; zero unless it is.
+    """Return the compliance that a wider or thicker part in line before the first end adds; zero for other parts.
 
     Args:
-        width: Of the part before, () [m].
-        thickness: Of the part before, () [m].
+        width: Width of the part in line, () [m].
+        thickness: Thickness of the part in line, () [m].
         rectangle: Section of the leaf spring.
 
     Returns:
         Displacements and rotations of the end under N, Vy, Vz, T, My, Mz, (6, 6).
 
     Source:
-        THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, narrow over wide from 0.2 and nu from 0.2 to 0.4.
+        THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, for narrow/wide from 0.2 and nu from 0.2 to 0.4.
     """
     of, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
     a = w / width
     stretched, sideways = STRETCHED * spread(a), bent_spread(a)
     bent = (1 + nu) / (3 + nu) * spread(a)
-    # Parts that share their warping are less stiff than parts that do not, which the fit compares with.
+    # Parts that share their warping are stiffer than parts that warp freely, to which the fit refers.
     shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(of.EIw / of.GIt) / w
     twisted = 0.985 * 2 / (3 + nu) * spread(a) + jnp.where(a < 1, shared, 0.0)
     inside = 0.142 + 0.095 / a
@@ -160,7 +160,7 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
         sideways * (0.0445 - 0.455 * a**2),
         sideways * 0.034 * (1 / a - 1),
     ]
-    # Through the thickness the strain across is zero.
+    # A load that spreads through the thickness causes no strain along the width: plane strain.
     b = rectangle.thickness / thickness
     root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float) / w
     in_thickness = root * jnp.stack([STRETCHED * spread(b), bent_spread(b)])
@@ -169,7 +169,7 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
 
 
 def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
-    """Compliance of an elastic root of six stiffnesses, in the plane of three: along, to the left, about the normal."""
+    """Return the compliance of an elastic root from six stiffnesses, or from three in the plane, (6, 6)."""
     given = 1 / jnp.asarray(stiffness, float)
     if given.shape[0] == 3:
         return jnp.diag(jnp.abs(IN_PLANE.T) @ given)
@@ -177,10 +177,11 @@ def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
 
 
 def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6"]]]:
-    """Compliances of both ends of a leaf spring, in axes of the sections there, each with the zone that it acts in.
+    """Return the compliances of both ends of a leaf spring, in axes of the end sections.
 
     Returns:
-        Share of ``ZONE``, and compliances of both ends: of skew cuts and steps, then of roots, where there are any.
+        Factor on the length of the zone, and the compliances of both ends. Cuts and steps come first, then roots. An
+        absent kind has no entry.
     """
     shapes, roots = [], []
     for end, place in enumerate((0.0, 1.0)):
@@ -198,18 +199,18 @@ def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6
 
 
 def _rigidities(leaf: Any, length: Any, names: Sequence[str]) -> dict[str, Any]:
-    """By the rigidity of each strain field, resultants over its coefficients times length: the same all along."""
+    """Resultant times length over coefficient, by the rigidity of each field; constant along the leaf spring."""
     section = leaf.plain()
     found = rigidities(section if section.varies else leaf.rectangle(0.0, length), jnp.zeros(1), length, names)[0]
     if section.varies:
         found = found * relative(section, jnp.zeros(1), length, names)[0]
-    # In the plane, curvature is positive to the left.
+    # In the plane a positive curvature bends to the left, opposite to the section's y axis.
     signs = {"EIy": 1.0 if "GIt" in names else -1.0}
     return {name: signs.get(name, 1.0) * found[i] for i, name in enumerate(names)}
 
 
 def _torque(leaf: Any, order: int, length: Any) -> Float[Array, "order"]:
-    """Torque over its constant part by the coefficients of twist: of all that twists alike, that with least energy."""
+    """Angle between the ends by each coefficient of twist, without warping, over the angle by the first coefficient."""
     layers = jnp.stack(leaf.layers(length))
     faded = layers * jnp.tanh(1 / (2 * layers))
     angles = np.eye(order)[0] - faded[0] * (-1.0) ** np.arange(order) - faded[1]
@@ -217,14 +218,14 @@ def _torque(leaf: Any, order: int, length: Any) -> Float[Array, "order"]:
 
 
 def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], share: float) -> Float[Array, "2 6 c"]:
-    """Resultants at both ends by the coefficients of a leaf spring: those that fit the part near the end best.
+    """Return the resultants at both ends by the coefficients of a leaf spring.
 
-    Without loads along this part its forces are constant and its moments linear; of these resultants those at the end
-    are taken whose energy of the difference is least. Source: THEORY.md 2, eq. (2.47).
+    The zone of an end has no loads, so forces are constant there and moments are linear. The fit to the strains of this
+    zone minimises the elastic energy of the difference. Source: THEORY.md 2, eq. (2.47).
 
     Args:
         names: Rigidities of the strain fields, in order.
-        share: Of ``ZONE``.
+        share: Factor on the length of the zone, see :func:`compliances`.
     """
     stiff = {name: number / length for name, number in _rigidities(leaf, length, names).items()}
     nodes, weights = gauss(order // 2 + 2)
@@ -242,7 +243,7 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
         for bend, shear, sign in (("EIy", "GAz", 1.0), ("EIz", "GAy", -1.0)):
             if bend not in names:
                 continue
-            # Moments grow along the leaf spring at its first end, and against it at its last.
+            # The distance from an end grows along the leaf spring at the first end, and against it at the last.
             sign, ratio, moment = sign * (1 - 2 * end), 0.0, placed[bend] * mean
             slope = sign * placed[bend] * first
             if shear in names:
@@ -255,13 +256,13 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
 
 
 def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"]:
-    """Displacements and rotations that both ends add to the line, by the coefficients, in axes of their sections."""
+    """Return displacements and rotations that both ends add to the line, by the coefficients, in axes of the ends."""
     own = compliances(leaf, length)
     return sum((matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in own), jnp.zeros(()))
 
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:
-    """Matrix that the ends add to that of a leaf spring: their energy is half a product of it. Source: eq. (2.47)."""
+    """Return the matrix that the ends add to the stiffness matrix of a leaf spring. Source: THEORY.md 2, eq. (2.47)."""
     found = jnp.zeros(())
     for share, matrix in compliances(leaf, length):
         resultants = end_resultants(leaf, order, length, names, share)
@@ -270,16 +271,17 @@ def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Flo
 
 
 def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free: Array, matrix: Array) -> Array:
-    """Coefficients of a leaf spring that temperature strains, less what its ends would add to its line as if stressed.
+    """Return the thermal coefficients of a free leaf spring, corrected for the compliances of its ends.
 
-    To first order the last end is where the strains alone take it.
+    Thermal strains without stress move no compliance. The correction puts the last end at the place that the thermal
+    strains alone determine, to first order.
 
     Args:
-        free: Coefficients of the strains by temperature, (fields order,).
-        matrix: Of the leaf spring with its ends, (c, c).
+        free: Coefficients of the thermal strains, (fields order,).
+        matrix: Stiffness matrix of the leaf spring with its ends, (c, c).
     """
     if order < 2:
-        # Linear moments have two coefficients.
+        # A linear moment needs two coefficients.
         return free
     stiff = _rigidities(leaf, length, names)
     columns = []
@@ -288,7 +290,7 @@ def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free
         if force in names:
             column = jnp.asarray(column).at[names.index(force), 0].set(length / stiff[force])
         if bend in names:
-            # The moment of a force at the last end is linear, and zero there; that of a moment is constant.
+            # A force at the last end causes a linear moment, zero there; a moment causes a constant moment.
             spot = np.zeros((len(names), order))
             spot[names.index(bend), 0] = 1.0
             columns.append(length / stiff[bend] * spot)
@@ -305,7 +307,7 @@ def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free
 
 
 def faults_of_ends(skew: Any, clamp: Any) -> list[str]:
-    """What is wrong with the cuts and roots of a leaf spring."""
+    """Return the faults of the cuts and roots of a leaf spring."""
     if skew is not None and not holds(abs(as_floats(skew)) < STEEPEST):
         return [
             "has an end that is cut along itself: `skew` has the angles from a straight cut, in radians, below pi/2"

@@ -1,4 +1,4 @@
-"""Leaf spring in the plane: a spectral beam that bends as a plate near clamps; what it shares stands in ``leaf``."""
+"""Leaf spring in the plane: a spectral beam that bends as a plate near clamps; common code is in ``leaf``."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, nodes_
 
 
 def _of_beam(section: Any, clamped: Any, order: int, shear: bool, curvature: Any, clamp: Any) -> dict[str, Any]:
-    """Properties of the spectral beam that a leaf spring is."""
+    """Properties of the spectral beam with the section of a leaf spring."""
     leaf = leaf_of(section, clamped, curvature, None, clamp)
     return {"section": leaf, "order": order, "shear": shear, "curvature": curvature}
 
@@ -42,7 +42,7 @@ def _leaf_spring(
     curvature: float | CurvedLine | None = None,
     clamp: PlanarRoots | None = None,
 ) -> Float[Array, "n_e"]:
-    """Closure at q, then the coefficients themselves."""
+    """Closure at q, then the coefficients."""
     own = _of_beam(section, clamped, order, shear, curvature, clamp)
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
 
@@ -72,7 +72,7 @@ def _damping(*, ref, damping: Damping, order, shear, section, clamped=None, curv
 
 
 def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=None):
-    """Of the flattening at large curvature."""
+    """Energy of flattening at large curvature."""
     return leaf_of(section, clamped, curvature).energy(order, e[CLOSURE:], _length(ref, curvature), _names(shear))
 
 
@@ -89,13 +89,13 @@ def _resultants(
 
 
 def _surface(e: Array, *, ref, place, resultants, section, clamped=None, curvature=None):
-    # A moment about the section's y axis turns clockwise.
+    # A positive moment about the section's y axis turns clockwise, a positive curvature counter-clockwise.
     opposite = None if curvature is None else jax.tree.map(jnp.negative, curvature)
     return leaf_stress(leaf_of(section, clamped, opposite), place, _length(ref, curvature), resultants)
 
 
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
-    """Elongation, and the curvature by which the warmer side gets longer."""
+    """Thermal elongation and curvature; the warmer side becomes longer."""
     length, bends = _length(ref, curvature), {"EIy": -gradient[0]}
     leaf, names = leaf_of(section, clamped, curvature, None, clamp), _names(shear)
     found = leaf.thermal(change, bends, order, length, names)
@@ -114,9 +114,9 @@ def _check(*, ref, order, shear, section, curvature=None, clamp=None) -> list[st
     faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
     faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order)) or faults_of_ends(None, clamp)
     if faults or shear:
-        # What counts shear does so whatever the section states.
+        # A leaf spring with shear takes the shear compliance of its rectangle, also if the section has none.
         return faults
-    # Of a material that the section itself finds fault with there is none to be found here.
+    # An invalid material, which the section reports, may cause division by zero here.
     with np.errstate(all="ignore"):
         return check_shear(False, numbers_of(section, ref, curvature).shear_z)
 
@@ -137,23 +137,22 @@ leaf_spring = Element(
     lengths=(ELONGATION, SHEAR),
     names=spectral_planar.spectral_beam.names,
 )
-"""A leaf spring as a solid model has it, one element for the whole of it.
+"""A leaf spring that agrees with a solid model, one element for its whole length.
 
-Near clamped ends it bends and stretches as a plate, and its middle flattens as its curvature grows. Which ends are
-clamped is found when the model is built: those whose rotation is held, those joined to a rigid element, a hinge, a body
-or a part at least three times as thick, and folds.
+Near clamped ends it bends and stretches as a plate. Its middle flattens as its curvature grows. flexmb finds the
+clamped ends when it builds the model. An end is clamped if its rotation is held, at a fold, and where it joins a rigid
+element, a hinge, a body or a part at least three times as thick.
 
-Deformations: those of ``planar.spectral_beam``.
-Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; clamped, whether its
-first end and its last are clamped, such as (True, False), where that shall not be found;
-curvature, as ``planar.spectral_beam`` has it; clamp (stiffnesses of elastic roots along, to the left and of the angle
-[N/m, N m/rad]: three for both ends, or a pair of three, None for a rigid end).
-Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
-cantilever is 2 % high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, False unless given.
-Where that would change a stiffness by more than 1 %, a model warns.
+Deformations: as of ``planar.spectral_beam``.
+Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; clamped, whether the first end
+and the last are clamped, such as (True, False), instead of the ends that flexmb finds; curvature, as of
+``planar.spectral_beam``; clamp (stiffnesses of elastic roots along, to the left and of the angle [N/m, N m/rad]: three
+for both ends, or a pair of three, None for a rigid end).
+Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
+high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, default False. If shear would change a
+stiffness by more than 1 %, flexmb warns.
 
-Stress counts what is across the width where clamps keep it flat, and the flattening of the middle; see
-:mod:`.leaf_stress`.
+The stress includes the stress across the width near clamps and the flattening of the middle; see :mod:`.leaf_stress`.
 
 Source: THEORY.md 2, eq. (2.22), (2.23), (2.28), (2.42), (2.47), (2.49) to (2.52), (2.58) and (2.59).
 """

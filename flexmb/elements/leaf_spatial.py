@@ -1,4 +1,4 @@
-"""Leaf spring in space: a spectral beam whose warping is a coordinate; what it shares stands in ``leaf``."""
+"""Leaf spring in space: a spectral beam with warping as a coordinate; common code is in ``leaf``."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -25,13 +25,13 @@ OF_BEAM = spectral_spatial.spectral_beam.names
 
 
 def _spectral(nodes: Sequence[Array], ref: Reference, curvature: Any, order: int):
-    """Coordinates of a spectral beam whose last coefficients are the warpings, times length."""
+    """Coordinates of a spectral beam whose last two coefficients are warping times length."""
     p, rot_p, warp_p, q, rot_q, warp_q, c = nodes
     return p, rot_p, q, rot_q, jnp.concatenate([c, _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])])
 
 
 def _of_beam(section: Any, clamped: Any, order: int, y: Any, curvature: Any, *ends: Any) -> dict[str, Any]:
-    """Properties of the spectral beam that a leaf spring is."""
+    """Properties of the spectral beam with the section of a leaf spring."""
     leaf = leaf_of(section, clamped, curvature, *ends)
     return {"section": leaf, "order": order, "shear": True, "y": y, "curvature": curvature}
 
@@ -57,7 +57,7 @@ def _leaf_spring(
     """Closure at q, warping of both ends, then the coefficients."""
     own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     warping = _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])
-    # Which motions are allowed does not depend on how strains are spread: that is asked without a section.
+    # The search for allowed motions passes no section: it does not depend on the distribution of strains.
     coefficients = c if section is None else jnp.concatenate([c, warping])
     e = spectral_spatial._spectral_beam(p, rot_p, q, rot_q, coefficients, ref=ref, **own)
     return jnp.concatenate([e[:CLOSURE], warping, c])
@@ -84,7 +84,7 @@ def _damping(*, ref, damping: Damping, order, section, clamped=None, curvature=N
 
 
 def _energy(e: Array, *, ref, section, order, clamped=None, curvature=None):
-    """Of the flattening at large curvature, and of the tension that twist gives the edges."""
+    """Energy of flattening at large curvature, and of the tension of the edges by twist."""
     return leaf_of(section, clamped, curvature).energy(
         order, jnp.roll(e[CLOSURE:], -WARPINGS), _length(ref, curvature, order), FIELDS
     )
@@ -116,7 +116,7 @@ def _resultants(
 
 
 def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None, curvature=None):
-    """Stress with restrained warping, and across where clamps keep the section flat."""
+    """Stress with restrained warping, and with stress across the width near clamps."""
     leaf, length, at = leaf_of(section, clamped, curvature), _length(ref, curvature, order), CLOSURE + WARPINGS + order
     twisting = jnp.concatenate([e[at : at + order], e[CLOSURE : CLOSURE + WARPINGS]])
     return leaf_stress(leaf, place, length, resultants, twist_at(leaf, place, length, order, twisting))
@@ -125,7 +125,7 @@ def _surface(e: Array, *, ref, place, resultants, section, order, clamped=None, 
 def _thermal(
     change: Array, gradient: Array, *, ref, section, order, clamped=None, curvature=None, skew=None, clamp=None
 ):
-    """Elongation, and the curvature by which the warmer side gets longer."""
+    """Thermal elongation and curvatures; the warmer side becomes longer."""
     length, bends = _length(ref, curvature, order), {"EIy": gradient[1], "EIz": -gradient[0]}
     leaf = leaf_of(section, clamped, curvature, skew, clamp)
     found = leaf.thermal(change, bends, order, length, FIELDS)
@@ -162,28 +162,28 @@ leaf_spring = Element(
     lengths=(0, 4, 5),
     names=(*OF_BEAM[:CLOSURE], "warping_p", "warping_q", *OF_BEAM[CLOSURE:]),
 )
-"""A leaf spring as a solid model has it, one element for the whole of it.
+"""A leaf spring that agrees with a solid model, one element for its whole length.
 
-Beside what a spectral beam has it counts shear, warping that clamps restrain and neighbours share, bending and
-stretching as a plate near clamps, flattening of its middle as its curvature grows, and the tension of its edges where
-it twists. Which ends are clamped is found when the model is built: those whose rotation is held, those joined to a
-rigid element, a hinge, a body or a part at least three times as thick; at a fold the curvature is kept flat and the
-warping shared.
+In addition to a spectral beam it counts shear, and warping that clamps restrain and neighbours share. Near clamps it
+bends and stretches as a plate. Its middle flattens as its curvature grows, and twist causes tension in its edges.
+flexmb finds the clamped ends when it builds the model. An end is clamped if its rotation is held, and where it joins a
+rigid element, a hinge, a body or a part at least three times as thick. At a fold the section stays flat, and the legs
+share the warping.
 
-Deformations: 1 to 6 the closure at q, FIXED; 7 and 8 the twist rates of both ends times length [rad], which the nodes'
-warping coordinates give; then ``order`` coefficients of each strain, times length, as ``spatial.spectral_beam`` with
-shear has them.
-Properties: section, a :class:`flexmb.Rectangle`, the same everywhere or varying smoothly; damping; y (vector that fixes
-local y, along the width); clamped, whether its first end and its last are clamped, such as (True, False), where that
-shall not be found; curvature, as ``spatial.spectral_beam`` has it; skew (angles of the cuts of the first end and of the
-last from straight ones [rad], positive where the edge at +y lies further along x); clamp (stiffnesses of elastic roots
-along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
-Options: order, the number of coefficients of each strain, 6 unless given: the third bending frequency of a
-cantilever is 2 % high with 5 and within 0.5 % with 6.
+Deformations: 1 to 6 the closure at q, FIXED; 7 and 8 the twist rates of both ends times length [rad], from the warping
+coordinates of the nodes; then ``order`` coefficients of each strain, times length, as of ``spatial.spectral_beam`` with
+shear.
+Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; y (vector that fixes local y,
+along the width); clamped, whether the first end and the last are clamped, such as (True, False), instead of the ends
+that flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight
+cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic roots along and about local
+x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
+Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
+high with 5 and within 0.5 % with 6.
 The stress includes the bimoment of restrained warping, the stress across the width near clamps, and the effects of
 flattening and of edge tension; see :mod:`.leaf_stress`. Beyond a tenth of the width from a clamp it is within about 5 %
-of solid elements. Nearer, the edges of a clamp are a singularity of solid elements, which the stress does not include.
-It does not include the stress across the width of a clamp that stays cold while the leaf spring warms up.
+of solid elements. Nearer to a clamp, solid elements have a singularity at the edges, which the stress does not include.
+The stress does not include the stress across the width at a clamp that stays cold while the leaf spring warms up.
 
 Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59).
 """

@@ -1,6 +1,6 @@
-"""Stress of a leaf spring beyond that of its section: restrained warping, clamps, and flattening at large curvature.
+"""Stress of a leaf spring with restrained warping, clamps, and flattening at large curvature.
 
-Here z = 1 is the side of positive local z, y = 1 the edge at positive local y. Lengths across are in widths.
+z = 1 is the side at positive local z. y = 1 is the edge at positive local y. Distances from clamps are in widths.
 """
 
 from typing import Any
@@ -15,13 +15,13 @@ from .leaf import REACHES, Leaf, curving, distorting, share_of_change
 from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
-# In its middle a strip is kept flat so much further than on the average of its width, as solid elements have it.
+# Distance over which a clamp keeps the middle of the width flat, over the average distance, by solid elements.
 MIDDLE = 1.4
-# By how much more, over Poisson's ratio, the middle is bent at a clamp than all of the width, how far in widths; by
-# how much less the edges; u^4 at which both are halved.
+# Bending at a clamp relative to the average of the width, over Poisson's ratio: MORE in the middle, LESS at the edges,
+# over the distance NEAR in widths. Both are halved if u^4 is HALVED.
 MORE, NEAR, LESS, HALVED = 0.65, 0.15, 0.55, 500.0
-# How the stress of lifted fibres fades towards a clamp: by 1 less the first times exp(-x) exp(-x^2 times the second),
-# with x^4 of the distance in widths times the third and, times u^4, the fourth.
+# The stress of lifted fibres fades towards a clamp by the factor 1 - LACKS exp(-x - BENDS x^2). Here x is
+# (SLOWEST + FASTER u^4)^(1/4) times the distance in widths. THEORY.md 2, eq. (2.59).
 LACKS, BENDS, SLOWEST, FASTER = 0.77, 0.5, 0.1, 0.03
 
 
@@ -32,13 +32,13 @@ def leaf_stress(
     resultants: Float[Array, "6"],
     twist: tuple[Float[Array, ""], Float[Array, ""]] | None = None,
 ) -> surface.WithAcross:
-    """Stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
+    """Return the stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
     Returns the stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2,
     eq. (2.27) to (2.29), (2.56) and (2.59).
 
     Args:
-        twist: Its rate of twist and the slope of that along it, () [1/m] and () [1/m^2]; None in the plane.
+        twist: Rate of twist and its slope along the leaf spring, () [1/m] and () [1/m^2]; None in the plane.
     """
     rectangle = leaf.rectangle(place, length)
     wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
@@ -54,16 +54,16 @@ def leaf_stress(
         of_edges = wide**2 * (twisted + rate) * (force / 12 + numbers.EA * square / 360)
         flat = 2 * nu * numbers.EIy / (1 - nu**2) * (1 - curving(fourth))
         of_edges = of_edges + flat * share_of_change(bent, curved) * rate
-        # What neither Saint-Venant's shear nor the edges carry, the warping does.
+        # Shear by restrained warping carries the rest of the torque.
         shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
         resultants = resultants.at[3].set(numbers.GIt * rate)
-        # Bent sideways, fibres between the edges give way.
+        # In sideways bending the section distorts, and the edges carry more stress.
         softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (distorting(fourth) - 1)
         resultants = resultants.at[5].divide(1 + softer)
     sigma, tau = rectangle.stress(resultants)
     stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
-    # Each end in turn, in widths.
+    # Distances from the clamps of both ends, in widths.
     away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
     flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
     near = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
@@ -83,7 +83,7 @@ def leaf_stress(
 def twist_at(
     leaf: Leaf, place: Float[Array, ""], length: Any, order: int, c: Float[Array, "c"]
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Rate of twist at a place, and its slope along the leaf spring.
+    """Return the rate of twist at a place, and its slope along the leaf spring.
 
     Returns () [1/m] and () [1/m^2]. Source: THEORY.md 2, eq. (2.24).
     """
@@ -93,14 +93,14 @@ def twist_at(
 
 
 def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Array, ""]:
-    """How flat the middle of the width is kept at distances from both ends, from 0 to 1."""
-    # On the average of the width the share's integral is the distance of (2.22), in the middle MIDDLE times it.
+    """Share from 0 to 1 by which clamps keep the middle of the width flat, at distances from both ends."""
+    # The integral of the share along the strip is MIDDLE times the distance of (2.22).
     fallen = 2 * away / (MIDDLE * reach)
     return 1 - jnp.prod(1 - clamped * (1 + fallen) * jnp.exp(-fallen))
 
 
 def _faded(away: Float[Array, "2"], clamped: Any, fourth: Float[Array, ""]) -> Float[Array, ""]:
-    """How much of the stress of lifted fibres there is at distances from both ends, from 0 to 1."""
+    """Share from 0 to 1 of the stress of lifted fibres, at distances from both ends."""
     x = jnp.sqrt(jnp.sqrt(SLOWEST + FASTER * fourth)) * away
     first, last = clamped * LACKS * jnp.exp(-x - BENDS * x**2)
     return (1 - first) * (1 - last)
@@ -109,7 +109,7 @@ def _faded(away: Float[Array, "2"], clamped: Any, fourth: Float[Array, ""]) -> F
 def _flattened(
     change: Float[Array, ""], initial: Any, wide: Scalar, thick: Scalar, nu: Scalar
 ) -> tuple[Float[Array, ""], ...]:
-    """Of a strip bent by M = EIy times a change of curvature, far from clamps: how stiff it is, u^4, and its shape."""
+    """Relative stiffness, u^4 and cross-section of a strip bent by M = EIy times ``change``, far from clamps."""
 
     def fourth(change: Float[Array, ""], whole: Float[Array, ""]):
         return 3 * (1 - nu**2) * change * whole * (wide**2 / thick) ** 2
@@ -119,7 +119,7 @@ def _flattened(
         kept, slope = jax.jvp(curving, (fourth(whole, whole),), (jnp.ones(()),))
         return (1 - nu**2 * (kept + fourth(change, whole) * slope)) / (1 - nu**2)
 
-    # It varies by nu^2 at most, so that one step finds it.
+    # The stiffness varies by nu^2 at most, so one iteration suffices.
     found = stiffer(change)
     whole = initial + change / found
     at = fourth(whole, whole)
@@ -127,12 +127,12 @@ def _flattened(
 
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
-    """Curvature in the middle, lift of the edges and drop of the middle of a flattened strip, of u^4."""
+    """Curvature in the middle, lift of the edges and drop of the middle of a flattened strip, by u^4."""
     small = fourth < STRIP_SERIES
     v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
     below = 1 + v / 120 + v**2 / 362880
     series = 1 - v / 480 + v**2 / 5806080, 1 + v / 840 + v**2 / 6652800, 1 - v / 3360 + v**2 / 106444800
-    # Over exp(u)/2, so that nothing overflows.
+    # Terms over exp(u)/2 do not overflow.
     half, cosine, sine = jnp.exp(-u / 2), jnp.cos(u / 2), jnp.sin(u / 2)
     down, up = half * (1 - half**2), half * (1 + half**2)
     whole, twice = 1 - half**4, 2 * half**2 * jnp.sin(u)

@@ -1,4 +1,4 @@
-"""The section of a circular notch hinge as solid elements have it, fitted: what beam theory leaves out of a neck."""
+"""Section of a circular notch hinge, fitted to solid elements: effects in a neck that beam theory neglects."""
 
 import dataclasses
 from typing import Any
@@ -15,14 +15,14 @@ from .profile import NODES, Profile
 from .section import Material, Rigidity, Scalar, Section
 from .surface import Stress
 
-# Stress spreads from a neck less than slanted faces say: by which share of the square of the slope tension and shear
-# give way more, up to which square.
+# Slanted faces increase the compliance in tension by TENSION q and in shear by SHEAR q. Here q = s/(1 + STEEP s), and s
+# is the squared slope of the thickness. THEORY.md 2, eq. (2.60).
 TENSION, SHEAR, STEEP = 0.18, 0.21, 0.60
-# How far from its free edges a neck does not stretch and bend as a plate, over sqrt(radius neck).
+# Width of the zones along the free edges without plate behaviour in stretching and bending, over sqrt(radius neck).
 STRETCHED, BENT = 2.8, 1.55
-# Of a thick place the warping rigidity is smaller, by 1 over 1 and so many squares of thickness over width.
+# The warping rigidity of a thick place is divided by 1 + OF_THICK (thickness/width)^2.
 OF_THICK = 1.0
-# Neck over radius, and width over sqrt(radius neck), within which solid elements were solved.
+# Largest neck over radius, and least width over sqrt(radius neck), of the range compared with solid elements.
 DEEPEST, NARROWEST = 0.25, 2.0
 
 
@@ -31,11 +31,11 @@ class Neck(Section):
 
     Attributes:
         rectangle: Rectangle with shear.
-        slope: By how much the thickness grows along the hinge, () [-].
-        twist: Torsional rigidity over Saint-Venant's, the same all along, () [-].
-        stretched: By how much smaller the compliance in stretching is, since the neck is a plate, () [-].
-        bent: The same in bending, () [-].
-        even: Shear coefficient for displacement along y, () [-].
+        slope: Slope of the thickness along the hinge, () [-].
+        twist: Torsional rigidity over Saint-Venant's torsional rigidity, constant along the hinge, () [-].
+        stretched: Factor on the compliance in stretching, at most 1, since the neck is a plate, () [-].
+        bent: Factor on the compliance in bending, at most 1, since the neck is a plate, () [-].
+        even: Shear coefficient k for displacement along y, () [-].
 
     Source:
         THEORY.md 2, eq. (2.60) and (2.61).
@@ -50,23 +50,23 @@ class Neck(Section):
 
     @property
     def material(self) -> Material:
-        """That of the rectangle."""
+        """Material of the rectangle."""
         return self.rectangle.material
 
     def faults(self) -> list[str]:
-        """Those of the rectangle."""
+        """Return the faults of the rectangle."""
         return self.rectangle.faults()
 
     def stress(self, resultants: Float[Array, "6"]) -> Stress:
-        """That of the rectangle.
+        """Return the stress of the rectangle.
 
         Args:
-            resultants: (6,) [N, N m].
+            resultants: Forces and moments in the section, (6,) [N, N m].
         """
         return self.rectangle.stress(resultants)
 
     def rigidity(self) -> Rigidity:
-        """Rigidities."""
+        """Return the rigidities of (2.60), with the torsional rigidity of (2.61)."""
         found, square = self.rectangle.rigidity(), self.slope**2
         spread = square / (1 + STEEP * square)
         stretched = (1 + TENSION * spread) * self.stretched
@@ -84,7 +84,7 @@ class Neck(Section):
 
 
 def neck(plain: Profile, width: Scalar, thin: Scalar, radius: Scalar, extent: Scalar, material: Material) -> Profile:
-    """Section of a circular notch hinge from rim to rim.
+    """Return the section of a circular notch hinge from rim to rim.
 
     Args:
         plain: Rectangles with shear along the hinge.
@@ -110,7 +110,7 @@ def neck(plain: Profile, width: Scalar, thin: Scalar, radius: Scalar, extent: Sc
 
 @jit
 def _everywhere(plain: Profile, width: Scalar, long: Scalar, material: Material, extent: Scalar):
-    """What :class:`Neck` has that is the same all along a hinge: twist, stretched, bent, even."""
+    """Factors of :class:`Neck` that are constant along a hinge: twist, stretched, bent, even."""
     nu = material.poisson()
     plates = [1 - nu**2 * jnp.maximum(1 - 2 * edge * long / width, 0.0) for edge in (STRETCHED, BENT)]
     cowper = 10 * (1 + nu) / (12 + 11 * nu)

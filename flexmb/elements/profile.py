@@ -17,36 +17,36 @@ from ..math.quadrature import gauss, lobatto
 from ..numerical_limits import PLACE_OF_BREAK, SAME_DAMPING, SMOOTH_COMPLIANCE, SMOOTH_MASS
 from .section import MaterialDamping, Rigidity, Scalar, Section
 
-# Where a profile is looked at for faults, in each of its pieces.
+# Places in each piece at which a profile is checked for faults.
 PLACES = np.linspace(0.02, 0.98, 13)
-# Where sections are checked as those of a whole beam are.
+# Places at which sections are checked like the section of a whole beam.
 CHECKED = np.array([0.0, 0.5, 1.0])
-# Gauss nodes of each smooth piece, by which a beam integrates over its section.
+# Gauss nodes in each smooth piece for integrals along a beam.
 NODES = 24
-# The mass by as few Lobatto nodes as a beam in space of low order takes is off by less where mass is smooth.
+# Lobatto nodes for the mass of a beam in space of low order; sufficient where the mass is smooth.
 FEWEST = 9
-# What both are compared with: so many parts of each piece, with so many Gauss nodes each.
+# Fine quadrature to compare NODES and FEWEST with: PARTS of each piece, with EACH Gauss nodes.
 PARTS, EACH = 64, 8
-# Beams that are looked at in one go.
+# Number of beams that are checked at once.
 TOGETHER = 64
-# What bends, stretches and twists without these does not exist; the other numbers may be zero.
+# Rigidities that must not be zero at single places; the other numbers may be zero.
 STIFF = ("EA", "EIy", "EIz", "GIt")
 
 
 class Profile(Section):
     """A section that is a function of the place along a spectral beam.
 
-    The function is taken as it is when the profile is made. Numbers that it refers to may be traced: derivatives by
-    every dimension go through them.
+    flexmb reads numbers outside the function (globals, closures) once, when it creates the profile. These numbers may
+    be traced, so derivatives by every dimension work.
 
     Attributes:
         function: ``f(place) -> Section`` or ``f(place, length) -> Section``, with the place from 0 at the first end to
             1 at the last and the length of the beam [m]; the same kind of section everywhere.
-        breaks: Places, in order, where the section jumps or its slope does, or ``f(length)`` that gives them. Between
-            them it must be smooth.
+        breaks: Places, in order, where the section or its slope jumps, or ``f(length)`` that returns them. Between
+            breaks the section must be smooth.
 
     Raises:
-        ModelError: The function does not take a place, or does not give a section; breaks that are no places.
+        ModelError: The function does not accept a place or does not return a section; breaks that are no places.
     """
 
     function: Callable[..., Section]
@@ -55,14 +55,14 @@ class Profile(Section):
     varies = True
 
     def __post_init__(self):
-        # JAX makes records too, of what was taken before.
+        # JAX also creates records, with functions that are captured already.
         for name, taken in (("function", _function), ("breaks", _breaks)):
             given = getattr(self, name)
             if callable(given) and not isinstance(given, Captured):
                 object.__setattr__(self, name, taken(given))
 
     def at(self, place: Scalar, length: Scalar) -> Section:
-        """The section at a place.
+        """Return the section at a place.
 
         Args:
             place: From 0 to 1, () [-].
@@ -71,7 +71,7 @@ class Profile(Section):
         return self.function(jnp.asarray(place, float), jnp.asarray(length, float))
 
     def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
-        """Places of the breaks of a beam.
+        """Return the places of the breaks of a beam.
 
         Args:
             length: Of the beam, () [m].
@@ -81,7 +81,7 @@ class Profile(Section):
         return tuple(jnp.asarray(one, float) for one in found)
 
     def rigidity(self) -> Rigidity:
-        """There is none for the whole beam.
+        """Raise an error: the rigidity depends on the place.
 
         Raises:
             ModelError: Always.
@@ -93,11 +93,11 @@ class Profile(Section):
 
     @property
     def has_shape(self) -> bool:
-        """Whether the sections have a stress."""
+        """Return whether the sections have a shape and thus a stress."""
         return self._kind().has_shape
 
     def states(self, quantity: str) -> bool:
-        """Whether the material of the sections states a quantity.
+        """Return whether the material of the sections has a quantity.
 
         Args:
             quantity: Attribute of :class:`flexmb.Material`.
@@ -105,10 +105,10 @@ class Profile(Section):
         return self._kind().states(quantity)
 
     def material_damping(self) -> MaterialDamping | None:
-        """Damping of the material, which must be the same everywhere.
+        """Return the damping of the material, which must be constant along the beam.
 
         Raises:
-            ModelError: It varies.
+            ModelError: The damping varies along the beam.
         """
         if not self.states("damping"):
             return None
@@ -122,32 +122,32 @@ class Profile(Section):
 
     @property
     def expands(self) -> bool:
-        """Whether the coefficient of thermal expansion is stated."""
+        """Return whether the material has a coefficient of thermal expansion."""
         return self._kind().expands
 
     def _kind(self) -> Section:
-        """A section of the kind that there is everywhere; its numbers mean nothing."""
+        """A section of the common kind, with meaningless numbers."""
         code: Any = self.function
         return jax.tree.unflatten(code.code.results, [0.0] * code.code.results.num_leaves)
 
     def faults(self) -> list[str]:
-        """None that does not depend on the beam: see :meth:`faults_along`."""
+        """Return no faults: they depend on the beam, see :meth:`faults_along`."""
         return []
 
     def along(self, length: Any, count: int = NODES) -> "AlongBeams":
-        """What there is along a beam; of many at once where numbers are stacked.
+        """Return breaks, rigidities and mass along a beam, or along many beams if numbers are stacked.
 
         Args:
-            length: Of the beam, or of each, () or (*n) [m].
-            count: Gauss nodes of each smooth piece, by which the beam integrates at least.
+            length: Length of the beam, or of each beam, () or (*n) [m].
+            count: Least number of Gauss nodes of the beam in each smooth piece.
         """
         return jax.tree.map(np.asarray, _sampled(*self._stacked(length), gauss(count)))
 
     def sections_along(self, length: Any) -> Section:
-        """Sections at places along each beam, of numbers that may be traced.
+        """Return the sections at some places along each beam; numbers may be traced.
 
         Args:
-            length: Of the beam, or of each, () or (*n) [m].
+            length: Length of the beam, or of each beam, () or (*n) [m].
 
         Returns:
             One stacked section, (n, places).
@@ -155,7 +155,7 @@ class Profile(Section):
         return jax.vmap(_at, (0, None, 0))(*self._stacked(length, np.concatenate([CHECKED, PLACES])))
 
     def _stacked(self, length: Any, *between: Any) -> tuple[Any, ...]:
-        """The profile of each beam, what is given, and the lengths (n,)."""
+        """Profiles of all beams stacked, the other arguments, and the lengths, (n,)."""
         length = as_floats(length)
         many = max(length.size, 1)
         stacked = jax.tree.map(
@@ -164,13 +164,13 @@ class Profile(Section):
         return stacked, *between, length.reshape(many)
 
     def faults_along(self, length: Any, count: int = NODES) -> list[str]:
-        """What is wrong along a beam; of many beams at once where numbers are stacked.
+        """Return the faults along a beam, or along many beams if numbers are stacked.
 
-        Of traced numbers the sections at some places and the order of the breaks are looked at alone.
+        For traced numbers it checks only sections at some places and the order of the breaks.
 
         Args:
-            length: Of the beam, or of each, () or (*n) [m].
-            count: Gauss nodes of each smooth piece, by which the beam integrates at least.
+            length: Length of the beam, or of each beam, () or (*n) [m].
+            count: Least number of Gauss nodes of the beam in each smooth piece.
         """
         if not is_concrete((self, length)):
             breaks = jax.vmap(lambda own, length: jnp.stack([0.0, *own.breaks_at(length), 1.0]))(*self._stacked(length))
@@ -192,7 +192,7 @@ class Profile(Section):
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
         for i, name in enumerate((*STIFF, "mass")):
             least, most = found.least[:, i], found.most[:, i]
-            # One that is zero everywhere is not asked for, but for EA, which every beam has.
+            # A rigidity may be zero everywhere, except EA.
             gaps = (least == 0) & ((most > 0) | (name == "EA")) & (name in STIFF)
             faulty = ~np.isfinite(least) | ~np.isfinite(most) | (least < 0) | gaps
             if np.any(faulty):
@@ -200,7 +200,7 @@ class Profile(Section):
                 where = f"{name} = {least[at]:.6g} at place {found.where[at, i]:.4g}"
                 return [f"has a section with {where}, but it must be positive"]
         means, masses = found.means, found.masses
-        # Moments of what no beam has are zero.
+        # The moments of a rigidity that is zero everywhere are zero.
         uneven = np.any(np.abs(means[:, 1:] - means[:, :1]) > SMOOTH_COMPLIANCE * means[:, :1])
         heavy = np.any(np.abs(masses[:, 1] - masses[:, 0]) > SMOOTH_MASS * masses[:, 0])
         if uneven or heavy:
@@ -214,16 +214,16 @@ class Profile(Section):
 
 
 class AlongBeams(NamedTuple):
-    """What n beams have along them.
+    """Breaks, rigidities and mass along n beams.
 
     Attributes:
-        breaks: Of each, (n, breaks).
-        rigidity: At places between the breaks, each (n, places).
-        least, most, where: Least and largest of STIFF and of the mass, and the place of the least, (n, 5); one that
-            is not finite is the least.
-        means: Moments 0 to 2 of the compliances of STIFF, and the second about the last end, each by a fine
+        breaks: Breaks of each beam, (n, breaks).
+        rigidity: Rigidities at places between the breaks, each (n, places).
+        least, most, where: Least and largest values of STIFF and of the mass, and the place of the least, (n, 5). A
+            value that is not finite counts as the least.
+        means: Moments 0 to 2 of the compliances of STIFF, and the second moment about the last end, each by the fine
             quadrature, by NODES and by the given count, (n, 3, 4, 4).
-        masses: The mean mass by the fine quadrature and by FEWEST, (n, 2).
+        masses: Mean mass by the fine quadrature and by FEWEST, (n, 2).
     """
 
     breaks: Any
@@ -239,7 +239,7 @@ _SCALAR = jax.ShapeDtypeStruct((), np.float64)
 
 
 def _function(function: Callable[..., Any]) -> Captured:
-    """The function of place and length that a caller gives, of one or both."""
+    """A function of place and length from a function of the caller with one or two arguments."""
     try:
         takes = [p for p in inspect.signature(function).parameters.values() if p.default is p.empty]
     except (TypeError, ValueError):
@@ -279,14 +279,14 @@ def _at(profile: Profile, places: Float[Array, "n"], length: Float[Array, ""]) -
 
 @jit
 def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, Array]) -> AlongBeams:
-    """Of stacked beams what :meth:`Profile.along` gives."""
+    """Result of :meth:`Profile.along` for stacked beams."""
     fine, shares = gauss(EACH)
     fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
-    # Lobatto nodes are taken just within the pieces, which share their ends.
+    # Lobatto nodes move slightly inside the pieces, since adjacent pieces share their ends.
     ends, at_ends = lobatto(FEWEST)
     within = np.clip(ends, PLACE_OF_BREAK, 1 - PLACE_OF_BREAK)
     rules = (fine, np.tile(shares, PARTS) / PARTS), gauss(NODES), fewer, (within, at_ends)
-    # The function stands in the program once, for the nodes of all rules.
+    # One call of the function for the nodes of all rules keeps the program small.
     nodes = jnp.concatenate([*(nodes for nodes, _ in rules), PLACES])
     first = np.cumsum([0, *(len(nodes) for nodes, _ in rules), len(PLACES)])
 
@@ -332,7 +332,7 @@ def _numbers(section: Section) -> Rigidity:
 
 
 def taper(first: Section, last: Section) -> Profile:
-    """A section whose sizes go linearly from one end of the beam to the other.
+    """Return a section whose sizes vary linearly from one end of the beam to the other.
 
     Args:
         first: Section at the first end.
@@ -353,17 +353,17 @@ def taper(first: Section, last: Section) -> Profile:
 
 
 def stepped(sections: Sequence[Section], breaks: Sequence[Scalar]) -> Profile:
-    """A section that jumps: a leaf spring with a reinforced middle, or with a hole.
+    """Return a section with jumps: a leaf spring with a reinforced middle, or with a hole.
 
     Args:
         sections: Section of each piece, from the first end of the beam to the last, of one kind.
-        breaks: Places between them, from 0 to 1, one fewer.
+        breaks: Places of the jumps, from 0 to 1; one fewer than sections.
 
     Returns:
         The section of the whole beam.
 
     Raises:
-        ModelError: The sections are of different kinds, or there is not one break between each two.
+        ModelError: Sections of different kinds, or a number of breaks that does not match.
     """
     if len(sections) != len(breaks) + 1:
         raise ModelError(f"A stepped section of {len(sections)} pieces has one break fewer, not {len(breaks)}.")

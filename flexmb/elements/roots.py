@@ -1,4 +1,4 @@
-"""How loads spread from a narrow part into a wide one, and what the root of a leaf spring in an elastic block gives."""
+"""Spreading of loads from a narrow part into a wide part, and stiffness of a root in an elastic block."""
 
 from typing import Any
 
@@ -10,22 +10,22 @@ from ..arguments import check_number, holds, shown
 from ..errors import ModelError
 from .section import Material, Scalar, Section
 
-# Spreading in tension over that of potential flow, and in bending in the plane in which the load spreads.
+# Factors of the spreading lengths in (2.49): of H in tension, and in bending in the plane of the step.
 STRETCHED, BENT = 0.964, 0.412
-# Rotation of the root of a strip in a half plane, times pi E' t^2 over the moment per width.
+# Rotation of the root of a strip in a half plane, times pi E' t^2 over the moment per width: O'Donnell (1960).
 HALF_PLANE = 50 / 3
-# The same of the root of twist, times pi G t^2 over the torque per width.
+# Rotation of the root by torque, in antiplane shear of a half plane, times pi G t^2 over the torque per width.
 TWISTED = 2.25
 
 
 def spread(share: Any) -> Any:
-    """Length over which a load spreads from a narrow part into a wide one, over the narrow width; symmetric step.
+    """Return the spreading length of a load at a symmetric step, over half of the narrow width.
 
     Args:
         share: Narrow width over wide width, () [-].
 
     Returns:
-        () [-]; zero where the other part is not wider.
+        () [-]; zero if the other part is not wider.
 
     Source:
         THEORY.md 2, eq. (2.49): potential flow.
@@ -36,33 +36,33 @@ def spread(share: Any) -> Any:
 
 
 def bent_spread(share: Any) -> Any:
-    """The same for a moment in the plane in which the load spreads. Source: THEORY.md 2, eq. (2.49)."""
+    """Return the spreading length of a moment in the plane of the step, over the narrow width. Source: eq. (2.49)."""
     a = jnp.where(share < 1, share, 0.5)
     return jnp.where(share < 1, BENT * (1 - a**2.05) ** 1.7, 0.0)
 
 
 def root_stiffness(section: Section, material: Material, thickness: Scalar) -> Float[Array, "6"]:
-    """Stiffnesses of the root of a leaf spring in an elastic block, for the property ``clamp`` of a leaf spring.
+    """Return the stiffnesses of the root of a leaf spring in an elastic block, for its property ``clamp``.
 
-    The block is as wide as the leaf spring and symmetric about its middle plane. Its thickness counts in tension and
-    shear, by the logarithm of it over that of the leaf spring; moments spread over a few thicknesses of the leaf
-    spring. What belongs to screws and joints comes on top.
+    The block is as wide as the leaf spring and symmetric about its middle plane. In tension and shear, the compliance
+    grows with the logarithm of the thickness of the block over the thickness of the leaf spring. Moments spread over a
+    few thicknesses of the leaf spring. The compliances of screws and joints are not included.
 
     Args:
         section: Rectangle of the leaf spring.
-        material: Of the block.
-        thickness: Of the block, across the leaf spring, () [m].
+        material: Material of the block.
+        thickness: Thickness of the block, across the leaf spring, () [m].
 
     Returns:
-        Stiffnesses along local x, y, z [N/m] and about x, y, z [N m/rad], (6,). In the plane a leaf spring takes those
-        along x, along z and about y: numbers 0, 2 and 4.
+        Stiffnesses along local x, y, z [N/m] and about x, y, z [N m/rad], (6,). For a leaf spring in the plane use
+        entries 0, 2 and 4: along x, along z and about y.
 
     Raises:
-        TypeError: The section is no rectangle, or the material none.
+        TypeError: The section is not a rectangle, or the material is not a :class:`flexmb.Material`.
         ModelError: The block is not thicker than the leaf spring.
 
     Source:
-        THEORY.md 2, eq. (2.53).
+        THEORY.md 2, eq. (2.53). Rotation about y: O'Donnell (1960), Journal of Applied Mechanics 27, 461.
     """
     if not hasattr(section, "width") or not hasattr(section, "thickness"):
         raise TypeError(f"Argument `section` must be a Rectangle, not {shown(section)}.")

@@ -1,4 +1,4 @@
-"""What every cross-section is: its material, its rigidities, and whether they vary along the beam.
+"""Base class of cross-sections, given rigidities, materials, and damping of elements.
 
 A section's local y and z axes are the element's. ``EIy`` resists bending that displaces along z (deformations 3
 and 4 of the spatial beam, the bending of a planar beam), ``EIz`` bending that displaces along y.
@@ -22,21 +22,21 @@ from .surface import Scalar as Scalar
 
 
 class Material(Record):
-    """Isotropic linear material; :mod:`flexmb.materials` holds some.
+    """Isotropic linear material; :mod:`flexmb.materials` contains common materials.
 
     Attributes:
         E: Young's modulus [Pa].
         G: Shear modulus [Pa].
         rho: Density [kg/m^3].
         nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
-        alpha: Coefficient of thermal expansion, of either sign [1/K]; None where it is not stated: what is made of the
-            material then takes no temperature.
-        strength: Yield stress, or fracture stress of what is brittle [Pa]; not stated unless given. The stress of
-            elements is compared with it, see :class:`flexmb.linear.Stress`.
-        fatigue: Largest stress that may reverse fully without end [Pa]; not stated unless given.
-        damping: Time constant of Kelvin and Voigt [s]: the stress is E (strain + damping * its rate), THEORY.md 2,
-            eq. (2.41). Elements of the material that are given no ``damping`` of their own are damped so. A vibration
-            of angular frequency w has the damping ratio damping * w/2. None: no damping.
+        alpha: Coefficient of thermal expansion, of either sign [1/K]. Without it, elements of the material cannot have
+            a temperature.
+        strength: Yield stress, or fracture stress of a brittle material [Pa]; optional. :class:`flexmb.linear.Stress`
+            compares the stress of elements with it.
+        fatigue: Largest amplitude of a fully reversed stress without fatigue failure [Pa]; optional.
+        damping: Time constant of Kelvin and Voigt [s]: the stress is E (strain + damping * strain rate), THEORY.md 2,
+            eq. (2.41). It applies to elements without a ``damping`` property. A vibration of angular frequency w has
+            the damping ratio damping * w/2. None: no damping.
     """
 
     E: Scalar
@@ -53,25 +53,25 @@ class Material(Record):
         return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
 
     def faults(self) -> list[str]:
-        """What is wrong with the numbers, all concrete: moduli are positive, and what does not go together."""
+        """Return the faults of known numbers: moduli that are not positive, and contradictions."""
         return faults_of(self, at_least_zero=("rho", "damping")) + _faults_of_material(self)
 
 
 class Section(Record):
-    """What a beam or truss element asks of its cross-section: :meth:`rigidity`, one set of numbers.
+    """Cross-section of a beam or truss. :meth:`rigidity` returns its rigidities and mass per length.
 
-    A section with a shape also says what stress it has, by :meth:`stress`.
+    A section with a shape also returns its stress, by :meth:`stress`.
     """
 
-    # Whether :meth:`at` gives other sections at other places.
+    # Whether :meth:`at` returns different sections at different places.
     varies = False
 
     @abc.abstractmethod
     def rigidity(self) -> "Rigidity":
-        """Rigidities and mass per length of the section."""
+        """Return rigidities and mass per length of the section."""
 
     def at(self, place: Scalar, length: Scalar) -> "Section":
-        """The section at a place of a beam: itself, unless it varies (:class:`flexmb.sections.Profile`).
+        """Return the section at a place of a beam; the section itself if it does not vary.
 
         Args:
             place: From 0 to 1, () [-].
@@ -80,7 +80,7 @@ class Section(Record):
         return self
 
     def breaks_at(self, length: Scalar) -> tuple[Float[Array, ""], ...]:
-        """Places where the section jumps along a beam; none unless it varies.
+        """Return the places where the section or its slope jumps along a beam; none if it does not vary.
 
         Args:
             length: Of the beam, () [m].
@@ -88,17 +88,17 @@ class Section(Record):
         return ()
 
     def relative(self, places: Any, length: Scalar, names: Sequence[str]) -> Float[Array, "n names"]:
-        """Compliances at places of a spectral beam over those of the section itself: 1 but near a leaf spring's clamps.
+        """Return compliances at places of a spectral beam over the mean compliances: 1, except in leaf springs.
 
         Args:
             places: From 0 to 1, (n,).
             length: Of the beam, () [m].
-            names: Of rigidities.
+            names: Names of rigidities.
         """
         return jnp.ones((len(places), len(names)))
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """Stress at eight points of the surface.
+        """Return the stress at eight points of the surface.
 
         Args:
             resultants: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], (6,).
@@ -116,11 +116,11 @@ class Section(Record):
 
     @property
     def has_shape(self) -> bool:
-        """Whether :meth:`stress` answers."""
+        """Return whether the section has a shape, so that :meth:`stress` works."""
         return type(self).stress is not Section.stress
 
     def stated(self, quantity: str) -> Any:
-        """What the material states; None where it states nothing, or there is none.
+        """Return a quantity of the material; None without this quantity or without a material.
 
         Args:
             quantity: Attribute of :class:`Material`, such as "strength".
@@ -128,7 +128,7 @@ class Section(Record):
         return getattr(getattr(self, "material", None), quantity, None)
 
     def states(self, quantity: str) -> bool:
-        """Whether the material states a quantity.
+        """Return whether the material has a quantity.
 
         Args:
             quantity: Attribute of :class:`Material`.
@@ -136,7 +136,7 @@ class Section(Record):
         return self.stated(quantity) is not None
 
     def material_damping(self) -> "MaterialDamping | None":
-        """Damping of the material; None where it states none."""
+        """Return the damping of the material; None if it has none."""
         time = self.stated("damping")
         return None if time is None else MaterialDamping(time)
 
@@ -146,14 +146,15 @@ class Section(Record):
         return getattr(getattr(self, "material", None), "alpha", None) is not None
 
     def faults(self) -> list[str]:
-        """What is wrong with the numbers, all concrete: sizes and moduli are positive, a density is not negative."""
+        """Return the faults of known numbers: sizes and moduli that are not positive, negative densities."""
         return faults_of(self, at_least_zero=("rho", "damping"))
 
 
 class Rigidity(Section):
-    """A section given by its numbers. What is not given is zero, a shear compliance of zero means rigid in shear.
+    """A section given by its rigidities and inertia. The default of each number is zero.
 
-    How stiff and heavy it is these say alone. Where its stress is asked for too, an outline says how large it is.
+    A shear compliance of zero means a section that is rigid in shear. An ``outline`` adds sizes for the stress; it does
+    not change rigidities and inertia.
 
     Attributes:
         EA: Axial rigidity [N].
@@ -165,11 +166,11 @@ class Rigidity(Section):
         mass: Mass per length [kg/m].
         Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m], Jyz the entry of the tensor, minus the
             integral of rho y z over the section; a planar beam uses Jy.
-        alpha: Coefficient of thermal expansion [1/K]; None where it is not stated.
-        EIw: Warping rigidity, of a beam whose warping is a coordinate (``spatial.warping_beam``) [N m^4].
-        Jw: Its inertia against warping per length [kg m^3].
-        outline: Section whose sizes the stress is computed by, and whose material states the strength; None: the
-            section has no shape, and so no stress.
+        alpha: Coefficient of thermal expansion [1/K]; None: no thermal expansion.
+        EIw: Warping rigidity of a beam with warping as a coordinate (``spatial.warping_beam``) [N m^4].
+        Jw: Inertia of warping per length of this beam [kg m^3].
+        outline: Section with the sizes for the stress and the material for the strength; None: no shape and no
+            stress.
     """
 
     EA: Scalar = 0.0
@@ -189,24 +190,24 @@ class Rigidity(Section):
     outline: Section | None = None
 
     def rigidity(self) -> "Rigidity":
-        """The numbers themselves, without an outline."""
+        """Return the numbers without an outline."""
         return self if self.outline is None else dataclasses.replace(self, outline=None)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """That of the outline.
+        """Return the stress of the outline.
 
         Args:
-            resultants: (6,) [N, N m].
+            resultants: Forces and moments in the section, (6,) [N, N m].
         """
         return super().stress(resultants) if self.outline is None else self.outline.stress(resultants)
 
     @property
     def has_shape(self) -> bool:
-        """Whether there is an outline."""
+        """Return whether the section has an outline."""
         return self.outline is not None
 
     def stated(self, quantity: str) -> Any:
-        """Strengths that the material of the outline states.
+        """Return a strength of the material of the outline.
 
         Args:
             quantity: Attribute of :class:`Material`.
@@ -221,7 +222,7 @@ class Rigidity(Section):
         return self.alpha is not None
 
     def shear_rigidities(self) -> tuple[Any, Any]:
-        """Shear rigidities along y and along z [N]; zero where the section is rigid in shear."""
+        """Return the shear rigidities along y and along z [N]; zero for a section that is rigid in shear."""
         library = library_of((self.EIy, self.EIz, self.shear_y, self.shear_z))
 
         def rigidity(bending: Scalar, compliance: Scalar):
@@ -231,17 +232,17 @@ class Rigidity(Section):
         return rigidity(self.EIz, self.shear_y), rigidity(self.EIy, self.shear_z)
 
     def faults(self) -> list[str]:
-        """A rigidity or mass below zero; the product of inertia and the thermal expansion have either sign."""
+        """Return faults: a negative rigidity or mass. Product of inertia and thermal expansion have either sign."""
         numbers = tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz")
         found = faults_of(self.rigidity(), at_least_zero=numbers)
         return found + [f"outline: {fault}" for fault in (self.outline.faults() if self.outline is not None else [])]
 
 
 def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
-    """What is wrong with the numbers of a record: all are positive, some may be zero.
+    """Return the faults of the numbers of a record: all must be positive, some may be zero.
 
     Args:
-        record: Section, material or damping; what is traced is noted (:func:`flexmb.arguments.holds`).
+        record: Section, material or damping. Conditions on traced numbers go to :func:`flexmb.arguments.holds`.
     """
     found = []
     for field in dataclasses.fields(record):
@@ -259,7 +260,7 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
 
 
 def _faults_of_material(material: Material) -> list[str]:
-    """What does not go together in a material."""
+    """Contradictions between the numbers of a material."""
     found, nu = [], as_known(material.nu)
     if nu is not None and not (holds(nu > -1) and holds(nu < 0.5)):
         found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
@@ -273,7 +274,7 @@ def _faults_of_material(material: Material) -> list[str]:
 
 
 class Damping(Record):
-    """Damping rigidities of a beam or truss, in the same places as its stiffness.
+    """Damping rigidities of a beam or truss, one for each rigidity of its section.
 
     Attributes:
         EA: Axial [N s].
@@ -292,12 +293,12 @@ class Damping(Record):
     GAz: Scalar = 0.0
 
     def faults(self) -> list[str]:
-        """What is wrong with the numbers, all concrete: none is negative."""
+        """Return the faults of known numbers: negative damping."""
         return faults_of(self, at_least_zero=tuple(f.name for f in dataclasses.fields(self)))
 
 
 class MaterialDamping(Record):
-    """Damping of an element by its material, in place of ``damping`` where none is given: S_d = time * S.
+    """Damping S_d = time * S of an element by its material, used without a ``damping`` property.
 
     Attributes:
         time: Time constant of Kelvin and Voigt [s].
@@ -309,7 +310,7 @@ class MaterialDamping(Record):
     time: Scalar
 
     def rigidities(self, section: Any) -> Damping:
-        """Damping rigidities of a section that does not vary.
+        """Return the damping rigidities of a section that does not vary.
 
         Args:
             section: A :class:`Section` of this material.

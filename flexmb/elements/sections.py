@@ -1,4 +1,4 @@
-"""Cross-sections and materials: leaf-spring dimensions to rigidities and mass; axes as in :mod:`.section`."""
+"""Cross-sections: rigidities, mass and stress from dimensions; axes as in :mod:`.section`."""
 
 import dataclasses
 from typing import Any, Literal
@@ -28,30 +28,29 @@ from .section import Section as Section
 
 
 def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequency: Scalar | None = None) -> Damping:
-    """Damping rigidities of a leaf spring by a damping ratio, which is that of a vibration at one frequency.
+    """Return the damping rigidities of a leaf spring for a damping ratio at one frequency.
 
-    Given ``frequency``, vibrations of that frequency have the ratio: damping is stiffness times ratio/(pi frequency).
-    Without it, as in the tutorial, the frequency is that of the spring by itself, of each stiffness k with its whole
-    mass m: d = 2 ratio sqrt(k m), then made a rigidity like the stiffness it stands beside. For bending that is
-    sqrt(EI/(m L^3))/(2 pi). Either way a mode of a mechanism has the ratio times its frequency over the one meant: a
-    guide of 10.8 Hz on leaf springs of 11.9 Hz has 0.0091 for a ratio of 0.01. For a ratio that all modes have, or each
-    its own, take :func:`flexmb.damped`.
+    With ``frequency``, vibrations of this frequency have the ratio: damping is stiffness times ratio/(pi frequency).
+    Without it, each stiffness k vibrates with the whole mass m of the spring, as in the tutorial: d = 2 ratio
+    sqrt(k m). The length converts d to a rigidity. In bending this frequency is sqrt(EI/(m L^3))/(2 pi).
 
-    A leaf spring modelled by several beams takes the length of the whole leaf. Near its clamps a ``leaf_spring`` is
-    stiffer than its section and has a ratio that is smaller by that; ``Material(damping=ratio/(pi * frequency))`` damps
-    the whole of it.
+    A mode of a mechanism has the ratio times the frequency of the mode over this frequency. A guide of 10.8 Hz on leaf
+    springs of 11.9 Hz has 0.0091 for a ratio of 0.01. :func:`flexmb.damped` damps all modes by chosen ratios.
+
+    For a leaf spring of several beams, give the length of the whole leaf spring. A ``leaf_spring`` is stiffer near its
+    clamps than its section, so its ratio is smaller. ``Material(damping=ratio/(pi * frequency))`` includes these parts.
 
     Args:
         section: Cross-section with mass.
         length: Length of the spring, () [m].
         ratio: Damping ratio, () [-].
-        frequency: Of vibrations that have this ratio, () [Hz]; the spring's own ones unless given.
+        frequency: Frequency at which vibrations have this ratio, () [Hz]; by default the frequencies of the spring.
 
     Returns:
         Damping rigidities.
 
     Raises:
-        TypeError: It is no section, or a number is none.
+        TypeError: Wrong type of section or number.
         ModelError: The length or the frequency is not positive, or the ratio is negative.
 
     Source:
@@ -74,7 +73,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
 
     def equivalent(rigidity: Scalar, power: int):
         stiffness = rigidity / length**power
-        # A spring without this rigidity has no damping in it; the root has no derivative at zero.
+        # A zero rigidity has no damping. The root has no derivative at zero.
         positive = xp.asarray(stiffness * mass) > 0
         product = xp.where(positive, stiffness * mass, 1.0)
         return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
@@ -84,21 +83,21 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
 
 
 def _library(*sizes: Scalar) -> Any:
-    """NumPy for known numbers: every operation of JAX on them would be a program of its own, compiled when building."""
+    """NumPy for known numbers: JAX would compile a program for each operation on them."""
     return np if is_concrete(sizes) else jnp
 
 
 def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
-    """Saint-Venant torsion constant of a rectangle, by its series.
+    """Return the Saint-Venant torsion constant of a rectangle, by its series.
 
     It = w t^3 (1/3 - (64/pi^5) (t/w) sum over odd n of tanh(n pi w / 2t) / n^5) with t the shorter side.
 
     Args:
-        width: One side, () [m].
-        thickness: The other, () [m].
+        width: First side, () [m].
+        thickness: Second side, () [m].
 
     Returns:
-        Torsion constant, () [m^4]; the terms left out are below 1e-9 of it.
+        Torsion constant, () [m^4], with a relative error below 1e-9.
 
     Raises:
         ModelError: A side is not positive.
@@ -110,7 +109,7 @@ def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
 
 
 def _sides(width: Scalar, thickness: Scalar) -> tuple[Scalar, Scalar]:
-    """Two sides that are positive; traced ones are NaN where they are not."""
+    """Two positive sides; traced sides that are not positive become NaN."""
     with nan_if_refused() as marked:
         check_number("width", width, above=0, fault=ModelError)
         check_number("thickness", thickness, above=0, fault=ModelError)
@@ -118,10 +117,10 @@ def _sides(width: Scalar, thickness: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def _by_series(width: float | Float[Array, "*n"], thickness: float | Float[Array, "*n"]) -> float | Float[Array, "*n"]:
-    """Torsion constant of sides that are positive, of one section or of many."""
+    """Torsion constant of positive sides, for one section or many sections."""
     xp = _library(width, thickness)
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
-    # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail is that of the zeta function:
+    # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail follows from the zeta function:
     # sum over odd n of 1/n^5 = (31/32) zeta(5).
     odd = (1.0, 3.0)
     total = (31 / 32) * 1.0369277551433699 + sum((xp.tanh(n * np.pi * w / (2 * t)) - 1) / n**5 for n in odd)
@@ -129,11 +128,11 @@ def _by_series(width: float | Float[Array, "*n"], thickness: float | Float[Array
 
 
 def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
-    """Torsion constant of a thin rectangle by the tutorial's formula, for comparison.
+    """Return the torsion constant of a thin rectangle by the formula of the tutorial, for comparison.
 
     Args:
-        width: One side, () [m].
-        thickness: The other, () [m].
+        width: First side, () [m].
+        thickness: Second side, () [m].
 
     Returns:
         w t^3 (1/3 - 0.21 (t/w) (1 - (t/w)^4/12)) with t the shorter side, () [m^4].
@@ -148,7 +147,7 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
 
 
 def _by_formula(width: Scalar, thickness: Scalar) -> Scalar:
-    """What :func:`torsion_approximate` gives of sides that are positive, of one section or of many."""
+    """Result of :func:`torsion_approximate` for positive sides, of one section or many sections."""
     xp = _library(width, thickness)
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
@@ -157,14 +156,14 @@ def _by_formula(width: Scalar, thickness: Scalar) -> Scalar:
 def warping_factor(
     length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int = 2, modulus: Literal["plate", "beam"] = "plate"
 ) -> Scalar:
-    """By how much restrained warping at clamped ends stiffens a thin strip in torsion.
+    """Return the factor by which restrained warping at clamped ends stiffens a thin strip in torsion.
 
     1/(1 - tanh(al)/(al)) for one clamped end, 1/(1 - 2 tanh(al/2)/(al)) for two. The strip resists warping with the
-    modulus of a plate, alpha^2 = 24 (1 - nu)/w^2, or with that of a beam, alpha^2 = 24/((1 + nu) w^2).
+    modulus of a plate, alpha^2 = 24 (1 - nu)/w^2, or with the modulus of a beam, alpha^2 = 24/((1 + nu) w^2).
 
     Args:
         length: Length of the whole leaf spring, () [m].
-        width: Its width, () [m].
+        width: Width of the leaf spring, () [m].
         nu: Poisson's ratio, () [-].
         clamped_ends: 0, 1 or 2.
         modulus: "plate", E/(1 - nu^2), or "beam", E.
@@ -173,7 +172,7 @@ def warping_factor(
         Factor on G It, () [-]; 1 for no clamped end.
 
     Raises:
-        ModelError: A length that is not positive, a Poisson's ratio that is none, no such modulus or number of ends.
+        ModelError: A length that is not positive; an invalid Poisson's ratio, modulus or number of ends.
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
@@ -192,7 +191,7 @@ def warping_factor(
 
 
 def _by_warping(length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int, modulus: str) -> Scalar:
-    """What :func:`warping_factor` gives of sizes that are right, of one leaf spring or of many."""
+    """Result of :func:`warping_factor` for valid sizes, of one leaf spring or many leaf springs."""
     if clamped_ends == 0:
         return 1.0
     al = length * jnp.sqrt(24 * (1 - nu) if modulus == "plate" else 24 / (1 + nu)) / width
@@ -200,7 +199,7 @@ def _by_warping(length: Scalar, width: Scalar, nu: Scalar, clamped_ends: int, mo
 
 
 class Rectangle(Section):
-    """Rectangular section, the leaf spring's.
+    """Rectangular section, as of a leaf spring.
 
     Attributes:
         width: Side along local y [m].
@@ -209,7 +208,7 @@ class Rectangle(Section):
         shear: Whether shear deformation is counted, with k = 10 (1 + nu)/(12 + 11 nu) (Cowper 1966).
         rotary: Whether the rotary inertia of the section is counted.
         torsion: "series" or "approximate" (4.9).
-        warping_length: Length of the whole leaf spring [m] where warping at clamped ends is restrained, else None.
+        warping_length: Length of the whole leaf spring [m] for restrained warping at clamped ends, otherwise None.
         clamped_ends: Number of ends at which warping is restrained.
         warping_modulus: "plate" or "beam", see :func:`warping_factor`; also of the warping rigidity EIw.
     """
@@ -225,12 +224,12 @@ class Rectangle(Section):
     warping_modulus: Literal["plate", "beam"] = static(default="plate")
 
     def faults(self) -> list[str]:
-        """As for every section; two ends at most are clamped."""
+        """Return the faults of the numbers, and more than two clamped ends."""
         known = self.clamped_ends in (0, 1, 2)
         return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
 
     def rigidity(self) -> Rigidity:
-        """Rigidities of the rectangle; equations above. The warping constant (w t)^3/144 is that of a narrow strip."""
+        """Return the rigidities of the rectangle, with the warping constant (w t)^3/144 of a narrow strip."""
         w, t, material = self.width, self.thickness, self.material
         it = (_by_series if self.torsion == "series" else _by_formula)(w, t)
         nu = material.poisson()
@@ -244,11 +243,10 @@ class Rectangle(Section):
         return dataclasses.replace(found, EIw=modulus * constant, Jw=rho * constant)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """Corners and middles of the sides in turn, from the corner at +y, +z on, counter-clockwise about x.
+        """Return the stress at corners and middles of the sides, from the corner at +y, +z counter-clockwise about x.
 
-        Torsion is Saint-Venant's also where its warping is restrained: the stress of the restraint is not counted, nor
-        that it takes a share of the torque near the clamp. Those of a ``leaf_spring`` are, see
-        :mod:`flexmb.elements.leaf_stress`.
+        Torsion is Saint-Venant's, also with restrained warping. The stress by restrained warping, and its share of the
+        torque, are neglected. A ``leaf_spring`` includes both, see :mod:`flexmb.elements.leaf_stress`.
 
         Args:
             resultants: (6,) [N, N m].
@@ -279,26 +277,26 @@ class HollowRectangle(Section):
     shear = False
 
     def faults(self) -> list[str]:
-        """As for every section; the walls leave a hole."""
+        """Return the faults of the numbers, and walls that leave no hole."""
         sides = {"wall_y": self.width, "wall_z": self.thickness}
         thick = [n for n, side in sides.items() if not holds(2 * as_known(getattr(self, n)) < as_known(side))]
         return super().faults() + [f"{n} = {getattr(self, n)}, which leaves no hole between two walls" for n in thick]
 
     def rigidity(self) -> Rigidity:
-        """Rigidities; torsion by Bredt: It = 4 A_m^2 / closed integral of ds/wall."""
+        """Return the rigidities; torsion by Bredt: It = 4 A_m^2 / closed integral of ds/wall."""
         wm, tm = self.width - self.wall_y, self.thickness - self.wall_z
         it = 4 * (wm * tm) ** 2 / (2 * wm / self.wall_z + 2 * tm / self.wall_y)
         area, iy, iz = self._areas()
         return _from_geometry(self, area, iy, iz, it, 1.0)
 
     def _areas(self):
-        """Area and second moments about y and z."""
+        """Area, and second moments of area about y and z."""
         w, t = self.width, self.thickness
         wi, ti = w - 2 * self.wall_y, t - 2 * self.wall_z
         return w * t - wi * ti, (w * t**3 - wi * ti**3) / 12, (t * w**3 - ti * wi**3) / 12
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """Corners and middles of the outer sides in turn, from the corner at +y, +z on, counter-clockwise about x.
+        """Return the stress at corners and middles of the outer sides, from +y, +z on counter-clockwise about x.
 
         Args:
             resultants: (6,) [N, N m].
@@ -308,7 +306,7 @@ class HollowRectangle(Section):
 
 
 class Circle(Section):
-    """Solid circular section, the wire flexure's.
+    """Solid circular section, as of a wire flexure.
 
     Attributes:
         diameter: Diameter [m].
@@ -323,13 +321,13 @@ class Circle(Section):
     rotary: bool = static(default=True)
 
     def rigidity(self) -> Rigidity:
-        """Rigidities of the circle."""
+        """Return the rigidities of the circle."""
         d, nu = self.diameter, self.material.poisson()
         i = jnp.pi * d**4 / 64
         return _from_geometry(self, jnp.pi * d**2 / 4, i, i, 2 * i, 6 * (1 + nu) / (7 + 6 * nu))
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """On the circumference, at the extremes of combined bending and of the combined shear force.
+        """Return the stress on the circumference, at the extremes of combined bending and of the combined shear force.
 
         Args:
             resultants: (6,) [N, N m].
@@ -355,18 +353,18 @@ class Tube(Section):
     shear = False
 
     def faults(self) -> list[str]:
-        """As for every section; the wall leaves a hole."""
+        """Return the faults of the numbers, and a wall that leaves no hole."""
         thin = holds(2 * as_known(self.wall) < as_known(self.diameter))
         return super().faults() + ([] if thin else [f"wall = {self.wall}, which leaves no hole in the tube"])
 
     def rigidity(self) -> Rigidity:
-        """Rigidities of the tube."""
+        """Return the rigidities of the tube."""
         d, inner = self.diameter, self.diameter - 2 * self.wall
         i = jnp.pi * (d**4 - inner**4) / 64
         return _from_geometry(self, jnp.pi * (d**2 - inner**2) / 4, i, i, 2 * i, 1.0)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """On the outer circumference, at the extremes of combined bending and of the combined shear force.
+        """Return the stress on the outer circumference, at the extremes of bending and of the combined shear force.
 
         Args:
             resultants: (6,) [N, N m].
@@ -398,23 +396,22 @@ def _from_geometry(
 def notch_circular(
     width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material, shear: bool = False
 ) -> Profile:
-    """Bar with a circular notch from both sides in its middle, the hinge of Paros and Weisbord.
+    """Return the section of a bar with a circular notch from both sides, the hinge of Paros and Weisbord.
 
-    Its twist by beams is that of a neck that warps freely, which a short neck between thick parts cannot: a solid model
-    with a neck of 0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. In all else a spectral beam
-    with shear is within 6 %. A row of 34 ``spatial.warping_beam``, shorter near the neck, each as thick as the mean of
-    1/t^3 over it says, is 17 % too stiff in torsion and within 6 % in all else; ``at(place, length)`` has the size.
+    In beam theory the neck warps freely. A short neck between thick parts does not: a solid model with a neck of
+    0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. The other stiffnesses of a spectral beam with
+    shear are within 6 %. :func:`hinge_circular` includes the restrained warping.
 
     Args:
         width: Side of the bar along local y, () [m].
         height: Side of the bar along local z, away from the notch, () [m].
         neck: Height left in the middle, () [m].
-        radius: Of the notch, () [m]; at least half of height - neck.
+        radius: Radius of the notch, () [m]; at least half of height - neck.
         material: Material.
         shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
     Returns:
-        The section of the whole beam, whose length is at least that of the notch, 2 sqrt(d (2 radius - d)) with d =
+        The section of the whole beam. Its length is at least the length of the notch, 2 sqrt(d (2 radius - d)) with d =
         (height - neck)/2.
 
     Raises:
@@ -428,7 +425,7 @@ def notch_circular(
 
 
 def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material) -> Profile:
-    """Section of a circular notch hinge from rim to rim, fitted to solid elements.
+    """Return the section of a circular notch hinge from rim to rim, fitted to solid elements.
 
     Use it with a spectral beam of order 3 with shear, from rim to rim between rigid parts. Its stiffnesses are within
     5 % of solid elements if neck/radius is at most 0.2 and the width at least twice sqrt(radius neck).
@@ -448,7 +445,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         ModelError: A size that is not positive, a neck that is higher than the bar.
 
     Warns:
-        BeamTheoryWarning: Sizes beyond those of the solid elements.
+        BeamTheoryWarning: Neck/radius above 0.25, or a width below twice sqrt(radius neck).
 
     Source:
         THEORY.md 2, eq. (2.60) and (2.61).
@@ -461,14 +458,14 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
 def notch_elliptic(
     width: Scalar, height: Scalar, neck: Scalar, along: Scalar, across: Scalar, material: Material, shear: bool = False
 ) -> Profile:
-    """Bar with an elliptic notch from both sides in its middle.
+    """Return the section of a bar with an elliptic notch from both sides in its middle.
 
     Args:
         width: Side of the bar along local y, () [m].
         height: Side of the bar along local z, away from the notch, () [m].
         neck: Height left in the middle, () [m].
         along: Half axis of the ellipse along the bar, () [m].
-        across: Half axis across it, () [m]; at least half of height - neck.
+        across: Half axis of the ellipse across the bar, () [m]; at least half of height - neck.
         material: Material.
         shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
@@ -487,7 +484,7 @@ def notch_elliptic(
         raise ModelError(
             f"A notch with a depth of {depth:g} = (height - neck)/2 needs an ellipse as deep, not {across:g}."
         )
-    # What cannot be is no number: it is refused by name where a beam takes the section.
+    # Impossible sizes become NaN. A beam with this section raises an error that names it.
     cut = along * jnp.sqrt(jnp.where((depth > 0) & (depth <= across), depth * (2 * across - depth), jnp.nan)) / across
 
     def section(place: Float[Array, ""], length: Float[Array, ""]):
@@ -508,14 +505,14 @@ def notch_filleted(
     material: Material,
     shear: bool = False,
 ) -> Profile:
-    """Bar with a long notch from both sides in its middle, whose corners are rounded.
+    """Return the section of a bar with a long notch from both sides in its middle and rounded corners.
 
     Args:
         width: Side of the bar along local y, () [m].
         height: Side of the bar along local z, away from the notch, () [m].
         neck: Height left in the notch, () [m].
         flat: Length of the neck between its roundings, () [m].
-        radius: Of the roundings, () [m]; at most half of height - neck.
+        radius: Radius of the roundings, () [m]; at most half of height - neck.
         material: Material.
         shear: Whether shear deformation is counted, as of :class:`Rectangle`.
 
@@ -548,7 +545,7 @@ def notch_filleted(
 
 
 def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Scalar:
-    """Depth of a notch from either side, of sizes that are checked."""
+    """Check sizes, and return the depth of a notch from each side."""
     height, neck = as_known(height), as_known(neck)
     with nan_if_refused() as marked:
         for name, value in {"width": width, "height": height, "neck": neck, **others}.items():
@@ -559,7 +556,7 @@ def _depth(width: Scalar, height: Scalar, neck: Scalar, **others: Scalar) -> Sca
 
 
 def _rise(x: Scalar) -> Scalar:
-    """How far a unit circle rises from its lowest point."""
+    """Height of a unit circle above its lowest point."""
     return 1 - jnp.sqrt(1 - x**2)
 
 

@@ -1,14 +1,14 @@
 """Spectral beams: geometrically exact beams whose strains are Legendre series along a whole leaf spring.
 
-The coordinates that such a beam owns are the coefficients of its strains; they are its elastic deformations too. The
-pose of end q follows from that of end p by quadrature of the kinematics, and its difference from node q, the closure,
-is the part of the deformations that stays FIXED; the closure comes first, then one strain field after the other, its
-``order`` coefficients in turn. The error falls exponentially with the order (benchmarks/large_deflection.py).
+The inner coordinates of a spectral beam are the coefficients of its strains. They are also its elastic deformations.
+The pose of end q follows from the pose of end p by quadrature of the kinematics. The closure is the difference from
+node q; these deformations stay FIXED. The closure comes first, then the strain fields with ``order`` coefficients each.
+The error falls exponentially with the order (benchmarks/large_deflection.py).
 
-Section resultants at a place are those of statics: force and moment at q and what acts on the mass beyond the place.
+Section resultants at a place follow from statics: from force and moment at q, and from the loads beyond the place.
 
-Here is what the beam in the plane (``spectral_planar``) and that in space (``spectral_spatial``) share. Names: p and q
-are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
+This module has the common parts of the beam in the plane (``spectral_planar``) and in space (``spectral_spatial``). p
+and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,12 +27,12 @@ from .nodes import Reference
 from .profile import NODES, Profile
 from .section import Damping, Rigidity, Section
 
-# Coefficients of a strain field, at most: beyond it compiling takes minutes, and round-off is reached long before.
+# Largest number of coefficients of a strain field: more take minutes to compile and only add round-off.
 LARGEST_ORDER = 40
 
 
 def fields_after(closure: int, count: int, order: int) -> tuple[tuple[int, ...], ...]:
-    """Numbers (from 1) of the deformations of each strain field.
+    """Return the numbers (from 1) of the deformations of each strain field.
 
     Raises ValueError: The order is below 1, or beyond the largest.
     """
@@ -46,26 +46,26 @@ class BeamPieces(NamedTuple):
     """Smooth pieces of a beam, from its first end to a place.
 
     Attributes:
-        starts: Where each begins, (m,) [-].
-        sizes: How long each is, (m,) [-]; pieces beyond the place have none.
+        starts: First place of each piece, (m,) [-].
+        sizes: Size of each piece, (m,) [-]; zero for pieces beyond the place.
     """
 
     starts: Any
     sizes: Any
 
     def spread(self, nodes: np.ndarray) -> Float[Array, "m n"]:
-        """Places of nodes on [0, 1] in each piece, (m, n)."""
+        """Return the places of nodes on [0, 1] in each piece, (m, n)."""
         return self.starts[:, None] + self.sizes[:, None] * nodes
 
     def integrals(self, nodes: np.ndarray, weights: np.ndarray) -> Float[Array, "places places"]:
-        """Integrals from 0 to each node of what is known at the nodes of all pieces, (m n, m n)."""
+        """Return the matrix that integrates values at all nodes from 0 to each node, (m n, m n)."""
         m, n = self.sizes.shape[0], len(nodes)
         within = np.einsum("ij,ab->iajb", np.eye(m), integration_matrix(nodes))
         before = np.einsum("ij,b->ijb", np.tri(m, k=-1), weights)[:, None]
         return ((within + before) * self.sizes[:, None]).reshape(m * n, m * n)
 
     def beyond(self, coefficients: np.ndarray, loads: Float[Array, "m n k"], place: Float[Array, ""]):
-        """Integral from a place to the end of loads at nodes, (k,)."""
+        """Return the integral of loads at nodes from a place to the end, (k,)."""
         reached = (place - self.starts) / jnp.where(self.sizes > 0, self.sizes, 1.0)
         n = coefficients.shape[0]
         left = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
@@ -76,7 +76,7 @@ WHOLE = BeamPieces(np.zeros(1), np.ones(1))
 
 
 def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None) -> BeamPieces:
-    """Smooth pieces of a beam."""
+    """Return the smooth pieces of a beam."""
     breaks = () if section is None else section.breaks_at(length)
     if not breaks and end is None:
         return WHOLE
@@ -87,7 +87,7 @@ def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Arra
 
 
 def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]):
-    """Rigidities and masses at places, (n, names); of a section that does not vary the same everywhere.
+    """Return rigidities and masses at places, (n, names).
 
     Args:
         names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
@@ -99,7 +99,7 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
 
 @traced_once
 def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]) -> Rigidity:
-    """Rigidities at places, each (n,), of a section that varies."""
+    """Rigidities of a varying section at places, each (n,)."""
 
     def numbers(place: Float[Array, ""]):
         return jax.tree.map(lambda number: jnp.asarray(number, float), section.at(place, length).rigidity())
@@ -108,18 +108,18 @@ def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]
 
 
 def rigidity_of(s: Any, name: str):
-    """An attribute of rigidities or damping; zero where it has none."""
+    """Return an attribute of rigidities or damping; zero without this attribute."""
     if isinstance(s, Rigidity) and name.startswith("GA"):
         return s.EIz / s.shear_y if name == "GAy" else s.EIy / s.shear_z
     return getattr(s, name, 0.0)
 
 
 def strains(order: int, section: Section | None, places: Any, length: Float[Array, ""], names: Sequence[str]) -> Any:
-    """Strains at places, over length, that belong to each coefficient of each field.
+    """Return strains times length at places, by each coefficient of each field.
 
-    A polynomial where the section does not vary. Where it does, stress resultants are the polynomials, and strains
-    these times the local compliance over its mean. Returns (n, fields, order) [-]. Source: THEORY.md 2, eq. (2.11) and
-    (2.21).
+    The strains of a section that does not vary are polynomials. In a section that varies, the stress resultants are
+    polynomials, and the strains are polynomials times the local compliance over its mean. Returns (n, fields, order)
+    [-]. Source: THEORY.md 2, eq. (2.11) and (2.21).
     """
     traced = isinstance(places, jax.Array)
     polynomials = (legendre_values_at if traced else legendre_values)(order, places)
@@ -133,7 +133,7 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
 def relative(
     section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]
 ) -> Float[Array, "n fields"]:
-    """Compliances at places over their means."""
+    """Return compliances at places over their means."""
     nodes, weights = gauss(NODES)
     whole = pieces_of(section, length)
     mean = (whole.sizes[:, None] * weights).ravel() @ _compliance(section, whole.spread(nodes).ravel(), length, names)
@@ -143,7 +143,7 @@ def relative(
 def _compliance(
     section: Section, places: Float[Array, "n"], length: Float[Array, ""], names: Sequence[str]
 ) -> Float[Array, "n fields"]:
-    # What has no rigidity anywhere has strains all the same, without stress.
+    # A field without rigidity has strains without stress.
     stiff = rigidities(section, places, length, names)
     return 1.0 / jnp.where(stiff > 0, stiff, 1.0)
 
@@ -156,13 +156,13 @@ def series_matrix(
     closure: int,
     names: Sequence[str],
 ) -> Array:
-    """Matrix of rigidities over length between the coefficients.
+    """Return the stiffness or damping matrix between the coefficients.
 
     Args:
-        of: What has the rigidities: the section itself, or damping, which is the same everywhere.
+        of: The section for stiffness, or damping rigidities, which are constant along the beam.
 
     Returns:
-        (n_e, n_e). For a section that does not vary it is diagonal: the integral of a squared polynomial P_k is
+        (n_e, n_e). The matrix of a section that does not vary is diagonal: the integral of a squared polynomial P_k is
         1/(2k + 1).
     """
     if section is None or not section.varies:
@@ -192,14 +192,13 @@ def series_of(
     closure: int,
     names: Sequence[str],
 ) -> Float[Array, "n_e"]:
-    """Deformations of a beam whose sections are free to strain: its series come as near to given strains as they can.
+    """Return the deformations of a beam whose strains fit given strains with the least elastic energy.
 
-    Near is what leaves the least elastic energy. Of strains that do not vary, or vary linearly where there are two
-    coefficients at least, the pose of the last end comes out exactly, to first order, whatever the section does.
-    Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.33).
+    For constant strains, and for linear strains with at least two coefficients, the pose of the last end is exact to
+    first order, for every section. Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.33).
 
     Args:
-        wanted: Strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
+        wanted: Function that returns strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
     """
     whole = pieces_of(section, length)
     nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
@@ -222,12 +221,12 @@ def thermal_series(
     closure: int,
     names: Sequence[str],
 ) -> Float[Array, "n_e"]:
-    """Deformations of a free beam by temperature.
+    """Return the deformations of a free beam by temperature.
 
     Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.31) and (2.33).
 
     Args:
-        bends: By the rigidity of a curvature, that curvature over the coefficient of thermal expansion, () [K/m].
+        bends: Curvature over the coefficient of thermal expansion, by the name of its rigidity, () [K/m].
     """
 
     def wanted(places: Float[Array, "n"]):
@@ -239,7 +238,7 @@ def thermal_series(
 
 
 def check_curvature(ref: Reference, curvature: Any, y: Any = None) -> list[str]:
-    """Faults of an initial curvature, None for a straight beam."""
+    """Return the faults of an initial curvature, which is None for a straight beam."""
     if curvature is None:
         return []
     if isinstance(curvature, CurvedLine):
@@ -255,7 +254,7 @@ def check_curvature(ref: Reference, curvature: Any, y: Any = None) -> list[str]:
 
 
 def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
-    """Rigidities of a section, of one that varies at places along the beam."""
+    """Return the rigidities of a section; at places along the beam if it varies."""
     if not isinstance(section, Profile):
         return section.rigidity()
     length = _length(ref, curvature)
@@ -264,16 +263,16 @@ def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
 
 
 def check_section(section: Section | None, ref: Reference, curvature: Any, count: int = NODES) -> list[str]:
-    """Faults of a section that varies, along the beam.
+    """Return the faults of a varying section along the beam.
 
     Args:
-        count: Gauss nodes of each smooth piece, by which the beam integrates at least.
+        count: Least number of Gauss nodes of the beam in each smooth piece.
     """
     return section.faults_along(_length(ref, curvature), count) if isinstance(section, Profile) else []
 
 
 def check_shear(counted: bool, *stated: Any) -> list[str]:
-    """Faults of a section that states shear which is not counted, or does not state what is."""
+    """Return the faults of a section whose shear the beam does not count, or that lacks the shear compliance."""
     if counted and not all(holds(as_floats(number) > 0) for number in stated):
         return ["counts shear, but its section has none: give the section shear=True"]
     if not counted and not all(holds(as_floats(number) <= 0) for number in stated):

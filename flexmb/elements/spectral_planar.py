@@ -1,4 +1,4 @@
-"""Spectral beam in the plane, with or without shear; what it shares with that in space stands in ``spectral``."""
+"""Spectral beam in the plane, with or without shear; common code is in ``spectral``."""
 
 import functools
 from types import SimpleNamespace
@@ -55,13 +55,13 @@ def _rule(
 @functools.cache
 def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
     rule = _rule_on(order, shear, None, 1.0, WHOLE)
-    # All but the first coefficient of the curvature have no part in the angle between the ends.
+    # Only the first coefficient of the curvature contributes to the angle between the ends.
     rule.turn = np.eye(order)[0]
     return rule
 
 
 def nodes_of(order: int) -> int:
-    """Gauss nodes of each smooth piece of a beam."""
+    """Return the number of Gauss nodes in each smooth piece of a beam."""
     return 2 * order + 8
 
 
@@ -90,7 +90,7 @@ def _fields_of(c: Float[Array, "c"], rule: SimpleNamespace) -> Float[Array, "fie
 def _stretched_along(
     c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, directions: Float[Array, "n 2"]
 ) -> Float[Array, "n 2"]:
-    """How the beam goes on at the nodes, times its length: along the normals of its sections, and across by shear."""
+    """Derivative of the position by the place at the nodes: along the normals of the sections, and across by shear."""
     fields = _fields_of(c, rule)
     found = (length + rule.elongations @ fields[ELONGATION])[:, None] * directions
     if rule.shears is None:
@@ -118,7 +118,7 @@ def _bent(
 
 
 def _jumps(c: Float[Array, "c"], rule: SimpleNamespace) -> Any:
-    """Displacement and angle by which the line goes on at each of its ends, None without any."""
+    """Displacement and angle that each end adds to the line; None without compliant ends."""
     return rule.jumps @ c if hasattr(rule, "jumps") else None
 
 
@@ -131,7 +131,7 @@ def _line(
     section: Section | None,
     curvature: Scalar | CurvedLine | None,
 ):
-    """Length, axes of end p as columns, stretched directions at the nodes in those axes; the rule."""
+    """Length, axes of end p as columns, stretched directions at the nodes in these axes, and quadrature rule."""
     length, tilt = _length(ref, curvature), 0.0
     rule = _rule(order, shear, section, length)
     if curvature is not None:
@@ -154,7 +154,7 @@ def _to_place(
     curvature: Scalar | CurvedLine | None,
     place: Float[Array, ""],
 ):
-    """Direction at a place, and the way from p to it, in axes of end p."""
+    """Direction at a place, and vector from p to this place, in axes of end p."""
     rule = _rule(order, shear, section, length, place)
     directions = _bent(c, length, curvature, rule.nodes, rule.angles)
     last = _bent(c, length, curvature, place[None], rule.turn[None])[0]
@@ -178,7 +178,7 @@ def _spectral_beam(
     section: Section | None = None,
     curvature: float | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
-    """Closure at q, then the coefficients themselves."""
+    """Closure at q, then the coefficients."""
     _, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     displacement = axes.T @ (q - p) - rule.weights @ stretched
     turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ _fields_of(c, rule)[CURVATURE]
@@ -210,7 +210,7 @@ def _stretched(
     rule: SimpleNamespace,
     curvature: Scalar | CurvedLine | None,
 ):
-    """Directions times the stretch, at the nodes of a beam that is turned from where it was, (n, 2)."""
+    """Directions times the stretch at the nodes of a beam turned from its reference, (n, 2)."""
     angle = turn + rule.angles @ _fields_of(c, rule)[CURVATURE]
     if curvature is not None:
         angle = angle + turned_to(curvature, length, rule.nodes) - tilt_of(curvature, length)
@@ -221,10 +221,10 @@ def _stretched(
 
 
 def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
-    """Position of end p, stretched directions at the nodes of the quadrature; turn of end p, coefficients of curvature.
+    """Vectors of which positions and angles at the nodes are sums, and the matrix H with these sums.
 
-    The last two have zeros beside them. Positions and angles at the nodes are sums of these, which are in H: what
-    varies is done place by place.
+    The vectors are the position of end p and the stretched directions at the nodes, then the turn of end p and the
+    coefficients of curvature, padded by zeros.
     """
     p, rot_p, *_, c = nodes
     length = _length(ref, curvature)
@@ -243,7 +243,7 @@ def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
 
 
 def _beside_one(integrals: Float[Array, "n k"] | np.ndarray) -> Float[Array, "n 1+k"]:
-    """What makes positions or angles at the nodes: that of end p, and integrals from there."""
+    """Weights of positions or angles at the nodes: 1 for end p, then integrals from end p."""
     return jnp.concatenate([jnp.ones((integrals.shape[0], 1)), jnp.asarray(integrals)], axis=1)
 
 
@@ -253,11 +253,11 @@ def _turn(lever: Float[Array, "*n 2"], force: Float[Array, "*n 2"]):
 
 
 def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, fall=None, curvature=None):
-    """Statics of the part beyond the place."""
+    """Section resultants at a place by statics of the part beyond it."""
     p, rot_p, q, _, c = nodes
     length, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
     (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
-    # Force, and moment about p, of all that is beyond the place; counter-clockwise, in axes of end p.
+    # Force and moment about p of the part beyond the place, counter-clockwise, in axes of end p.
     force, moment = jnp.split(sigma[:3], (2,))
     wrench = jnp.append(force, moment + _turn(axes.T @ (q - p), force))
     if fall is not None:
@@ -272,13 +272,13 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, f
         loads = jnp.concatenate([pulls, moments[:, None]], axis=1).reshape(-1, len(rule.inner), 3)
         wrench = wrench + rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
     (x, y), bending = wrench[:2], wrench[2] - _turn(reached, wrench[:2])
-    # The section's own y axis points into the plane: a moment about it turns clockwise.
+    # The y axis of the section points into the plane: a moment about it turns clockwise.
     zero = jnp.zeros_like(x)
     return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
 
 
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
-    """Elongation, and the curvature by which the warmer side gets longer."""
+    """Thermal elongation and curvature; the warmer side becomes longer."""
     bends = {"EIy": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
 
@@ -290,7 +290,7 @@ def _shape(*nodes: Array, ref, place, order, shear=False, section=None, curvatur
 
 
 def _passage(*nodes: Array, ref, order, shear, section=None, curvature=None):
-    """End q seen from end p."""
+    """Pose of end q relative to end p."""
     c = nodes[-1]
     length = _length(ref, curvature)
     rule = _rule(order, shear, section, length)
@@ -320,19 +320,19 @@ spectral_beam = Element(
     lengths=(ELONGATION, SHEAR),
     names=("closure_x", "closure_y", "closure_tilt", "elongation", "curvature", "shear"),
 )
-"""Geometrically exact beam, one for a whole leaf spring.
+"""Geometrically exact beam; one element models a whole leaf spring in beam theory.
 
 Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p [m] and the angle [rad]; then ``order``
 coefficients of each strain, times length: elongation [m], curvature [rad], the first of which is the angle between the
 ends, and with ``shear`` the shear [m]. Stress resultants of the closure are the force and moment at q.
-Properties: section (EA, EIy, mass, Jy; one that varies too, see :class:`flexmb.sections.Profile`), damping, curvature
-(initial [1/m], positive counter-clockwise: a number for an arc from p to q,
-a function of the place, or :func:`flexmb.sections.curvature_through`).
-Options: order, the number of coefficients of each strain, 5 unless given; 2 bends as a cubic beam does, 5 gives six
-digits for a leaf spring at a large stroke; shear, whether shear deformation is counted, False unless given: the section
-must then have a shear compliance.
-Of a leaf spring it leaves out the plate near clamps and the flattening of wide strips: ``planar.leaf_spring`` has them.
-Where shear would change a stiffness by more than 1 %, a model warns.
+Properties: section (EA, EIy, mass, Jy; it may vary, see :class:`flexmb.sections.Profile`), damping, curvature (initial
+[1/m], positive counter-clockwise: a number for an arc from p to q, a function of the place, or
+:func:`flexmb.sections.curvature_through`).
+Options: order, the number of coefficients of each strain, default 5; order 2 bends like a cubic beam, order 5 computes
+a leaf spring at a large stroke to six digits; shear, whether shear deformation is counted, default False. With shear
+the section must have a shear compliance.
+It neglects the plate behaviour near clamps and the flattening of wide strips; use ``planar.leaf_spring`` for them. If
+shear would change a stiffness by more than 1 %, flexmb warns.
 
 Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps) t + gamma n with
 t = (cos theta, sin theta), n normal to it (Reissner).

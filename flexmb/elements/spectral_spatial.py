@@ -1,4 +1,4 @@
-"""Spectral beam in space, with or without shear; what it shares with that in the plane stands in ``spectral``."""
+"""Spectral beam in space, with or without shear; common code is in ``spectral``."""
 
 import functools
 from types import SimpleNamespace
@@ -35,20 +35,20 @@ from .spectral import (
     thermal_series,
 )
 
-# Rigidities of the fields, the last two with shear alone, and the places of their strains in a six-vector (twist,
-# curvatures, stretch, shears).
+# Rigidities of the fields, the last two only with shear. Places of their strains in a six-vector of twist, curvatures,
+# stretch and shears.
 FIELDS = ("EA", "GIt", "EIy", "EIz", "GAy", "GAz")
 PLACES = np.eye(6)[[3, 0, 1, 2, 4, 5]]
-# Gauss nodes of a step where strains are smooth but no polynomials.
+# Gauss nodes of a step with smooth strains that are not polynomials.
 DENSE = 8
 
 
 def _rule(
     order: int, shear: bool, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
 ) -> SimpleNamespace:
-    """Quadrature along the beam, to a place or to its last end, in steps over which the pose goes by an exponential."""
+    """Quadrature along the beam to a place or to its last end; each step is one exponential of the pose."""
     if isinstance(section, Leaf):
-        # Strains jump within steps, but little: three Gauss nodes take over their moments there too.
+        # Strains have small jumps within steps. The values at three Gauss nodes reproduce their moments.
         plain = _rule(order, shear, None, length, end)
         basis = section.moments(order, plain.lengths, length, FIELDS)
         rule = SimpleNamespace(**vars(plain) | {"basis": jnp.einsum("sgfo,fx->sgxo", basis, PLACES)})
@@ -67,11 +67,12 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
 
 
 def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
-    # In each piece.
+    # Steps in each piece.
     steps = steps_of(order)
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
-    # Three nodes in each step, or more whose moments three nodes take over; one for constant strains.
+    # Three Gauss nodes in each step, or one for constant strains. A varying section uses DENSE nodes first: the strains
+    # at three nodes then have the same moments.
     varies = section is not None and section.varies
     nodes, quadrature = gauss(DENSE if varies else 3 if order > 1 else 1)
     places = pieces.spread((ends[:-1, None] + lengths[:, None] * nodes).ravel()).ravel()
@@ -83,7 +84,7 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
     sizes = (pieces.sizes[:, None] * lengths).ravel()
     basis = np.einsum if isinstance(shapes, np.ndarray) else jnp.einsum
     basis = basis("sgfo,fx->sgxfo", shapes, PLACES[: _count(shear)])
-    # Masses are taken just within the pieces, which share their ends.
+    # Nodes of the mass move slightly inside the pieces, since adjacent pieces share their ends.
     masses = pieces.spread(np.clip(ends, 1e-9, 1 - 1e-9)).ravel()
     return SimpleNamespace(
         pieces=pieces,
@@ -92,7 +93,7 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
         nodes=masses,
         inner=ends,
         weights=(pieces.sizes[:, None] * weights).ravel(),
-        # Numbers of the poses at the ends of the steps of each piece; the last of one is the first of the next.
+        # Indices of the poses at the ends of the steps of each piece; adjacent pieces share a pose.
         ends=np.add.outer(steps * np.arange(pieces.sizes.shape[0]), np.arange(steps + 1)).ravel(),
     )
 
@@ -115,7 +116,7 @@ def _frames(
     length: Float[Array, ""],
     order: int,
 ):
-    """Section axes at both ends as columns."""
+    """Section axes at both ends, as columns."""
     frame = initial_frame(ref.p, ref.q, y)
     at_p, at_q = turned(rot_p, ref.rot_p, frame), turned(rot_q, ref.rot_q, frame)
     if curvature is None:
@@ -125,7 +126,7 @@ def _frames(
 
 
 def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any) -> Chain:
-    """Poses at the ends of the steps along the beam, seen from its first end; with jumps also those beyond them."""
+    """Poses at the ends of the steps, relative to the first end; with compliant ends also the poses beyond them."""
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
     if curvature is None and rule.basis.shape[1] == 1:
         # Constant strains are one screw motion.
@@ -156,7 +157,7 @@ def _spectral_beam(
     y: Float[Array, "3"] | None = None,
     curvature: Float[Array, "3"] | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
-    """Closure at q, then the coefficients themselves."""
+    """Closure at q, then the coefficients."""
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     line = _poses(c, length, _rule(order, shear, section, length), curvature)
@@ -215,12 +216,12 @@ def _inertia(*nodes: Array, ref, section, order, shear, y=None, curvature=None):
 
 
 def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=None, y=None, curvature=None):
-    """Statics of the part beyond the place."""
+    """Section resultants at a place by statics of the part beyond it."""
     p, rot_p, q, rot_q, c = nodes
     length = _length(ref, curvature, order)
     at_p, at_q = _frames(rot_p, rot_q, ref, y, curvature, length, order)
     line = _poses(c, length, _rule(order, shear, section, length, place), curvature)
-    # Force, and moment about p, of all that is beyond the place, in axes of end p.
+    # Force and moment about p of the part beyond the place, in axes of end p.
     force, moment = jnp.split(sigma[:6], 2)
     moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
     if fall is not None:
@@ -244,7 +245,7 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
 
 
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
-    """Elongation, and the curvature by which the warmer side gets longer."""
+    """Thermal elongation and curvatures; the warmer side becomes longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
     return thermal_series(change, bends, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
 
@@ -257,19 +258,19 @@ def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvat
 
 
 def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
-    """End q seen from end p; the turn is a product of Euler parameters, whose sign no full turn changes."""
+    """Pose of end q relative to end p; its Euler parameters have no jump of sign at a full turn."""
     c = nodes[-1]
     length = _length(ref, curvature, order)
     line = _poses(c, length, _rule(order, shear, section, length), curvature)
     frame = initial_frame(ref.p, ref.q, y)
     axes = rotation_matrix(ref.rot_p).T @ frame
-    # What becomes of each parameter of the turn, which does not change as the beam deforms.
+    # Matrix on the Euler parameters of the turn; it does not depend on the deformation.
     units = jnp.eye(4)
     if curvature is not None:
         first, last = turns_of_ends(curvature, length, steps_of(order))
         axes = axes @ rotation_matrix(first).T
         units = compose_turns(compose_turns(first * CONJUGATE, units), last * CONJUGATE)
-    # From axes of the undeformed beam to global ones, and from the reference of p to that of q.
+    # From axes of the undeformed beam to global axes, and from the reference of p to the reference of q.
     units = jnp.concatenate([units[:, :1], units[:, 1:] @ frame.T], axis=1)
     units = compose_turns(compose_turns(ref.rot_p * CONJUGATE, units), ref.rot_q)
     return axes @ line.places[-1], line.turns[-1] @ units
@@ -303,20 +304,20 @@ spectral_beam = Element(
         *("elongation", "twist", "curvature_y", "curvature_z", "shear_y", "shear_z"),
     ),
 )
-"""Geometrically exact beam, one for a whole leaf spring.
+"""Geometrically exact beam; one element models a whole leaf spring in beam theory.
 
 Deformations: 1 to 6 the closure at q, FIXED: three displacements [m] and three tilts [rad] in axes of end p and of end
 q; then ``order`` coefficients of each strain, times length: elongation [m], twist, curvature about local y, curvature
 about local z [rad], with ``shear`` also the shears along y and along z [m]. Stress resultants of the closure are the
 force and moment at q.
-Properties: section (one that varies too, see :class:`flexmb.sections.Profile`, or one whose strains are coupled,
+Properties: section (it may vary, see :class:`flexmb.sections.Profile`, or couple strains, see
 :class:`flexmb.sections.General`), damping, y (vector that fixes local y), curvature (initial [1/m]: (0, about y, about
 z) in local axes for an arc from p to q, a function of the place that returns twist and curvatures, or
 :func:`flexmb.sections.curvature_through`).
-Options: order, the number of coefficients of each strain, 5 unless given; shear, whether shear deformation is counted,
-False unless given: the section must then have a shear compliance.
-Of a leaf spring it leaves out warping that clamps restrain, the plate near clamps and the flattening of wide strips:
-``spatial.leaf_spring`` has them. Where shear or warping would change a stiffness by more than 1 %, a model warns.
+Options: order, the number of coefficients of each strain, default 5; shear, whether shear deformation is counted,
+default False. With shear the section must have a shear compliance.
+It neglects restrained warping, the plate behaviour near clamps and the flattening of wide strips; use
+``spatial.leaf_spring`` for them. If shear or warping would change a stiffness by more than 1 %, flexmb warns.
 
 Source: strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the
 exponentials of :mod:`flexmb.math.rigid`.

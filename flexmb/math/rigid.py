@@ -1,7 +1,7 @@
 """Rigid motions along a line: poses from strains by exponentials of six-vectors (rotation first, then translation).
 
-A pose is a rotation R and a position r. Along a rod dR/ds = R hat(curvatures), dr/ds = R stretches, in axes of the
-section.
+A pose is a rotation R and a position r. Along a rod dR/ds = R hat(curvatures) and dr/ds = R stretches; curvatures and
+stretches are in axes of the section.
 """
 
 import functools
@@ -17,18 +17,18 @@ from .rotation import CONJUGATE, RELATIVE, SQUARES
 
 # Quaternion product: (a b)_i = a_j b_k TURNS[4 j + k, i].
 TURNS = np.swapaxes(CONJUGATE[:, None, None] * RELATIVE, 1, 2).reshape(16, 4)
-# Rows of a triad from the 16 products of two Euler parameters.
+# Rows of a triad from the 16 products of pairs of Euler parameters.
 TRIADS = SQUARES.reshape(16, 3, 3).swapaxes(1, 2).reshape(16, 9)
 # Functions c_j(z) = sum over k of z^k/(2k + j)!: cos t, sin t / t, (1 - cos t)/t^2 and (t - sin t)/t^3 at z = -t^2.
-# As power series up to |z| = SWITCH, exact to rounding, beyond by c_j = 1/j! + z c_(j+2).
+# Power series up to |z| = SWITCH, exact to rounding; c_j = 1/j! + z c_(j+2) beyond.
 FUNCTIONS, TERMS, SWITCH = 4, 16, 4.0
-# Derivatives that motions use; each needs two functions more.
+# Highest derivative that motions use; each derivative needs two more functions.
 MOST = 3
 
 
 @functools.cache
 def _tables(derivative: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of the power series, (terms, functions); matrix of a derivative by 2 c_j' = c_(j+1) - j c_(j+2)."""
+    """Coefficients of the power series, (terms, functions), and matrix of 2 c_j' = c_(j+1) - j c_(j+2)."""
     count = FUNCTIONS + 2 * max(derivative, MOST)
     series = [[1 / math.factorial(2 * k + j) for j in range(count)] for k in range(TERMS)]
     once = (np.eye(count, k=1) - np.arange(count)[:, None] * np.eye(count, k=2)) / 2
@@ -37,7 +37,7 @@ def _tables(derivative: int) -> tuple[np.ndarray, np.ndarray]:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def _functions(z: Float[Array, "n 1"], derivative: int) -> Float[Array, "n 4"]:
-    """A derivative of the four functions, at z <= 0; its tangent is the next derivative."""
+    """A derivative of the four functions at z <= 0. The next derivative is its tangent."""
     series, matrix = _tables(derivative)
     near = z > -SWITCH
     small, large = jnp.where(near, z, 0.0), jnp.where(near, -SWITCH, z)
@@ -57,17 +57,17 @@ def _functions_jvp(derivative: int, primals: tuple[Array, ...], tangents: tuple[
 
 
 def compose_turns(a: Float[Array, "*#n 4"], b: Float[Array, "*#n 4"]) -> Float[Array, "*#n 4"]:
-    """Euler parameters of rotation a, then b about axes that turn with a: quaternion products."""
+    """Return Euler parameters of rotation a followed by b about axes that turn with a: quaternion products."""
     both = a[..., :, None] * b[..., None, :]
     return both.reshape(*both.shape[:-2], 16) @ TURNS
 
 
 class Chain(NamedTuple):
-    """Poses along a line, seen from its begin.
+    """Poses along a line, relative to its beginning.
 
     Attributes:
-        turns: Euler parameters of the rotations, with a sign that no full turn changes.
-        axes: Axes of the sections as rows, those of the rotation matrices transposed.
+        turns: Euler parameters of the rotations, without a jump of sign at a full turn.
+        axes: Axes of the sections as rows: transposed rotation matrices.
         places: Positions.
     """
 
@@ -77,7 +77,7 @@ class Chain(NamedTuple):
 
 
 def _exponentials(motions: Float[Array, "n 6"]) -> tuple[Float[Array, "n 4"], Float[Array, "n 3"]]:
-    """Euler parameters and translations of screw motions, THEORY.md 2, eq. (2.13)."""
+    """Euler parameters and translations of screw motions. Source: THEORY.md 2, eq. (2.13)."""
     half, way = motions[:, :3] / 2, motions[:, 3:]
     c = _functions(-jnp.sum(half**2, axis=1)[:, None], 0)
     part = c[:, 1:2] * half
@@ -91,15 +91,15 @@ def _axes(turns: Float[Array, "n 4"]) -> Float[Array, "n 3 3"]:
 
 
 def screw_line(motion: Float[Array, "6"], shares: Float[Array, "n"]) -> Chain:
-    """Poses at shares of one screw motion; differentiable at zero rotation."""
+    """Return poses at shares of one screw motion; differentiable at zero rotation."""
     turns, ways = _exponentials(shares[:, None] * motion)
     return Chain(turns, _axes(turns), ways)
 
 
 def chain(motions: Float[Array, "n 6"]) -> Chain:
-    """Poses at the begin and after each of n screw motions in a row; differentiable at zero rotation."""
+    """Return poses at the beginning and after each of n consecutive screw motions; differentiable at zero rotation."""
     turns, ways = _exponentials(motions)
-    # Products of 2, 4, .. neighbours, until each comprises all before it.
+    # Products of 2, 4, .. neighbours, until each product includes all earlier motions.
     count = 1
     while count < turns.shape[0]:
         turns = jnp.concatenate([turns[:count], compose_turns(turns[:-count], turns[count:])])
@@ -111,23 +111,23 @@ def chain(motions: Float[Array, "n 6"]) -> Chain:
 
 
 def cross(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n 3"]:
-    """Cross products."""
+    """Return cross products."""
     columns = [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))]
     return jnp.stack(columns, axis=-1)
 
 
 def _bracket(a: Float[Array, "n 6"], b: Float[Array, "n 6"]) -> Float[Array, "n 6"]:
-    """Lie bracket of six-vectors, that of matrix(a) matrix(b) - matrix(b) matrix(a)."""
+    """Lie bracket of six-vectors, with matrix(a) matrix(b) - matrix(b) matrix(a)."""
     turns, ways = (a[:, :3], b[:, :3]), (a[:, 3:], b[:, 3:])
     return jnp.concatenate([cross(*turns), cross(turns[0], ways[1]) + cross(ways[0], turns[1])], axis=1)
 
 
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:
-    """Screw motions v over steps along a line, pose(s + h) = pose(s) exp(v), of order six in h.
+    """Return screw motions v over steps along a line, pose(s + h) = pose(s) exp(v), with order six in h.
 
-    Strains are curvatures and stretches in axes of the section, at three Gauss nodes per step. Constant strains give
-    exact results. Source: Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470,
-    section 5.4, with reversed brackets because here the strains stand to the right of the pose.
+    Strains are curvatures and stretches in axes of the section, at three Gauss nodes per step. For constant strains the
+    result is exact. Source: Magnus expansion of order six by Blanes, Casas, Oteo and Ros (2009), Physics Reports 470,
+    section 5.4. The brackets are reversed, because the strains multiply the pose from the right.
     """
     first, middle, last = (strains[:, i] * steps[:, None] for i in range(3))
     a1 = middle

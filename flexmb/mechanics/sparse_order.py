@@ -1,4 +1,4 @@
-"""Equations of large mechanisms inside compiled code: element matrices go to the host, which factors and solves."""
+"""Equations of large mechanisms in compiled code: the host factors and solves the sparse matrix of all elements."""
 
 import functools
 import hashlib
@@ -26,7 +26,7 @@ MOST_FACTORS = 4
 class Places:
     """Places of the entries of element matrices in the sparse matrix, on the host, with the last factors.
 
-    Factors are made and freed in the thread of the host, and solve in any thread.
+    The thread of the host creates and frees factors. Any thread may solve with them.
 
     Attributes:
         count: Number of unknowns.
@@ -34,7 +34,7 @@ class Places:
     """
 
     def __init__(self, unknowns: list[np.ndarray], count: int):
-        """Find the places from unknowns (elements, k) of each block; ``count`` means none."""
+        """Find the places from the unknowns of each block, (elements, k). The number ``count`` marks no unknown."""
         self._unknowns = unknowns
         every = [np.where(own < count, own, -1) for own in (*unknowns, np.arange(count)[:, None])]
         self._pattern = SparsePattern((count, count), [(own, own) for own in every])
@@ -42,17 +42,17 @@ class Places:
         self.count, self.too_large = count, False
 
     def __reduce__(self):
-        """Arguments from which another process finds the places; factors stay here."""
+        """Return arguments from which another process finds the places, without factors."""
         return _places, (self._unknowns, self.count)
 
     def _asdict(self) -> dict[str, Any]:
-        """Contents on which a kept trace depends."""
+        """Return the contents on which a cached trace depends."""
         return {"unknowns": self._unknowns, "count": self.count}
 
     def solution(self, entries: Any, right: Any, transposed: bool = False) -> np.ndarray:
-        """Solution, or of the transposed equations; NaN if singular.
+        """Return the solution of the equations or of the transposed equations; NaN if singular.
 
-        Entries are the entries of the element matrices, in sequence, then the diagonal.
+        ``entries`` contains the entries of all element matrices, then the diagonal.
         """
         entries, right = np.asarray(entries), np.asarray(right)
         try:
@@ -79,11 +79,11 @@ class Places:
 
 
 class SparseOrder(Record):
-    """Unknowns, coordinates and multipliers, of a mechanism whose elements may join any of them.
+    """Unknowns of a mechanism, coordinates and multipliers, for elements that may join any unknowns.
 
     Attributes:
-        unknowns: Of each element of the blocks that move: its coordinates, then its deformations if some are held.
-        holds: Whether deformations of each such block are held.
+        unknowns: Coordinates of each element of the moving blocks, then its deformations if some are held.
+        holds: Whether some deformations of each of these blocks are held.
         places: Places of the entries of the element matrices.
     """
 
@@ -98,7 +98,7 @@ class SparseOrder(Record):
         right: Inexact[Array, "unknowns"],
         transposed: bool = False,
     ):
-        """Solution with element matrices and a diagonal, or of the transposed equations, in the order of the unknowns.
+        """Return the solution of the equations or of the transposed equations, in the order of the unknowns.
 
         The host keeps the factors of the last matrices.
         """
@@ -107,7 +107,7 @@ class SparseOrder(Record):
         return call_host(solution, like, jnp.concatenate([*(piece.reshape(-1) for piece in pieces), diagonal]), right)
 
     def product(self, pieces: tuple[Array, ...], change: Float[Array, "unknowns"]) -> Float[Array, "unknowns"]:
-        """Product of the sum of element matrices and a change of the unknowns."""
+        """Return the product of the sum of element matrices and a change of the unknowns."""
         padded = jnp.append(change, 0.0)
         every = zip(self.unknowns, pieces, strict=True)
         products = [(places, jnp.sum(own * padded[places][:, None, :], axis=2)) for places, own in every]
@@ -120,7 +120,7 @@ def solution(
     diagonal: Float[Array, "unknowns"],
     right: Float[Array, "unknowns"],
 ) -> Float[Array, "unknowns"]:
-    """Solution of the equations, differentiable in element matrices, diagonal and right-hand side."""
+    """Return the solution, differentiable by element matrices, diagonal and right-hand side."""
     known = lax.stop_gradient((pieces, diagonal))
 
     def product(z: Float[Array, "unknowns"]):
@@ -133,9 +133,10 @@ def solution(
 
 
 def order_of(topology: Topology) -> SparseOrder:
-    """Unknowns of a mechanism and the places of its matrices, on the host; found once for equal structures.
+    """Return the unknowns of a mechanism and the places of its matrices. Equal structures share the result.
 
-    Unknowns (elements, k) are free coordinates, then multipliers if some are held; one past the last means none.
+    Unknowns, (elements, k), are free coordinates, then multipliers if some deformations are held. The number of all
+    unknowns marks an entry without unknown.
     """
     free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
     n, count = len(free), len(free) + len(held)
@@ -151,7 +152,7 @@ def order_of(topology: Topology) -> SparseOrder:
 
 
 def moving_blocks(topology: Topology) -> list[Block]:
-    """Blocks whose elements deform or have mass, which :class:`SparseOrder` orders."""
+    """Return the blocks whose elements deform or have mass, in the order of :class:`SparseOrder`."""
     return [
         block
         for block in topology.blocks
@@ -159,7 +160,7 @@ def moving_blocks(topology: Topology) -> list[Block]:
     ]
 
 
-# Equal structures share places, and code compiled with them, while one of them is in use.
+# Equal structures share places and compiled code while at least one of them is in use.
 _known: WeakValueDictionary[bytes, Places] = WeakValueDictionary()
 
 

@@ -1,4 +1,4 @@
-"""Functions of an element with inner coordinates, in two stages, and their derivatives by the chain rule."""
+"""Functions of an element with inner coordinates in two stages, and their derivatives by the chain rule."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -13,13 +13,13 @@ from ..compilation.program import split_in_stages
 
 
 class Staged:
-    """A function of the coordinates of one element: a stage that needs inner coordinates alone, and the rest.
+    """A function of the coordinates of one element, in two stages: first inner coordinates only, then all coordinates.
 
-    Inner coordinates are coefficients of strains and warpings. From about half of the coordinates they determine the
-    poses along a spatial beam, seen from its first end: nearly all operations of its deformations and inertia. In two
-    stages, these operations are not differentiated by the other coordinates.
+    Inner coordinates are coefficients of strains and warpings, about half of the coordinates. They determine the poses
+    along a spatial beam relative to its first end. These poses need nearly all operations of deformations and inertia.
+    Two stages avoid derivatives of these operations by the other coordinates.
 
-    Called as functions of elements, ``f(x_el, ref_el, numbers_el)``; what depends on the reference is in the numbers.
+    Call it as ``f(x_el, ref_el, numbers_el)``. The numbers include all values that depend on the reference.
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class Staged:
         is_inner: Sequence[bool],
         numbers: tuple[Any, ...],
     ):
-        """Split a function."""
+        """Split a function into two stages."""
 
         def every(numbers: tuple[Any, ...], *coordinates: tuple[Array, ...]):
             inner, outer = map(iter, coordinates)
@@ -49,20 +49,20 @@ class Staged:
             raise TypeError("Results of the inner coordinates must be differentiable numbers.")
 
     def __call__(self, x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> Any:
-        """Value of the function; coordinates may be a list by node."""
+        """Return the value of the function; coordinates may be a list by node."""
         x = jnp.concatenate(x) if isinstance(x, list) else x
         bent, closed = self._stages(numbers)
         return closed(x[~self._is_inner], bent(x[self._is_inner]))
 
     def derivative(self, x: Float[Array, "c"], ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> tuple[Any, Any]:
-        """Derivatives by the coordinates, on the last axis of each array, and the value."""
+        """Return the derivatives by the coordinates, on the last axis of each array, and the value."""
         value, by_all = derivative_in_stages(*self._stages(numbers), x[self._is_inner], x[~self._is_inner])
         return jax.tree.map(lambda own: own[..., self._place], by_all), value
 
     def curvature(
         self, x: Float[Array, "c"], sigma: Float[Array, "n"], ref: Float[Array, "c"], numbers: tuple[Array, ...]
     ) -> Float[Array, "c c"]:
-        """Second derivatives of sigma . e by the coordinates, for deformations e of the function."""
+        """Return second derivatives of sigma . e by the coordinates; the function returns the deformations e."""
         bent, closed = self._stages(numbers)
         inner, outer = x[self._is_inner], x[~self._is_inner]
         hessian = hessian_in_stages(bent, lambda outer, shape: sigma @ closed(outer, shape), inner, outer)
@@ -91,7 +91,7 @@ Bend = Callable[[Float[Array, "k"]], Float[Array, "s"]]
 def derivative_in_stages(
     bent: Bend, closed: Callable[..., Any], inner: Float[Array, "k"], outer: Float[Array, "m"]
 ) -> tuple[Any, Any]:
-    """Value of ``closed(outer, bent(inner))``, and derivatives by inner, then outer coordinates, on the last axis."""
+    """Return ``closed(outer, bent(inner))`` and its derivatives by inner, then outer coordinates, on the last axis."""
     slopes, shape = derivative(bent)(inner)
     return _along(closed, (outer, shape), slopes)
 
@@ -99,7 +99,7 @@ def derivative_in_stages(
 def hessian_in_stages(
     bent: Bend, energy: Callable[..., Float[Array, ""]], inner: Float[Array, "k"], outer: Float[Array, "m"]
 ) -> Float[Array, "k+m k+m"]:
-    """Second derivatives of ``energy(outer, bent(inner))`` by inner, then outer coordinates."""
+    """Return second derivatives of ``energy(outer, bent(inner))`` by inner, then outer coordinates."""
     gradient = jax.grad(energy, (0, 1))
     shape = bent(inner)
     weight = gradient(outer, shape)[1]
@@ -115,7 +115,7 @@ def hessian_in_stages(
 
 
 def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[Array, "s k"]) -> tuple[Any, Any]:
-    """Value of a function of outer coordinates and a shape, and its derivatives by inner and outer coordinates."""
+    """Value of a function of outer coordinates and a shape, and derivatives by inner and outer coordinates."""
     outer, shape = at
     changes = jnp.concatenate([jnp.zeros((outer.size, slopes.shape[1])), jnp.eye(outer.size)], axis=1)
     along = jnp.concatenate([slopes, jnp.zeros((shape.size, outer.size))], axis=1)
@@ -123,7 +123,7 @@ def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[
 
 
 def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
-    """Function of the same arguments: derivatives by the coordinates, on the last axis of each array, and the value."""
+    """Return a function for the derivatives by the coordinates, on the last axis of each array, and the value."""
     if isinstance(function, Staged):
         return function.derivative
 
@@ -135,7 +135,7 @@ def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
 
 
 def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
-    """Function ``(x_el, sigma_el, *arguments_el) -> (c, c)``: second derivatives of sigma . e of one element."""
+    """Return ``f(x_el, sigma_el, *arguments_el) -> (c, c)`` for second derivatives of sigma . e of an element."""
     if isinstance(function, Staged):
         return function.curvature
 

@@ -1,4 +1,4 @@
-"""Warnings of cubic beams that are bent, twisted or stretched, and of leaf springs bent, further than is accurate."""
+"""Warnings about cubic beams and leaf springs whose deformations are too large for accurate results."""
 
 from typing import Any
 
@@ -14,15 +14,15 @@ from ..numerical_limits import COARSE_ANGLE, STRETCHED_BEAM, WIDEST_BENT
 
 # Number of elements named in a warning.
 NAMED = 3
-# Number of the node, of those of a leaf spring, that is its last point.
+# Index of the last point among the nodes of a leaf spring.
 LAST = 3
 
 
 def warn_of_coarse(model: Model, e: Any) -> None:
-    """Warn of cubic beams that need a finer mesh, or are stretched too far, at deformations (*times, n_e).
+    """Warn of cubic beams that are bent, twisted or stretched too far, and of leaf springs that are bent too far.
 
-    Traced deformations are not checked, and infinite ones or NaN are left out. A stretched cubic beam bends with
-    EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).
+    ``e`` are deformations, (*times, n_e). The check skips traced deformations and values that are not finite. A
+    stretched cubic beam bends with EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).
     """
     blocks = [block for block in model.topology.blocks if block.element.angles and "deformation" in block.companions]
     leaves = _leaf_springs(model)
@@ -30,7 +30,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
         return
     e = np.array(e).reshape(-1, model.topology.n_e)
     e[~np.isfinite(e)] = 0.0
-    # Most states are without loads.
+    # Most states have no loads.
     if not e.any():
         return
     _warn_of_bent(model, leaves, e)
@@ -42,7 +42,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     for block in blocks:
         angles = np.asarray(block.e)[:, np.array(block.element.angles) - 1]
         largest = e[:, angles].max(axis=(0, 2), initial=0.0)
-        # Both ends have nodes of the same kinds, points first.
+        # Both ends have the same kinds of nodes, points first.
         ends, second = np.asarray(block.x), block.splits[len(block.splits) // 2]
         chords = reference[ends[:, second : second + dims]] - reference[ends[:, :dims]]
         squares = (chords * chords).sum(axis=1)
@@ -71,17 +71,14 @@ def warn_of_coarse(model: Model, e: Any) -> None:
 
 
 def _leaf_springs(model: Model) -> list[tuple[Any, dict[str, Any]]]:
-    """Blocks of leaf springs in space whose sections are rectangles, with their properties."""
+    """Blocks of leaf springs in space with rectangles as sections, and their properties."""
     pairs = zip(model.topology.blocks, model.parameters.properties, strict=True)
     found = [(block, own) for block, own in pairs if "clamped" in own and len(block.element.fields) == len(FIELDS)]
     return [(block, own) for block, own in found if isinstance(own["section"], Rectangle) and is_concrete(own)]
 
 
 def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
-    """Warn of leaf springs bent so far for their width that their stiffness sideways is not compared with solids.
-
-    Curvature is looked at where it is largest as a rule, at the ends. Source: THEORY.md 2, eq. (2.56).
-    """
+    """Warn of leaf springs whose u of (2.56) at an end exceeds the range compared with solid elements."""
     bent: dict[str, float] = {}
     reference = np.asarray(model.parameters.reference)
     for block, own in leaves:
@@ -107,7 +104,7 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
 
 
 def _named(sizes: dict[str, float]) -> str:
-    """Names of elements, in descending order of their numbers."""
+    """Names of elements, in descending order of their values."""
     names = sorted(sizes, key=lambda name: -sizes[name])
     more = f", and {len(names) - NAMED} more" if len(names) > NAMED else ""
     which = listed([f"'{name}'" for name in names[:NAMED]])
