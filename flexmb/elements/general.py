@@ -130,7 +130,7 @@ class General(Section):
         return mass, mass * center, own + mass * jnp.outer(center, center)
 
     def faults(self) -> list[str]:
-        """Return faults: a wrong size or an indefinite stiffness; negative mass, inertia or damping."""
+        """Return faults: wrong size, no symmetry, not positive definite; negative mass, inertia or damping."""
         numbers = {name: getattr(self, name) for name in ("mass", "Jx", "Jy", "Jz", "Jyz")}
         found = faults_of(Rigidity(**numbers), at_least_zero=("EA", "EIy", "EIz", "GIt", *RIGIDITIES, *numbers))
         if self.damping is not None and not holds(as_known(self.damping) >= 0):

@@ -273,8 +273,8 @@ def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Flo
 def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free: Array, matrix: Array) -> Array:
     """Return the thermal coefficients of a free leaf spring, corrected for the compliances of its ends.
 
-    Thermal strains without stress move no compliance. The correction puts the last end at the place that the thermal
-    strains alone determine, to first order.
+    Free thermal strains cause no stress, so the ends must add no motion. The correction puts the last end at the place
+    that the thermal strains alone determine, to first order.
 
     Args:
         free: Coefficients of the thermal strains, (fields order,).

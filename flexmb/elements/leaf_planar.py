@@ -114,7 +114,7 @@ def _check(*, ref, order, shear, section, curvature=None, clamp=None) -> list[st
     faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
     faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order)) or faults_of_ends(None, clamp)
     if faults or shear:
-        # A leaf spring with shear takes the shear compliance of its rectangle, also if the section has none.
+        # A leaf spring with shear uses the shear compliance of its rectangle, also if the section has ``shear=False``.
         return faults
     # An invalid material, which the section reports, may cause division by zero here.
     with np.errstate(all="ignore"):

@@ -400,7 +400,8 @@ def notch_circular(
 
     In beam theory the neck warps freely. A short neck between thick parts does not: a solid model with a neck of
     0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. The other stiffnesses of a spectral beam with
-    shear are within 6 %. :func:`hinge_circular` includes the restrained warping.
+    shear are within 6 %. :func:`hinge_circular` includes the restrained warping. A row of 34 ``spatial.warping_beam``,
+    shorter near the neck and with the mean of 1/t^3, is 17 % too stiff in torsion and otherwise within 6 %.
 
     Args:
         width: Side of the bar along local y, () [m].

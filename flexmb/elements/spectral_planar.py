@@ -221,7 +221,7 @@ def _stretched(
 
 
 def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
-    """Vectors of which positions and angles at the nodes are sums, and the matrix H with these sums.
+    """Vectors whose weighted sums are the positions and angles at the nodes, and their mass matrix H.
 
     The vectors are the position of end p and the stretched directions at the nodes, then the turn of end p and the
     coefficients of curvature, padded by zeros.
